@@ -1,0 +1,1 @@
+"""Generator targets, one folder each."""

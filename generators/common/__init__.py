@@ -1,0 +1,1 @@
+"""What several targets share: naming, views of messages, package files."""

@@ -1,0 +1,1 @@
+"""The Ecore metamodels of the jaus, ros, bridge and system languages (data, no code)."""
