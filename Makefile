@@ -1,0 +1,36 @@
+# Thin: each target creates .venv when it is missing and uses it after.
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: demo test lint format bench emf golden clean
+
+$(READY): pyproject.toml setup.py
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,dev]"
+	touch $@
+
+demo: $(READY)  ## generate the example system, drive it through a turn, draw the result
+	$(BIN)/python models/catvehicle/demo.py
+
+test: $(READY)  ## every test, with coverage
+	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered $(TESTS)
+
+lint: $(READY)  ## format, lint, types, layers
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(READY)
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(READY)  ## the figures that docs/performance.md quotes
+	$(BIN)/python benchmarks/run.py
+
+emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
+	$(BIN)/python tools/record_emf.py
+
+clean:
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out
