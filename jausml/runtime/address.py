@@ -1,0 +1,123 @@
+"""JAUS addresses: subsystem, node and component identifiers."""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass
+from functools import lru_cache
+
+WILDCARD_SUBSYSTEM = 65535
+WILDCARD_NODE = 255
+WILDCARD_COMPONENT = 255
+
+_WIRE = struct.Struct("<I")
+_DOTTED = re.compile(r"([0-9]{1,5})\.([0-9]{1,3})\.([0-9]{1,3})")
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class JausAddress:
+    """Address of a JAUS component, written ``subsystem.node.component`` (AS5669A, JAUS ID).
+
+    A part may be 0 (reserved, names no component) or all ones (wildcard).
+
+    Attributes:
+        subsystem: 1 to 65534; 65535 means every subsystem.
+        node: 1 to 254; 255 means every node.
+        component: 1 to 254; 255 means every component.
+
+    Raises:
+        ValueError: A part does not fit its width on the wire.
+    """
+
+    subsystem: int
+    node: int
+    component: int
+
+    def __post_init__(self) -> None:
+        """Refuse parts that the wire cannot carry."""
+        if not (
+            0 <= self.subsystem <= WILDCARD_SUBSYSTEM
+            and 0 <= self.node <= WILDCARD_NODE
+            and 0 <= self.component <= WILDCARD_COMPONENT
+        ):
+            raise ValueError(
+                f"JAUS address {self.subsystem}.{self.node}.{self.component} is out of range "
+                "(subsystem 0..65535, node 0..255, component 0..255)"
+            )
+
+    def __hash__(self) -> int:
+        """Hash of the packed form: addresses are dictionary keys of every datagram."""
+        return self.subsystem << 16 | self.node << 8 | self.component
+
+    def __str__(self) -> str:
+        """Return the dotted form, e.g. ``100.1.2``."""
+        return f"{self.subsystem}.{self.node}.{self.component}"
+
+    @classmethod
+    def parse(cls, text: str) -> JausAddress:
+        """Read the dotted form, e.g. ``100.1.2``.
+
+        Raises:
+            ValueError: The text is not three decimal numbers in range.
+        """
+        match = _DOTTED.fullmatch(text.strip())
+        if match is None:
+            raise ValueError(f"{text!r} is not a JAUS address; expected e.g. 100.1.2")
+        return cls(int(match[1]), int(match[2]), int(match[3]))
+
+    @classmethod
+    def from_bytes(cls, buffer: bytes | bytearray | memoryview, offset: int = 0) -> JausAddress:
+        """Read the four bytes component, node, subsystem low, subsystem high.
+
+        Raises:
+            ValueError: Fewer than four bytes remain at ``offset``.
+        """
+        if not 0 <= offset <= len(buffer) - _WIRE.size:
+            raise ValueError(f"no JAUS address at offset {offset} of {len(buffer)} bytes")
+        return address_of(_WIRE.unpack_from(buffer, offset)[0])
+
+    def to_bytes(self) -> bytes:
+        """Return the four bytes component, node, subsystem low, subsystem high."""
+        return _WIRE.pack(self.packed)
+
+    @property
+    def packed(self) -> int:
+        """The address as one unsigned 32-bit number, subsystem in the upper half."""
+        return self.subsystem << 16 | self.node << 8 | self.component
+
+    @property
+    def is_wildcard(self) -> bool:
+        """Whether any part means "all"."""
+        return (
+            self.subsystem == WILDCARD_SUBSYSTEM
+            or self.node == WILDCARD_NODE
+            or self.component == WILDCARD_COMPONENT
+        )
+
+    @property
+    def is_concrete(self) -> bool:
+        """Whether the address names one component: no wildcard and no reserved zero."""
+        return (
+            0 < self.subsystem < WILDCARD_SUBSYSTEM
+            and 0 < self.node < WILDCARD_NODE
+            and 0 < self.component < WILDCARD_COMPONENT
+        )
+
+    def matches(self, other: JausAddress) -> bool:
+        """Whether a message to this address is meant for the component ``other``."""
+        return (
+            self.subsystem in (other.subsystem, WILDCARD_SUBSYSTEM)
+            and self.node in (other.node, WILDCARD_NODE)
+            and self.component in (other.component, WILDCARD_COMPONENT)
+        )
+
+
+@lru_cache(maxsize=1024)
+def address_of(packed: int) -> JausAddress:
+    """Return the address of an unsigned 32-bit number; the few peers of a system are cached."""
+    return JausAddress(packed >> 16 & 0xFFFF, packed >> 8 & 0xFF, packed & 0xFF)
+
+
+BROADCAST = JausAddress(WILDCARD_SUBSYSTEM, WILDCARD_NODE, WILDCARD_COMPONENT)
+"""Every component of every node of every subsystem."""

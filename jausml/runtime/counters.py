@@ -1,0 +1,62 @@
+"""Named counters: every message that the runtime drops is counted under a name."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+
+LOGGER = logging.getLogger("jausml")
+
+Clock = Callable[[], float]
+"""A monotonic time in seconds."""
+
+
+class Counters:
+    """Counts by name, shared by all parts of one process; callable from any thread."""
+
+    def __init__(self, clock: Clock = time.monotonic, log_interval: float = 5.0) -> None:
+        """Start with no counts.
+
+        Args:
+            clock: Time in seconds, for the rate limit of the log.
+            log_interval: Seconds between two log lines of the same name.
+        """
+        self._clock = clock
+        self._log_interval = log_interval
+        self._lock = threading.Lock()
+        self._counts: dict[str, int] = {}
+        self._logged: dict[str, tuple[float, int]] = {}
+
+    def add(self, name: str, amount: int = 1) -> None:
+        """Add to a counter of ordinary traffic, without logging."""
+        with self._lock:
+            self._counts[name] = self._counts.get(name, 0) + amount
+
+    def count(self, name: str, detail: str = "", *, error: BaseException | None = None) -> None:
+        """Count a drop or a failure and warn about it.
+
+        The first one of a name is logged at once, later ones at most once in ``log_interval``
+        with the number that happened since, so that a flood of bad datagrams is one line.
+
+        Args:
+            name: Area and reason, e.g. ``judp.bad_version``.
+            detail: What a reader of the log needs to find the culprit.
+            error: Exception whose traceback belongs into the log.
+        """
+        now = self._clock()
+        with self._lock:
+            total = self._counts.get(name, 0) + 1
+            self._counts[name] = total
+            last, before = self._logged.get(name, (None, 0))
+            if last is not None and now - last < self._log_interval:
+                return
+            self._logged[name] = (now, total)
+        times = total - before
+        LOGGER.warning("%s (%d times): %s", name, times, detail, exc_info=error)
+
+    def snapshot(self) -> dict[str, int]:
+        """Return a copy of all counts, sorted by name."""
+        with self._lock:
+            return dict(sorted(self._counts.items()))

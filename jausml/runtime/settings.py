@@ -1,0 +1,182 @@
+"""Settings of the JUDP transport and the command line options that set them."""
+
+from __future__ import annotations
+
+import argparse
+import ipaddress
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from .address import JausAddress
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+JUDP_PORT = 3794
+"""Port of JAUS over UDP (IANA; AS5669A)."""
+
+JUDP_GROUP = "239.255.0.1"
+"""Multicast group of JAUS over UDP (AS5669A)."""
+
+MAX_FRAGMENT_SIZE = 4079
+"""Largest payload of one packet in bytes; Junior's receive buffer cuts longer datagrams."""
+
+Endpoint = tuple[str, int]
+"""IPv4 address (or host name in static entries) and UDP port."""
+
+
+@dataclass(frozen=True)
+class TransportSettings:
+    """How JUDP reaches its peers (AS5669A).
+
+    Attributes:
+        interface: IPv4 address of the one network interface to use.
+        port: UDP port shared with every peer.
+        multicast_group: IPv4 group for wildcard destinations and for discovery.
+        multicast_ttl: Routers that a multicast may pass, 0 to 255.
+        address_book: Known components and where they are; what is learnt from datagrams
+            takes precedence, since a component may move to another host.
+        acknowledge_timeout: Seconds to wait for an acknowledgement before a repetition.
+        acknowledge_retries: Repetitions of an unacknowledged packet.
+        fragment_size: Largest payload of one packet in bytes, 2 to 4079.
+        duplicate_window: Seconds in which a sequence number must not come back.
+        duplicate_history: Sequence numbers remembered for each source.
+        reassembly_timeout: Seconds without progress after which fragments are discarded.
+        reassembly_limit: Bytes of incomplete fragments kept for one source; four times as
+            many are kept in total.
+        address_lifetime: Seconds of silence after which a learnt address is doubted: the next
+            message also asks for the peer by multicast.
+        takeover_interval: Seconds between two attempts to own the shared port.
+        receive_buffer: Bytes that the kernel may hold for one socket.
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+
+    interface: str = "127.0.0.1"
+    port: int = JUDP_PORT
+    multicast_group: str = JUDP_GROUP
+    multicast_ttl: int = 16
+    address_book: Mapping[JausAddress, Endpoint] = field(default_factory=dict)
+    acknowledge_timeout: float = 0.1
+    acknowledge_retries: int = 3
+    fragment_size: int = MAX_FRAGMENT_SIZE
+    duplicate_window: float = 3.0
+    duplicate_history: int = 512
+    reassembly_timeout: float = 3.0
+    reassembly_limit: int = 4 << 20
+    address_lifetime: float = 10.0
+    takeover_interval: float = 1.0
+    receive_buffer: int = 1 << 20
+
+    def __post_init__(self) -> None:
+        """Refuse values with which nothing could be exchanged."""
+        interface = ipaddress.IPv4Address(self.interface)
+        if interface.is_unspecified or interface.is_multicast:
+            raise ValueError(
+                f"interface {self.interface} must be the IPv4 address of one network interface"
+            )
+        if not ipaddress.IPv4Address(self.multicast_group).is_multicast:
+            raise ValueError(f"{self.multicast_group} is not an IPv4 multicast group")
+        _check("port", self.port, 1, 65535)
+        _check("multicast_ttl", self.multicast_ttl, 0, 255)
+        _check("acknowledge_retries", self.acknowledge_retries, 0, 100)
+        _check("fragment_size", self.fragment_size, 2, MAX_FRAGMENT_SIZE)
+        _check("duplicate_history", self.duplicate_history, 1, 32767)
+        _check("reassembly_limit", self.reassembly_limit, MAX_FRAGMENT_SIZE, 1 << 30)
+        _check("acknowledge_timeout", self.acknowledge_timeout, 0.001, 60)
+        _check("duplicate_window", self.duplicate_window, 0, 60)
+        _check("reassembly_timeout", self.reassembly_timeout, 0.01, 60)
+        _check("address_lifetime", self.address_lifetime, 0.1, 86400)
+        _check("takeover_interval", self.takeover_interval, 0.05, 60)
+        for address, (_, port) in self.address_book.items():
+            if not address.is_concrete:
+                raise ValueError(f"address book entry {address} does not name one component")
+            _check(f"port of {address}", port, 1, 65535)
+
+
+def add_arguments(
+    parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
+) -> None:
+    """Add the ``--jaus-...`` options that ``from_arguments`` reads.
+
+    Args:
+        parser: Command line of a generated component or bridge.
+        defaults: Modelled settings, which the options override.
+    """
+    known = TransportSettings() if defaults is None else defaults
+    group = parser.add_argument_group("JAUS transport")
+    group.add_argument(
+        "--jaus-interface",
+        default=known.interface,
+        metavar="ADDRESS",
+        help="IPv4 address of the network interface (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-port",
+        type=int,
+        default=known.port,
+        metavar="PORT",
+        help="UDP port shared with every peer (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-multicast-group",
+        default=known.multicast_group,
+        metavar="ADDRESS",
+        help="multicast group (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-multicast-ttl",
+        type=int,
+        default=known.multicast_ttl,
+        metavar="HOPS",
+        help="routers that a multicast may pass (default %(default)s)",
+    )
+    group.add_argument(
+        "--jaus-peer",
+        type=_peer,
+        action="append",
+        default=[],
+        metavar="ID=HOST:PORT",
+        help="where a component is, e.g. 100.1.2=192.168.0.7:3794; may be repeated",
+    )
+
+
+def from_arguments(
+    arguments: argparse.Namespace, defaults: TransportSettings | None = None
+) -> TransportSettings:
+    """Return the settings that the options of ``add_arguments`` describe.
+
+    Args:
+        arguments: Parsed command line.
+        defaults: Modelled settings; its address book is extended by ``--jaus-peer``.
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+    known = TransportSettings() if defaults is None else defaults
+    return replace(
+        known,
+        interface=arguments.jaus_interface,
+        port=arguments.jaus_port,
+        multicast_group=arguments.jaus_multicast_group,
+        multicast_ttl=arguments.jaus_multicast_ttl,
+        address_book={**known.address_book, **dict(arguments.jaus_peer)},
+    )
+
+
+def _peer(text: str) -> tuple[JausAddress, Endpoint]:
+    """Read ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
+    address, _, endpoint = text.partition("=")
+    host, _, port = endpoint.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r} is not ID=HOST:PORT")
+    try:
+        return JausAddress.parse(address), (host, int(port))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def _check(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")
