@@ -1,0 +1,330 @@
+"""Conversions: absolute vectors, agreement with rotation matrices, calendar edges."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from lxml import etree
+
+from jausml.runtime import conversions as c
+
+BRIDGE = Path(__file__).resolve().parents[2] / "metamodels" / "bridge.ecore"
+ANNOTATION = "http://www.jausml.org/bridge/conversion"
+ANGLE = st.floats(-math.pi, math.pi)
+PITCH = st.floats(-math.pi / 2, math.pi / 2)
+
+
+def literals():
+    kinds = etree.parse(BRIDGE).getroot().xpath("eClassifiers[@name='ConversionKind']/eLiterals")
+    for literal in kinds:
+        (annotation,) = literal.xpath("eAnnotations[@source=$s]", s=ANNOTATION)
+        details = {d.get("key"): d.get("value").split() for d in annotation.findall("details")}
+        yield pytest.param(literal.get("name"), details, id=literal.get("name"))
+
+
+# --------------------------------------------------------------- the language and the functions
+
+
+@pytest.mark.parametrize(("name", "details"), list(literals()))
+def test_each_literal_has_its_function(name, details):
+    function = getattr(c, name)
+    parameters = inspect.signature(function, eval_str=True).parameters.values()
+    positional = [p for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
+    inputs, arguments = details["inputs"], details["arguments"]
+    assert [p.name for p in positional[len(inputs) :]] == arguments
+    python = {
+        "number": float,
+        "geometry_msgs/Quaternion": c.QuaternionLike,
+        "builtin_interfaces/Time": c.TimeLike,
+        "TimeStamp": c.TimeStampLike,
+    }
+    assert [p.annotation for p in positional] == [python[i] for i in inputs] + [float] * len(
+        arguments
+    )
+    results = {
+        "number": float,
+        "geometry_msgs/Quaternion": c.Quaternion,
+        "builtin_interfaces/Time": c.Time,
+        "TimeStamp": c.TimeStamp,
+    }
+    (output,) = details["output"]
+    assert inspect.signature(function, eval_str=True).return_annotation is results[output]
+
+
+def test_each_function_has_its_literal():
+    names = {param.id for param in literals()}
+    functions = {
+        name
+        for name, value in vars(c).items()
+        if inspect.isfunction(value) and value.__module__ == c.__name__ and name[0] != "_"
+    }
+    assert functions == names
+
+
+# --------------------------------------------------------------- numbers
+
+
+def test_numbers():
+    assert c.negate(2.5) == -2.5
+    assert c.scale(3.0, -0.5) == -1.5
+    assert c.linear(20.0, 1.8, 32.0) == 68.0
+    assert [c.clamp(v, -1.0, 2.0) for v in (-5.0, 0.5, 9.0)] == [-1.0, 0.5, 2.0]
+    assert [c.deadband(v, 0.1) for v in (-0.2, -0.05, 0.0, 0.1)] == [-0.2, 0.0, 0.0, 0.1]
+    assert c.square(-3.0) == 9.0
+    assert c.degrees_to_radians(180.0) == math.pi
+    assert c.radians_to_degrees(-math.pi / 2) == -90.0
+
+
+def test_clamp_hides_no_nan():
+    assert math.isnan(c.clamp(math.nan, -1.0, 1.0))
+
+
+# --------------------------------------------------------------- headings
+
+
+@pytest.mark.parametrize(
+    ("heading", "yaw"),
+    [
+        (0.0, math.pi / 2),  # north
+        (math.pi / 2, 0.0),  # east
+        (math.pi, -math.pi / 2),  # south
+        (-math.pi / 2, math.pi),  # west
+    ],
+)
+def test_compass(heading, yaw):
+    def off(a, b):
+        return abs(math.remainder(a - b, math.tau))
+
+    assert off(c.ned_heading_to_enu_yaw(heading), yaw) < 1e-12
+    assert off(c.enu_yaw_to_ned_heading(yaw), heading) < 1e-12
+
+
+@given(st.floats(-50, 50))
+def test_headings_stay_in_the_jaus_range(angle):
+    assert -math.pi <= c.enu_yaw_to_ned_heading(angle) <= math.pi
+
+
+# --------------------------------------------------------------- orientations
+
+
+def matrix(q):
+    """Rotation matrix of a unit quaternion."""
+    x, y, z, w = q
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def times(*matrices):
+    product, *rest = matrices
+    for m in rest:
+        product = [
+            [sum(product[i][k] * m[k][j] for k in range(3)) for j in range(3)] for i in range(3)
+        ]
+    return product
+
+
+def about(axis, angle):
+    """Elementary rotation, right-handed, written out from the definition."""
+    s, co = math.sin(angle), math.cos(angle)
+    return {
+        "x": [[1, 0, 0], [0, co, -s], [0, s, co]],
+        "y": [[co, 0, s], [0, 1, 0], [-s, 0, co]],
+        "z": [[co, -s, 0], [s, co, 0], [0, 0, 1]],
+    }[axis]
+
+
+def attitude(roll, pitch, yaw):
+    return times(about("z", yaw), about("y", pitch), about("x", roll))
+
+
+def distance(a, b):
+    return max(abs(a[i][j] - b[i][j]) for i in range(3) for j in range(3))
+
+
+FLIP = [[1, 0, 0], [0, -1, 0], [0, 0, -1]]  # forward-right-down <-> forward-left-up
+SWAP = [[0, 1, 0], [1, 0, 0], [0, 0, -1]]  # north-east-down <-> east-north-up
+
+
+def forward(q):
+    return [row[0] for row in matrix(q)]
+
+
+def left(q):
+    return [row[1] for row in matrix(q)]
+
+
+def near(a, b):
+    return all(abs(x - y) < 1e-12 for x, y in zip(a, b, strict=True))
+
+
+def test_absolute_attitudes_on_the_body():
+    # JAUS yaw +90 degrees is a right turn: the nose points along -y of forward-left-up.
+    assert near(forward(c.frd_angles_to_flu_quaternion(0, 0, math.pi / 2)), [0, -1, 0])
+    assert near(forward(c.frd_yaw_to_flu_quaternion(math.pi / 2)), [0, -1, 0])
+    # JAUS pitch +90 degrees is nose up.
+    assert near(forward(c.frd_angles_to_flu_quaternion(0, math.pi / 2, 0)), [0, 0, 1])
+    # JAUS roll +90 degrees is right side down, so the left side points up.
+    assert near(left(c.frd_angles_to_flu_quaternion(math.pi / 2, 0, 0)), [0, 0, 1])
+
+
+def test_absolute_attitudes_on_the_earth():
+    facing_north = c.ned_angles_to_enu_quaternion(0, 0, 0)
+    facing_east = c.ned_angles_to_enu_quaternion(0, 0, math.pi / 2)
+    nose_up = c.ned_angles_to_enu_quaternion(0, math.pi / 2, 0)
+    rolled_right = c.ned_angles_to_enu_quaternion(math.pi / 2, 0, 0)
+    assert near(forward(facing_north), [0, 1, 0])
+    assert near(left(facing_north), [-1, 0, 0])
+    assert near(forward(facing_east), [1, 0, 0])
+    assert near(forward(nose_up), [0, 0, 1])
+    assert near(left(rolled_right), [0, 0, 1])
+
+
+def test_absolute_angles_from_orientations():
+    quarter = math.sqrt(0.5)
+    left_turn = c.Quaternion(0, 0, quarter, quarter)
+    nose_up = c.Quaternion(0, -quarter, 0, quarter)
+    left_side_up = c.Quaternion(quarter, 0, 0, quarter)
+    assert c.flu_quaternion_to_frd_yaw(left_turn) == pytest.approx(-math.pi / 2)
+    assert c.flu_quaternion_to_frd_pitch(nose_up) == pytest.approx(math.pi / 2)
+    assert c.flu_quaternion_to_frd_roll(left_side_up) == pytest.approx(math.pi / 2)
+
+
+@given(ANGLE, PITCH, ANGLE)
+def test_body_orientation_agrees_with_matrices(roll, pitch, yaw):
+    expected = times(FLIP, attitude(roll, pitch, yaw), FLIP)
+    assert distance(matrix(c.frd_angles_to_flu_quaternion(roll, pitch, yaw)), expected) < 1e-12
+
+
+@given(ANGLE)
+def test_yaw_alone_is_the_general_case(yaw):
+    general = matrix(c.frd_angles_to_flu_quaternion(0.0, 0.0, yaw))
+    assert distance(matrix(c.frd_yaw_to_flu_quaternion(yaw)), general) < 1e-12
+
+
+@given(ANGLE, PITCH, ANGLE)
+def test_earth_orientation_agrees_with_matrices(roll, pitch, heading):
+    expected = times(SWAP, attitude(roll, pitch, heading), FLIP)
+    assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, heading)), expected) < 1e-12
+
+
+@given(*[st.floats(-1, 1)] * 4, st.floats(0.1, 10))
+def test_angles_of_any_orientation_give_it_back(x, y, z, w, length):
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    assume(norm > 1e-3)
+    unit = [v / norm for v in (x, y, z, w)]
+    q = c.Quaternion(*(v * length for v in unit))  # readers must not rely on unit length
+    roll, pitch, yaw = (
+        c.flu_quaternion_to_frd_roll(q),
+        c.flu_quaternion_to_frd_pitch(q),
+        c.flu_quaternion_to_frd_yaw(q),
+    )
+    assert -math.pi <= roll <= math.pi
+    assert -math.pi / 2 <= pitch <= math.pi / 2
+    assert -math.pi <= yaw <= math.pi
+    # The sine of pitch is flat at the vertical: there an error of 1e-16 is one of 1e-8 in angle.
+    assert distance(times(FLIP, attitude(roll, pitch, yaw), FLIP), matrix(unit)) < 1e-5
+
+
+@pytest.mark.parametrize("yaw", [-2.0, 0.0, 1.0])
+@pytest.mark.parametrize("pitch", [-math.pi / 2, math.pi / 2])
+def test_vertical_attitudes(pitch, yaw):
+    q = c.frd_angles_to_flu_quaternion(0.7, pitch, yaw)
+    angles = (
+        c.flu_quaternion_to_frd_roll(q),
+        c.flu_quaternion_to_frd_pitch(q),
+        c.flu_quaternion_to_frd_yaw(q),
+    )
+    assert angles[0] == 0.0
+    assert distance(times(FLIP, attitude(*angles), FLIP), matrix(q)) < 1e-5
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        c.flu_quaternion_to_frd_roll,
+        c.flu_quaternion_to_frd_pitch,
+        c.flu_quaternion_to_frd_yaw,
+    ],
+)
+def test_orientation_of_no_length(function):
+    with pytest.raises(c.ConversionError):
+        function(c.Quaternion(0.0, 0.0, 0.0, 0.0))
+
+
+# --------------------------------------------------------------- times
+
+
+def instant(text):
+    moment = datetime.fromisoformat(text).replace(tzinfo=timezone.utc)
+    return c.Time(int(moment.timestamp()), 0)
+
+
+def stamp(day, hour=0, minutes=0, seconds=0, milliseconds=0):
+    return c.TimeStamp(milliseconds, seconds, minutes, hour, day)
+
+
+def test_time_to_timestamp():
+    found = c.time_to_timestamp(c.Time(instant("2024-02-29T23:59:58").sec, 999_999_999))
+    assert found == c.TimeStamp(milliseconds=999, seconds=58, minutes=59, hour=23, day=29)
+
+
+@pytest.mark.parametrize(
+    ("received", "now", "expected"),
+    [
+        (stamp(15, 12), "2026-06-15T12:00:01", "2026-06-15T12:00:00"),
+        # Sent on the last of the month, received on the first, and clocks the other way round.
+        (stamp(30, 23, 59, 59), "2026-07-01T00:00:00", "2026-06-30T23:59:59"),
+        (stamp(1, 0, 0, 1), "2026-06-30T23:59:59", "2026-07-01T00:00:01"),
+        # Year.
+        (stamp(31, 23, 59, 59), "2027-01-01T00:00:00", "2026-12-31T23:59:59"),
+        (stamp(1), "2026-12-31T23:59:59", "2027-01-01T00:00:00"),
+        # February, short and long; days that it lacks.
+        (stamp(28, 23), "2026-03-01T01:00:00", "2026-02-28T23:00:00"),
+        (stamp(29, 23), "2024-03-01T01:00:00", "2024-02-29T23:00:00"),
+        (stamp(31), "2026-02-10T00:00:00", "2026-01-31T00:00:00"),
+        (stamp(30), "2026-02-27T00:00:00", "2026-01-30T00:00:00"),
+        # Before the first clock message of a simulation.
+        (stamp(1, 6), "1970-01-01T00:00:00", "1970-01-01T06:00:00"),
+        # A peer that leaves the day at 0, around midnight.
+        (stamp(0, 23, 59), "2026-06-15T00:01:00", "2026-06-14T23:59:00"),
+        (stamp(0, 0, 1), "2026-06-14T23:59:00", "2026-06-15T00:01:00"),
+    ],
+)
+def test_timestamp_to_time(received, now, expected):
+    assert c.timestamp_to_time(received, near=instant(now)) == instant(expected)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [stamp(1, hour=24), stamp(1, minutes=60), stamp(1, seconds=60), stamp(1, milliseconds=1000)],
+)
+def test_no_time_of_day(wrong):
+    with pytest.raises(c.ConversionError):
+        c.timestamp_to_time(wrong, near=c.Time(0, 0))
+
+
+@given(
+    st.datetimes(datetime(1971, 1, 1), datetime(2037, 12, 1)),
+    st.timedeltas(timedelta(days=-13), timedelta(days=13)),
+    st.integers(0, 999),
+)
+def test_time_crosses_and_returns(moment, skew, milliseconds):
+    seconds = int(moment.replace(tzinfo=timezone.utc).timestamp())
+    sent = c.Time(seconds, milliseconds * 10**6)
+    now = c.Time(seconds + int(skew.total_seconds()), 0)
+    assert c.timestamp_to_time(c.time_to_timestamp(sent), near=now) == sent
+
+
+def test_objects_with_the_attributes_do():
+    message = SimpleNamespace(sec=86_399, nanosec=5_000_000)
+    assert c.time_to_timestamp(message) == c.TimeStamp(5, 59, 59, 23, 1)
