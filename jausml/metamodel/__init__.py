@@ -1,0 +1,33 @@
+"""The metamodels: loaded once through pyecore and flattened into tables."""
+
+from jausml.metamodel.loading import (
+    MetamodelError,
+    annotation,
+    documentation,
+    load_metamodels,
+    read_metamodels,
+)
+from jausml.metamodel.tables import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+    PackageTable,
+    ValueKind,
+)
+
+__all__ = [
+    "ClassTable",
+    "DataTypeTable",
+    "FeatureKind",
+    "FeatureTable",
+    "MetamodelError",
+    "Metamodels",
+    "PackageTable",
+    "ValueKind",
+    "annotation",
+    "documentation",
+    "load_metamodels",
+    "read_metamodels",
+]

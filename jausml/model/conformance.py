@@ -1,0 +1,72 @@
+"""Bounds of features: what must be there, and how much may be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
+from jausml.metamodel.filling import count
+
+if TYPE_CHECKING:
+    from jausml.model.documents import Document
+    from jausml.model.model import Model
+    from jausml.model.parsing import Node
+    from jausml.model.problems import Attribute, Problems
+
+
+def check_bounds(model: Model, metamodels: Metamodels, problems: Problems) -> None:
+    """Checks the lower and upper bounds of all features of all elements.
+
+    A feature with another finding is left alone: one cause is one error.
+    """
+    for document in model.documents:
+        pending = list(reversed(document.root_nodes))
+        while pending:
+            node = pending.pop()
+            if node.obj is None:
+                continue
+            pending.extend(reversed(node.children))
+            table = metamodels.class_of(node.obj)
+            for feature in table.bounded:
+                number = count(node.obj, feature)
+                if number >= max(feature.lower, 1) and (
+                    feature.upper < 0 or number <= feature.upper
+                ):
+                    continue
+                if not problems.is_spoilt(node.obj, feature.name):
+                    _report(document, node, table, feature, number, problems)
+
+
+def _report(
+    document: Document,
+    node: Node,
+    table: ClassTable,
+    feature: FeatureTable,
+    number: int,
+    problems: Problems,
+) -> None:
+    what = f"feature '{feature.name}' of {_label(table, node.obj)}"
+    attribute: Attribute | None = None
+    if node.get(feature.name) is not None:
+        attribute = ("", feature.name)
+    if 0 <= feature.upper < number:
+        message = f"{what} has {number} values, at most {feature.upper} are allowed"
+        problems.at_node("JML109", document, node, message, attribute=attribute)
+    elif number == 0 and feature.can_be_missing:
+        message = f"required {what} is missing"
+        hint = _how(feature)
+        problems.at_node("JML108", document, node, message, hint, attribute=attribute)
+    elif 0 < number < feature.lower:
+        message = f"{what} has {number} values, at least {feature.lower} are required"
+        problems.at_node("JML110", document, node, message, attribute=attribute)
+
+
+def _how(feature: FeatureTable) -> str:
+    if feature.kind is FeatureKind.CONTAINMENT:
+        return f"add a child element <{feature.name}> ({feature.type_name})"
+    return f"it takes {'a reference to ' if feature.is_reference else ''}{feature.type_name}"
+
+
+def _label(table: ClassTable, obj: Any) -> str:
+    name = getattr(obj, "name", None)
+    return f"{table.name} '{name}'" if name else table.name

@@ -1,0 +1,81 @@
+"""What is said about models: a finding with a stable rule id at a place in a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(Enum):
+    """How grave a finding is."""
+
+    ERROR = "error"
+    """The model cannot be used."""
+    WARNING = "warning"
+    """The model can be used, but hardly means what it says."""
+    INFO = "info"
+    """Worth knowing."""
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Location:
+    """A place in a file.
+
+    Attributes:
+        path: The file as the user named it, or relative to a file that the user named.
+        line: Line, counted from 1.
+        column: Column in characters, counted from 1.
+    """
+
+    path: str
+    line: int = 1
+    column: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """A second place that explains a finding, such as the other holder of a duplicate id."""
+
+    location: Location
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding about a model.
+
+    Attributes:
+        rule: Stable id of the rule (`JML103`).
+        severity: How grave it is.
+        location: Where.
+        message: What is wrong, naming the element.
+        hint: What to do about it, or empty.
+        element: Path of the element by names (`Robot/b0/maps[2]`), or empty.
+        fragment: XMI fragment of the element (`//@bridges.0/@maps.2`), or empty.
+        related: Further places.
+    """
+
+    rule: str
+    severity: Severity
+    location: Location
+    message: str
+    hint: str = ""
+    element: str = ""
+    fragment: str = ""
+    related: tuple[Related, ...] = ()
+
+    @property
+    def sort_key(self) -> tuple[str, int, int, str, str]:
+        """Path, line, column, rule and message: the order in which findings are shown."""
+        place = self.location
+        return (place.path, place.line, place.column, self.rule, self.message)
+
+    def __lt__(self, other: Diagnostic) -> bool:
+        return self.sort_key < other.sort_key
+
+    def __str__(self) -> str:
+        text = f"{self.location}: {self.severity.value}: {self.rule} {self.message}"
+        return f"{text} ({self.hint})" if self.hint else text

@@ -1,0 +1,70 @@
+"""A document: one file of a model, parsed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Location
+from jausml.model.scanning import attribute_position
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.model.parsing import Node
+
+_FEW = 8
+
+
+class Document:
+    """One file of a model.
+
+    Attributes:
+        path: The file; absolute, symbolic links followed.
+        display: The file as messages name it.
+        is_library: True when it belongs to the shipped library.
+        given: True when the user named it, False when an href led to it.
+        data: Its bytes.
+        encoding: Their encoding.
+        root_nodes: The XML elements of its root elements.
+        roots: Its root elements.
+        ids: XML elements by xmi:id, and by the identifying attribute of their class.
+        readable: False when the file could not be parsed.
+    """
+
+    def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
+        self.path = path
+        self.display = display
+        self.is_library = is_library
+        self.given = given
+        self.data = b""
+        self.encoding = "utf-8"
+        self.root_nodes: list[Node] = []
+        self.ids: dict[str, Node] = {}
+        self.readable = False
+        self._by_tag: dict[Node, dict[str, list[Node]]] = {}
+
+    def __repr__(self) -> str:
+        return f"<document {self.display}>"
+
+    @property
+    def roots(self) -> list[Any]:
+        """The root elements that could be built, in order."""
+        return [node.obj for node in self.root_nodes if node.obj is not None]
+
+    def location(self, node: Node, attribute: tuple[str, str] | None = None) -> Location:
+        """Returns the place of an XML element, or of its attribute (namespace, local name)."""
+        if attribute is None:
+            return Location(self.display, node.line, node.column)
+        line, column = attribute_position(self.data, self.encoding, node, *attribute)
+        return Location(self.display, line, column)
+
+    def children(self, node: Node, tag: str) -> list[Node]:
+        """Returns the child elements of a name, in order."""
+        if len(node.children) <= _FEW:
+            return [child for child in node.children if child.tag == tag]
+        index = self._by_tag.get(node)
+        if index is None:
+            index = self._by_tag[node] = {}
+            for child in node.children:
+                index.setdefault(child.tag, []).append(child)
+        return index.get(tag, [])

@@ -1,0 +1,192 @@
+"""A model: the elements of some documents, and where each of them stands."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import FeatureKind, FeatureTable, Metamodels
+from jausml.model.diagnostics import Location
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.model.documents import Document
+    from jausml.model.parsing import Node
+
+UNKNOWN_PATH = "<model>"
+"""The path of elements that no document holds."""
+
+
+class Model:
+    """The elements of the documents that were read.
+
+    Elements are pyecore objects of the metamodels: `element.name`, `eGet`, `eContainer()` and the
+    rest of pyecore's reflection work on them. Their `eResource` is None; this class knows the
+    documents.
+
+    Attributes:
+        documents: The documents: those that the user named, in the order given, then those that
+            references led to.
+        metamodels: The metamodels of the elements.
+    """
+
+    def __init__(self, documents: Sequence[Document], metamodels: Metamodels) -> None:
+        self.documents = list(documents)
+        self.metamodels = metamodels
+        self._origin: dict[Any, tuple[Document, Node]] = {}
+        self._ids: dict[Any, str] = {}
+
+    def adopt(self, document: Document, node: Node) -> None:
+        """Remembers where an element was read; for the reader."""
+        self._origin[node.obj] = (document, node)
+
+    def name_by_id(self, obj: Any, identifier: str) -> None:
+        """Remembers the id of an element; for the reader."""
+        self._ids.setdefault(obj, identifier)
+
+    @property
+    def roots(self) -> list[Any]:
+        """The root elements of all documents, in the order of the documents."""
+        return [root for document in self.documents for root in document.roots]
+
+    @property
+    def root(self) -> Any:
+        """The first root element of the first document, None when it has none."""
+        roots = self.documents[0].roots if self.documents else []
+        return roots[0] if roots else None
+
+    def document_of(self, obj: Any) -> Document | None:
+        """Returns the document that holds an element; None for one that was not read."""
+        while obj is not None:
+            origin = self._origin.get(obj)
+            if origin is not None:
+                return origin[0]
+            obj = obj.eContainer()
+        return None
+
+    def is_library(self, obj: Any) -> bool:
+        """Tells whether an element belongs to the shipped library."""
+        document = self.document_of(obj)
+        return document is not None and document.is_library
+
+    def elements(self, *, library: bool = True) -> Iterator[Any]:
+        """Yields all elements in document order.
+
+        Args:
+            library: False leaves out elements of the shipped library.
+        """
+        for document in self.documents:
+            if library or not document.is_library:
+                for node in document.root_nodes:
+                    yield from _built(node)
+
+    def instances(self, qualified_class: str, *, library: bool = True) -> list[Any]:
+        """Returns the elements of a class and of the classes that specialise it.
+
+        Args:
+            qualified_class: Package and class, such as `jaus.Component`.
+            library: False leaves out elements of the shipped library.
+
+        Returns:
+            The elements in document order.
+
+        Raises:
+            KeyError: The metamodels have no such class.
+        """
+        wanted = {table.eclass for table in self.metamodels.classes[qualified_class].subtypes}
+        return [each for each in self.elements(library=library) if each.eClass in wanted]
+
+    def location(self, obj: Any, feature: str | None = None) -> Location:
+        """Returns where an element, or the value of one of its features, is written.
+
+        Args:
+            obj: An element. One that was not read is placed where its nearest owner stands.
+            feature: Name of a feature; its XML attribute or first child element is looked for,
+                and the element's own place is the answer when there is neither.
+        """
+        origin = self._origin.get(obj)
+        while origin is None and obj is not None:
+            feature = None
+            obj = obj.eContainer()
+            origin = self._origin.get(obj)
+        if origin is None:
+            return Location(UNKNOWN_PATH)
+        document, node = origin
+        if feature is None:
+            return document.location(node)
+        if node.get(feature) is not None:
+            return document.location(node, ("", feature))
+        children = document.children(node, feature)
+        return document.location(children[0] if children else node)
+
+    def element_path(self, obj: Any) -> str:
+        """Returns the path of an element by names, such as `robot/bridge/maps[2]`.
+
+        An element without a name stands there by its feature, with its index (from 0) when the
+        feature is multi-valued; a root element without a name by its class.
+        """
+        steps: list[str] = []
+        while obj is not None:
+            steps.append(getattr(obj, "name", None) or self._unnamed_step(obj))
+            obj = obj.eContainer()
+        return "/".join(reversed(steps))
+
+    def fragment(self, obj: Any) -> str:
+        """Returns the XMI fragment of an element within its document.
+
+        It is the element's id when it has one, else the path of features from the root, as EMF
+        writes it (`//@services.0/@inputs.1`). Empty for elements that were not read.
+        """
+        if obj in self._ids:
+            return self._ids[obj]
+        document = self.document_of(obj)
+        if document is None:
+            return ""
+        roots = document.roots
+        steps: list[str] = []
+        while obj not in roots:
+            if obj.eContainer() is None:
+                return ""
+            feature, owner = self._containment(obj)
+            index = f".{_position(owner, feature, obj)}" if feature.many else ""
+            steps.append(f"@{feature.name}{index}")
+            obj = owner
+        position = roots.index(obj)
+        steps.append("/" + (str(position) if len(roots) > 1 else ""))
+        return "/".join(reversed(steps))
+
+    def _containment(self, obj: Any) -> tuple[FeatureTable, Any]:
+        owner = obj.eContainer()
+        feature = obj.eContainmentFeature()
+        return self.metamodels.class_of(owner).features[feature.name], owner
+
+    def _unnamed_step(self, obj: Any) -> str:
+        if obj.eContainer() is None:
+            return str(obj.eClass.name)
+        feature, owner = self._containment(obj)
+        return f"{feature.name}[{_position(owner, feature, obj)}]" if feature.many else feature.name
+
+    def owned(self, obj: Any) -> list[Any]:
+        """Returns the elements that an element owns, in metamodel order of the features.
+
+        pyecore's own `eContents` yields them in the order of a set, which differs between runs.
+        """
+        contents: list[Any] = []
+        for table in self.metamodels.class_of(obj).features.values():
+            if table.kind is FeatureKind.CONTAINMENT:
+                value = getattr(obj, table.name)
+                contents.extend(value if table.many else [] if value is None else [value])
+        return contents
+
+
+def _position(owner: Any, feature: FeatureTable, obj: Any) -> int:
+    return int(getattr(owner, feature.name).index(obj))
+
+
+def _built(node: Node) -> Iterator[Any]:
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        if current.obj is not None:
+            yield current.obj
+            pending.extend(reversed(current.children))

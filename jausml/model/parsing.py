@@ -1,0 +1,249 @@
+"""XML text to light nodes with positions, by expat.
+
+The parse refuses what could read other files or exhaust memory (DOCTYPE, depth, size) and knows the
+usual accidents: merge conflict markers and Git LFS pointers in place of a model.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+from xml.parsers import expat
+
+MAX_BYTES = 128 * 1024 * 1024
+MAX_DEPTH = 200
+
+_SEPARATOR = " "
+_LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+_CONFLICT = re.compile(rb"^(?:<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
+
+
+class Node:
+    """An XML element.
+
+    Attributes:
+        namespace: Namespace URI, empty when it has none.
+        tag: Local name.
+        attributes: Names and values in turn, as expat yields them; a name with a namespace is
+            `uri local`.
+        prefixes: Namespace URIs by the prefixes in scope.
+        line: Line of the start tag, counted from 1.
+        column: Column of the start tag, counted from 1.
+        offset: Byte offset of the start tag.
+        parent: The enclosing element.
+        children: Child elements in order.
+        text: Character data directly inside the element.
+        obj: The model element that was built from it, if any.
+    """
+
+    __slots__ = (
+        "attributes",
+        "children",
+        "column",
+        "line",
+        "namespace",
+        "obj",
+        "offset",
+        "parent",
+        "prefixes",
+        "tag",
+        "text",
+    )
+
+    def __init__(
+        self,
+        name: str,
+        attributes: list[str],
+        prefixes: dict[str, str],
+        parent: Node | None,
+        position: tuple[int, int, int],
+    ) -> None:
+        namespace, _, self.tag = name.rpartition(_SEPARATOR)
+        self.namespace = namespace
+        self.attributes = attributes
+        self.prefixes = prefixes
+        self.parent = parent
+        self.line, self.column, self.offset = position
+        self.children: list[Node] = []
+        self.text = ""
+        self.obj: Any = None
+
+    def get(self, name: str) -> str | None:
+        """Returns the value of an attribute, None when it is absent."""
+        attributes = self.attributes
+        for index in range(0, len(attributes), 2):
+            if attributes[index] == name:
+                return attributes[index + 1]
+        return None
+
+    def __repr__(self) -> str:
+        return f"<{self.tag}> at {self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class ParseFault:
+    """Why a document has no nodes: rule id, message, hint and place."""
+
+    rule: str
+    message: str
+    hint: str = ""
+    line: int = 1
+    column: int = 1
+
+
+@dataclass(slots=True)
+class ParseResult:
+    """The root element of a document, or the fault that hides it."""
+
+    root: Node | None = None
+    fault: ParseFault | None = None
+    encoding: str = "utf-8"
+    stray: list[Node] = field(default_factory=list)
+
+
+class _Refused(Exception):  # noqa: N818 -- leaves the callbacks, never this module
+    def __init__(self, fault: ParseFault) -> None:
+        super().__init__(fault.message)
+        self.fault = fault
+
+
+def parse(data: bytes) -> ParseResult:
+    """Parses a document.
+
+    Args:
+        data: The file's bytes; the encoding is found as XML says (BOM, then declaration).
+
+    Returns:
+        Its root element, or the one fault that ended the parse. Never raises for bad input.
+    """
+    fault = _accident(data)
+    if fault is not None:
+        return ParseResult(fault=fault)
+    builder = _TreeBuilder()
+    try:
+        builder.run(data)
+    except _Refused as refused:
+        return ParseResult(fault=refused.fault)
+    except expat.ExpatError as error:
+        return ParseResult(fault=_explain(error, data))
+    except (LookupError, ValueError) as error:
+        # pyexpat asks Python for encodings that expat lacks; multi-byte ones are refused so.
+        return ParseResult(fault=ParseFault("JML006", f"the encoding cannot be read: {error}"))
+    return ParseResult(root=builder.root, encoding=detect_encoding(data))
+
+
+def detect_encoding(data: bytes) -> str:
+    """Returns the name of the encoding in which a document that parsed is written."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16-le" if data[0] == 0xFF else "utf-16-be"
+    if data.startswith(b"<\x00"):
+        return "utf-16-le"
+    if data.startswith(b"\x00<"):
+        return "utf-16-be"
+    declared = re.match(rb"(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*[\"']([\w.:-]+)", data)
+    return declared.group(1).decode("ascii").lower() if declared else "utf-8"
+
+
+class _TreeBuilder:
+    """Collects nodes from expat's callbacks."""
+
+    def __init__(self) -> None:
+        self.root: Node | None = None
+        self._stack: list[Node] = []
+        self._prefixes: dict[str, str] = {}
+        self._declared: dict[str, str] = {}
+        self._parser = expat.ParserCreate(namespace_separator=_SEPARATOR)
+        self._parser.buffer_text = True
+        self._parser.ordered_attributes = True
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._characters
+        self._parser.StartNamespaceDeclHandler = self._declare
+        self._parser.StartDoctypeDeclHandler = self._doctype
+
+    def run(self, data: bytes) -> None:
+        self._parser.Parse(data, True)  # noqa: FBT003 -- expat has no keywords
+
+    def _start(self, name: str, attributes: list[str]) -> None:
+        parser = self._parser
+        stack = self._stack
+        parent = stack[-1] if stack else None
+        prefixes = parent.prefixes if parent is not None else self._prefixes
+        if self._declared:
+            prefixes = {**prefixes, **self._declared}
+            self._declared = {}
+        line, column = parser.CurrentLineNumber, parser.CurrentColumnNumber + 1
+        node = Node(name, attributes, prefixes, parent, (line, column, parser.CurrentByteIndex))
+        if parent is None:
+            self.root = node
+        else:
+            parent.children.append(node)
+        stack.append(node)
+        if len(stack) > MAX_DEPTH:
+            message = f"elements are nested more than {MAX_DEPTH} deep"
+            raise _Refused(ParseFault("JML008", message, line=line, column=column))
+
+    def _end(self, _name: str) -> None:
+        self._stack.pop()
+
+    def _characters(self, text: str) -> None:
+        self._stack[-1].text += text
+
+    def _declare(self, prefix: str | None, uri: str | None) -> None:
+        self._declared[prefix or ""] = uri or ""
+
+    def _doctype(self, *_: object) -> None:
+        raise _Refused(
+            ParseFault(
+                "JML007",
+                "a DOCTYPE is not accepted",
+                "models need none; delete the <!DOCTYPE ...> declaration",
+                self._parser.CurrentLineNumber,
+                self._parser.CurrentColumnNumber + 1,
+            )
+        )
+
+
+def _accident(data: bytes) -> ParseFault | None:
+    """Recognises files that are no XML for a reason that can be told."""
+    if len(data) > MAX_BYTES:
+        limit = MAX_BYTES // (1024 * 1024)
+        return ParseFault("JML002", f"the file is larger than {limit} MiB")
+    if not data.strip():
+        return ParseFault("JML003", "the file is empty")
+    if data.startswith(_LFS_POINTER):
+        return ParseFault(
+            "JML005", "the file is a Git LFS pointer, not a model", "run `git lfs pull`"
+        )
+    return None
+
+
+def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
+    line, column = max(error.lineno, 1), error.offset + 1
+    conflict = _CONFLICT.search(data)
+    if conflict is not None:
+        line = data.count(b"\n", 0, conflict.start()) + 1
+        return ParseFault(
+            "JML009", "the file has merge conflict markers", "resolve the conflict", line, 1
+        )
+    reason = expat.ErrorString(error.code) or str(error)
+    rule = "JML004"
+    if error.code in _ENCODING_ERRORS:
+        rule = "JML006"
+        reason = f"the encoding cannot be read: {reason}"
+    elif line == 1 and not data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"\xff", b"\xfe")):
+        reason = f"the file is not XML: {reason}"
+    else:
+        reason = f"not well-formed XML: {reason}"
+    return ParseFault(rule, reason, "", line, column)
+
+
+_ENCODING_ERRORS = frozenset(
+    expat.errors.codes[message]
+    for message in (
+        expat.errors.XML_ERROR_UNKNOWN_ENCODING,
+        expat.errors.XML_ERROR_INCORRECT_ENCODING,
+        expat.errors.XML_ERROR_PARTIAL_CHAR,
+    )
+)

@@ -1,0 +1,171 @@
+"""Reads models: files to pyecore objects and findings, all of them in one run."""
+
+from __future__ import annotations
+
+import gc
+import os
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.metamodel import Metamodels, load_metamodels
+from jausml.model.building import Builder
+from jausml.model.conformance import check_bounds
+from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.documents import Document
+from jausml.model.model import Model
+from jausml.model.parsing import parse
+from jausml.model.problems import Problems
+from jausml.model.references import Resolution
+from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+
+@dataclass(frozen=True, slots=True)
+class ReadResult:
+    """What reading yields.
+
+    Attributes:
+        model: The elements that could be built, which is all of them when there are no errors.
+        diagnostics: The findings, sorted by file, line, column and rule.
+        project_root: The folder that hrefs could not leave.
+    """
+
+    model: Model
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    project_root: Path = field(default_factory=Path)
+
+    @property
+    def has_errors(self) -> bool:
+        """True when the model cannot be used."""
+        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+
+
+def read_models(
+    paths: Iterable[str | os.PathLike[str]],
+    *,
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+    projects: Mapping[str, str | os.PathLike[str]] | None = None,
+    metamodels: Metamodels | None = None,
+) -> ReadResult:
+    """Reads model files and all that they refer to.
+
+    Every problem becomes a diagnostic with its place; nothing that a file holds raises.
+
+    Args:
+        paths: The files.
+        project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
+        allow_outside: True to let hrefs leave it.
+        projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
+        metamodels: The metamodels, by default the shipped ones.
+
+    Returns:
+        The model and the findings.
+    """
+    names = [os.fspath(path) for path in paths]
+    root = find_project_root(Path(each) for each in names)
+    if project_root is not None:
+        root = Path(project_root)
+    folders = {name: Path(folder) for name, folder in (projects or {}).items()}
+    uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
+    with _without_collector():
+        reading = _Reading(metamodels or load_metamodels(), uris)
+        model, diagnostics = reading.run(names)
+    return ReadResult(model, diagnostics, root)
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Keeps the cyclic collector from walking a model again and again while it grows."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+class _Reading:
+    """One run of the reader."""
+
+    def __init__(self, metamodels: Metamodels, uris: UriResolver) -> None:
+        self._metamodels = metamodels
+        self._uris = uris
+        self._documents: dict[Path, Document] = {}
+        self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
+        self._problems = Problems()
+        self._model = Model([], metamodels)
+        self._builder = Builder(metamodels, self._model, self._problems)
+
+    def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
+        for target in [self._uris.given(name) for name in names]:
+            self._given(target)
+        done = 0
+        references = self._builder.references
+        # Opening a document adds references to the list.
+        while done < len(references):
+            reference = references[done]
+            done += 1
+            if reference.uri:
+                self._open(reference.uri, reference.document)
+        Resolution(self._metamodels, self._problems, self._open).run(references)
+        check_bounds(self._model, self._metamodels, self._problems)
+        return self._model, self._problems.diagnostics(self._model)
+
+    def _given(self, target: FileTarget) -> None:
+        if target.path in self._documents:
+            return
+        document = self._add(target, given=True)
+        fault = self._load(document)
+        if fault is not None:
+            self._problems.at_file("JML001", document, fault)
+
+    def _open(self, uri: str, base: Document) -> Document | UriFault:
+        """Returns the document that a URI names, read at the first call."""
+        key = (uri, base.display)
+        target = self._targets.get(key)
+        if target is None:
+            target = self._targets[key] = self._uris.resolve(uri, base)
+        if isinstance(target, UriFault):
+            return target
+        document = self._documents.get(target.path)
+        if document is None:
+            document = self._add(target, given=False)
+            fault = self._load(document)
+            if fault is not None:
+                message = f"referenced file {target.display}: {fault}"
+                absent = UriFault("JML203", message)
+                self._targets[key] = absent
+                del self._documents[target.path]
+                self._model.documents.remove(document)
+                return absent
+        return document
+
+    def _add(self, target: FileTarget, *, given: bool) -> Document:
+        document = Document(target.path, target.display, is_library=target.is_library, given=given)
+        self._documents[target.path] = document
+        self._model.documents.append(document)
+        return document
+
+    def _load(self, document: Document) -> str | None:
+        """Reads and builds a document; returns why its file cannot be read, else None."""
+        try:
+            document.data = document.path.read_bytes()
+        except (OSError, ValueError) as error:
+            return getattr(error, "strerror", None) or str(error)
+        result = parse(document.data)
+        fault = result.fault
+        if result.root is None:
+            if fault is not None:
+                place = Location(document.display, fault.line, fault.column)
+                self._problems.at_place(fault.rule, document, place, fault.message, fault.hint)
+            return None
+        document.encoding = result.encoding
+        document.readable = True
+        self._builder.build(document, result.root)
+        return None

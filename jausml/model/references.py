@@ -1,0 +1,190 @@
+"""Resolves references once all documents are built, and reports those that lead nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import FeatureKind, Metamodels
+from jausml.metamodel.filling import holds, link
+from jausml.model.diagnostics import Related
+from jausml.model.documents import Document
+from jausml.model.fragments import find
+from jausml.model.uris import UriFault
+from jausml.model.values import show
+
+if TYPE_CHECKING:
+    from jausml.model.building import Reference
+    from jausml.model.parsing import Node
+    from jausml.model.problems import Problems
+
+Open = Callable[[str, Document], "Document | UriFault"]
+"""Opens the document that a URI names, seen from another document."""
+
+_FEW_RELATED = 10
+
+
+@dataclass(slots=True)
+class _Absent:
+    """A file that references name in vain, and those references."""
+
+    fault: UriFault
+    references: list[Reference] = field(default_factory=list)
+
+
+class Resolution:
+    """Resolves the references of all documents."""
+
+    def __init__(self, metamodels: Metamodels, problems: Problems, open_document: Open) -> None:
+        self._metamodels = metamodels
+        self._problems = problems
+        self._open = open_document
+        self._absent: dict[tuple[str, str], _Absent] = {}
+        self._following: set[Node] = set()
+
+    def run(self, references: Iterable[Reference]) -> None:
+        """Resolves references, in the order in which they are written."""
+        for reference in references:
+            target = reference.direct or self._target(reference)
+            if target is None:
+                self._problems.spoil(reference.owner, reference.feature.name)
+            elif reference.feature.kind is FeatureKind.CONTAINMENT:
+                self._contain(reference, target)
+            elif reference.feature.kind is FeatureKind.CONTAINER:
+                self._check_container(reference, target)
+            elif holds(reference.owner, reference.feature, target):
+                self._report_repeated(reference)
+            else:
+                link(reference.owner, reference.feature, target)
+        for absent in self._absent.values():
+            self._report_absent(absent)
+
+    def _target(self, reference: Reference) -> Any:
+        """Returns the element referred to, None when a finding explains why there is none."""
+        document = reference.document
+        if reference.uri:
+            opened = self._open(reference.uri, document)
+            if isinstance(opened, UriFault):
+                key = (opened.rule, opened.message)
+                self._absent.setdefault(key, _Absent(opened)).references.append(reference)
+                return None
+            document = opened
+        if not document.readable:
+            return None
+        found = find(document, reference.fragment, self._follow)
+        if found is None:
+            self._report_unresolved(reference, document)
+            return None
+        target = found[1].obj
+        if target is not None and not self._fits(reference, target):
+            return None
+        return target
+
+    def _follow(self, document: Document, node: Node) -> tuple[Document, Node] | None:
+        """Steps from a child element with an href to the element that it stands for."""
+        uri, _, fragment = (node.get("href") or "").strip().partition("#")
+        if node.obj is not None or node in self._following:
+            return None
+        opened = self._open(uri, document) if uri else document
+        if isinstance(opened, UriFault) or not opened.readable:
+            return None
+        self._following.add(node)
+        try:
+            return find(opened, fragment, self._follow)
+        finally:
+            self._following.discard(node)
+
+    def _fits(self, reference: Reference, target: Any) -> bool:
+        wanted = reference.feature.target
+        actual = self._metamodels.class_of(target)
+        if wanted is None or actual in wanted.subtypes:
+            return True
+        self._report(
+            "JML205",
+            reference,
+            f"{_where(reference)} refers to {_label(target)}, but takes {wanted.qualified_name}",
+            f"{show(reference.fragment)} is a {actual.qualified_name}",
+        )
+        return False
+
+    def _contain(self, reference: Reference, target: Any) -> None:
+        owner: Any = reference.owner
+        container = target.eContainer()
+        if container is not None and reference.direct is None:
+            self._report(
+                "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
+            )
+            return
+        while owner is not None:
+            if owner is target:
+                message = f"{_where(reference)} makes {_label(target)} contain itself"
+                self._report("JML206", reference, message)
+                self._problems.spoil(reference.owner, reference.feature.name)
+                return
+            owner = owner.eContainer()
+        link(reference.owner, reference.feature, target)
+
+    def _check_container(self, reference: Reference, target: Any) -> None:
+        """The owner of an element follows from its place; writing it again changes nothing."""
+        if reference.owner.eContainer() is not target:
+            self._report(
+                "JML207",
+                reference,
+                f"{_where(reference)} refers to {_label(target)}, which does not contain it",
+                "remove the reference: the owner follows from the place in the file",
+            )
+
+    def _report_repeated(self, reference: Reference) -> None:
+        opposite = reference.feature.opposite
+        if opposite is None:
+            message = f"{_where(reference)} lists {show(reference.fragment)} twice"
+            self._report("JML213", reference, message)
+
+    def _report_unresolved(self, reference: Reference, document: Document) -> None:
+        known = get_close_matches(reference.fragment, list(document.ids), n=1, cutoff=0.7)
+        hint = f"did you mean '{known[0]}'?" if known else ""
+        what = show(reference.fragment)
+        if document is reference.document:
+            message = f"unresolved reference {what} of {_where(reference)}"
+            self._report("JML202", reference, message, hint)
+        elif not reference.fragment:
+            message = f"{_where(reference)} names the file {document.display}, but no element"
+            self._report("JML204", reference, message, "add #/ for its root element")
+        else:
+            message = f"{document.display} has no element {what} for {_where(reference)}"
+            self._report("JML204", reference, message, hint)
+
+    def _report_absent(self, absent: _Absent) -> None:
+        first, *others = absent.references
+        message = absent.fault.message
+        if others:
+            message += f" ({len(absent.references)} references)"
+        related = tuple(
+            Related(each.document.location(each.node, each.attribute), "referenced here too")
+            for each in others[:_FEW_RELATED]
+        )
+        self._problems.at_node(
+            absent.fault.rule,
+            first.document,
+            first.node,
+            message,
+            absent.fault.hint,
+            attribute=first.attribute,
+            related=related,
+        )
+
+    def _report(self, rule: str, reference: Reference, message: str, hint: str = "") -> None:
+        self._problems.at_node(
+            rule, reference.document, reference.node, message, hint, attribute=reference.attribute
+        )
+
+
+def _where(reference: Reference) -> str:
+    return f"feature '{reference.feature.name}' of {_label(reference.owner)}"
+
+
+def _label(obj: Any) -> str:
+    name = getattr(obj, "name", None)
+    return f"{obj.eClass.name} '{name}'" if name else str(obj.eClass.name)

@@ -1,0 +1,189 @@
+"""What an href names: a file under the project root or a model of the shipped library.
+
+EMF resolves relative hrefs against the file in which they stand, and percent-decodes them. Here
+nothing leads to the network, and nothing out of the project unless allowed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import unquote, urlsplit
+
+from jausml.model.values import suggest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from jausml.model.documents import Document
+
+LIBRARY_URI = "http://www.jausml.org/library/"
+
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")
+_WINDOWS = re.compile(r"[A-Za-z]:[\\/]|.*\\")
+_PLATFORM = "platform:/resource/"
+
+
+@dataclass(frozen=True, slots=True)
+class FileTarget:
+    """A file that an href names, and how messages name it."""
+
+    path: Path
+    display: str
+    is_library: bool
+
+
+@dataclass(frozen=True, slots=True)
+class UriFault:
+    """Why an href names no file: rule id, message and hint."""
+
+    rule: str
+    message: str
+    hint: str = ""
+
+
+def library_root() -> Path:
+    """Returns the folder of the shipped library."""
+    return Path(str(files("jausml.models"))) / "library"
+
+
+def find_project_root(paths: Iterable[Path]) -> Path:
+    """Returns the folder that hrefs may not leave, when the user names none.
+
+    It is the nearest folder above the first file that is a Git checkout; else the current folder,
+    when all files lie in it; else the folder that all files share.
+    """
+    folders = [Path(os.path.realpath(path)).parent for path in paths]
+    if not folders:
+        return Path.cwd()
+    for folder in (folders[0], *folders[0].parents):
+        if (folder / ".git").exists():
+            return folder
+    here = Path.cwd()
+    if all(folder.is_relative_to(here) for folder in folders):
+        return here
+    return Path(os.path.commonpath(folders))
+
+
+class UriResolver:
+    """Resolves the URIs of hrefs, without their fragments.
+
+    Args:
+        project_root: The folder that hrefs may not leave.
+        allow_outside: True when they may.
+        projects: Folders of Eclipse projects by name, for platform:/resource/ URIs.
+    """
+
+    def __init__(
+        self, project_root: Path, *, allow_outside: bool, projects: Mapping[str, Path]
+    ) -> None:
+        self._root = Path(os.path.realpath(project_root))
+        self._allow_outside = allow_outside
+        self._projects = projects
+        self._library = Path(os.path.realpath(library_root()))
+        self._known: set[Path] = set()
+
+    def given(self, path: str) -> FileTarget:
+        """Returns the target for a file that the user named; hrefs may then lead to it."""
+        real = Path(os.path.realpath(path))
+        self._known.add(real)
+        return FileTarget(real, path, real.is_relative_to(self._library))
+
+    def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
+        """Resolves the URI of an href.
+
+        Args:
+            uri: The URI, percent-encoded, without fragment.
+            base: The document in which it stands.
+
+        Returns:
+            The file, which need not exist, or the reason why the URI names none.
+        """
+        if uri.startswith(LIBRARY_URI):
+            return self._in_library(unquote(uri[len(LIBRARY_URI) :]))
+        if _WINDOWS.match(uri):
+            return UriFault(
+                "JML211",
+                f"'{uri}' is a Windows path, not a URI",
+                "write a relative path with forward slashes",
+            )
+        scheme = _SCHEME.match(uri)
+        if scheme is None:
+            return self._file(unquote(uri), base)
+        return self._with_scheme(scheme.group(1).lower(), uri, base)
+
+    def _with_scheme(self, scheme: str, uri: str, base: Document) -> FileTarget | UriFault:
+        if scheme in ("http", "https", "ftp"):
+            return UriFault(
+                "JML208",
+                f"'{uri}' is not fetched from the network",
+                "refer to a local file by a relative path",
+            )
+        if scheme == "file":
+            try:
+                parts = urlsplit(uri)
+            except ValueError:
+                return UriFault("JML211", f"'{uri}' is not a URI")
+            if parts.netloc not in ("", "localhost"):
+                return UriFault("JML208", f"'{uri}' names a file of another machine")
+            return self._file(unquote(parts.path), base)
+        if uri.startswith(_PLATFORM):
+            return self._in_workspace(unquote(uri[len(_PLATFORM) :]), base)
+        return UriFault(
+            "JML211",
+            f"'{uri}' is of the unsupported scheme '{scheme}'",
+            "refer to a file by a relative path, or by platform:/resource/<project>/",
+        )
+
+    def _file(self, path: str, base: Document) -> FileTarget | UriFault:
+        if "\0" in path:
+            return UriFault("JML211", "the href has a NUL character")
+        # Not by pathlib: `a/../b` must lose its dots before symbolic links are followed.
+        display = os.path.normpath(Path(base.display).parent / path)
+        return self._checked(display, path)
+
+    def _checked(self, display: str, written: str) -> FileTarget | UriFault:
+        real = Path(os.path.realpath(display))
+        if real.is_relative_to(self._library):
+            return FileTarget(real, display, is_library=True)
+        allowed = self._allow_outside or real in self._known or real.is_relative_to(self._root)
+        if not allowed:
+            return UriFault(
+                "JML209",
+                f"'{written}' lies outside the project root {self._root}",
+                "give another project root, or allow references to the outside",
+            )
+        return FileTarget(real, display, is_library=False)
+
+    def _in_workspace(self, path: str, base: Document) -> FileTarget | UriFault:
+        """Finds a file of an Eclipse project: mapped, the root itself, or a folder of the root."""
+        project, _, rest = path.partition("/")
+        if project in self._projects:
+            folder = self._projects[project]
+        elif (self._root / project).is_dir():
+            folder = self._root / project
+        elif self._root.name == project:
+            folder = self._root
+        else:
+            return UriFault(
+                "JML210",
+                f"no Eclipse project '{project}' is known",
+                f"map '{project}' to its folder",
+            )
+        return self._file(os.path.relpath(folder / rest, Path(base.display).parent), base)
+
+    def _in_library(self, path: str) -> FileTarget | UriFault:
+        real = Path(os.path.realpath(self._library / path))
+        if real.is_relative_to(self._library) and real.is_file():
+            return FileTarget(real, _shown(real), is_library=True)
+        known = [str(each.relative_to(self._library)) for each in self._library.rglob("*.xmi")]
+        return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))
+
+
+def _shown(path: Path) -> str:
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
