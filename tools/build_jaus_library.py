@@ -1,0 +1,377 @@
+#!/usr/bin/env python3
+"""Writes the JAUS service sets of models/library/jaus from a facts file.
+
+The facts file is JSON: the services of each set with their messages, described with the words of
+SAE AS5684 (names, codes, field order, types, units, ranges). The same facts give the same bytes.
+
+Usage: python tools/build_jaus_library.py FACTS.json OUTPUT_FOLDER
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+Facts = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class SetFile:
+    """Where a service set goes.
+
+    Attributes:
+        key: Its key in the facts file.
+        file: File name in the library.
+        name: Name of the ServiceSet.
+        version: Version of the ServiceSet.
+        documentation: What the set is for.
+    """
+
+    key: str
+    file: str
+    name: str
+    version: str
+    documentation: str
+
+
+SETS = (
+    SetFile("core-v1.0", "core-1.0.xmi", "core", "1.0", "Core services of AS5710."),
+    SetFile("core-v1.1", "core-1.1.xmi", "core", "1.1", "Core services of AS5710A."),
+    SetFile("mobility", "mobility.xmi", "mobility", "1.0", "Mobility services of AS6009."),
+    SetFile(
+        "environmentSensing",
+        "environment-sensing.xmi",
+        "environment_sensing",
+        "1.0",
+        "Environment sensing services of AS6060.",
+    ),
+    SetFile(
+        "manipulator", "manipulator-1.0.xmi", "manipulator", "1.0", "Manipulator services of AS6057."
+    ),
+    SetFile(
+        "manipulator-v2.0",
+        "manipulator-2.0.xmi",
+        "manipulator",
+        "2.0",
+        "Manipulator services of AS6057A.",
+    ),
+    SetFile("ugv", "ugv.xmi", "ugv", "1.0", "Unmanned ground vehicle services of AS6091."),
+    SetFile("iop", "iop.xmi", "iop", "1.1", "Services of the interoperability profiles (IOP)."),
+)
+
+NUMERIC_TYPES = {
+    "u8": "uint8",
+    "i8": "int8",
+    "u16": "uint16",
+    "i16": "int16",
+    "u32": "uint32",
+    "i32": "int32",
+    "u64": "uint64",
+    "i64": "int64",
+    "f32": "float32",
+    "f64": "float64",
+}
+
+_ATTRIBUTE_ESCAPES = {'"': "&quot;", "\n": "&#10;", "\t": "&#9;"}
+
+
+@dataclass
+class Element:
+    """An XML element with its attributes in the order they are written."""
+
+    tag: str
+    attributes: dict[str, str] = field(default_factory=dict)
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+    def lines(self, indent: str = "") -> Iterator[str]:
+        """Yields the element as lines, one for each element as EMF writes them."""
+        attributes = "".join(
+            f' {name}="{escape(value, _ATTRIBUTE_ESCAPES)}"'
+            for name, value in self.attributes.items()
+        )
+        if self.text:
+            yield f"{indent}<{self.tag}{attributes}>{escape(self.text)}</{self.tag}>"
+            return
+        if not self.children:
+            yield f"{indent}<{self.tag}{attributes}/>"
+            return
+        yield f"{indent}<{self.tag}{attributes}>"
+        for child in self.children:
+            yield from child.lines(indent + "  ")
+        yield f"{indent}</{self.tag}>"
+
+
+def field_element(tag: str, facts: Facts) -> Element:
+    """Returns a field, container or array as an element.
+
+    Args:
+        tag: Name of the feature that holds it.
+        facts: Its facts.
+    """
+    kind, features = FIELD_KINDS[facts["kind"]]
+    element = Element(tag, {"xsi:type": f"jaus:{kind}", "name": facts["name"]})
+    if facts.get("optional"):
+        element.attributes["optional"] = "true"
+    features(element, facts)
+    return element
+
+
+def _record(element: Element, facts: Facts) -> None:
+    if "presence_vector" in facts:
+        element.attributes["presenceVector"] = NUMERIC_TYPES[facts["presence_vector"]]
+    element.children += [field_element("fields", member) for member in facts["fields"]]
+
+
+def _list(element: Element, facts: Facts) -> None:
+    _numeric(element, "countType", facts["count"], "uint8")
+    _limits(element, facts, facts["count"], "Count")
+    element.children.append(field_element("element", _only(facts["fields"])))
+
+
+def _variant(element: Element, facts: Facts) -> None:
+    _numeric(element, "tagType", facts["count"], "uint8")
+    element.children += [field_element("options", option) for option in facts.get("fields", ())]
+
+
+def _array(element: Element, facts: Facts) -> None:
+    element.children.append(field_element("element", _only(facts["fields"])))
+    element.children += [
+        Element("dimensions", text=str(dimension["size"])) for dimension in facts["dimensions"]
+    ]
+
+
+def _fixed_field(element: Element, facts: Facts) -> None:
+    _numeric(element, "type", facts["type"], "uint8")
+    if "units" in facts:
+        element.attributes["units"] = " ".join(facts["units"].split())
+    if "scale" in facts:
+        scale = facts["scale"]
+        attributes = {"lower": repr(float(scale["lower"])), "upper": repr(float(scale["upper"]))}
+        if scale["function"] != "round":
+            attributes["rounding"] = scale["function"]
+        element.children.append(Element("scale", attributes))
+    _values(element, facts)
+
+
+def _bit_field(element: Element, facts: Facts) -> None:
+    _numeric(element, "type", facts["type"], "uint8")
+    for sub in facts["sub_fields"]:
+        attributes = {
+            "name": sub["name"],
+            "lowBit": str(sub["from"]),
+            "highBit": str(sub["to"]),
+        }
+        child = Element("subFields", attributes)
+        _values(child, sub)
+        element.children.append(child)
+
+
+def _variable_field(element: Element, facts: Facts) -> None:
+    for alternative in facts["types"]:
+        name, index = alternative["name"], str(alternative["index"])
+        child = Element("alternatives", {"name": name, "index": index})
+        _fixed_field(child, alternative)
+        element.children.append(child)
+
+
+def _fixed_length_string(element: Element, facts: Facts) -> None:
+    element.attributes["length"] = str(facts["length"])
+
+
+def _variable_length_string(element: Element, facts: Facts) -> None:
+    _numeric(element, "countType", facts["count"], "uint8")
+    _limits(element, facts, facts["count"], "Length")
+
+
+def _variable_length_field(element: Element, facts: Facts) -> None:
+    _numeric(element, "countType", facts["count"], "uint32")
+    # The facts give no format; by the standard's naming an embedded message is called a message.
+    if not facts["name"].endswith("Message"):
+        element.attributes["format"] = facts.get("format", "octets")
+    _limits(element, facts, facts["count"], "Length")
+
+
+def _variable_format_field(element: Element, facts: Facts) -> None:
+    _numeric(element, "countType", facts["count"], "uint16")
+    _limits(element, facts, facts["count"], "Length")
+    for item in facts["formats"]:
+        attributes = {"name": " ".join(item["format"].split()), "index": str(item["index"])}
+        element.children.append(Element("formats", attributes))
+
+
+FIELD_KINDS = {
+    "record": ("Record", _record),
+    "sequence": ("Sequence", _record),
+    "list": ("List", _list),
+    "variant": ("Variant", _variant),
+    "array": ("Array", _array),
+    "fixed_field": ("FixedField", _fixed_field),
+    "bit_field": ("BitField", _bit_field),
+    "variable_field": ("VariableField", _variable_field),
+    "fixed_length_string": ("FixedLengthString", _fixed_length_string),
+    "variable_length_string": ("VariableLengthString", _variable_length_string),
+    "variable_length_field": ("VariableLengthField", _variable_length_field),
+    "variable_format_field": ("VariableFormatField", _variable_format_field),
+}
+
+
+def _only(fields: Sequence[Facts]) -> Facts:
+    (only,) = fields
+    return only
+
+
+def _numeric(element: Element, feature: str, type_code: str, default: str) -> None:
+    name = NUMERIC_TYPES[type_code]
+    if name != default:
+        element.attributes[feature] = name
+
+
+def _limits(element: Element, facts: Facts, type_code: str, what: str) -> None:
+    largest = 2 ** int(type_code[1:]) - 1
+    minimum, maximum = int(facts.get("min", 0)), int(facts.get("max", largest))
+    if minimum > 0:
+        element.attributes[f"minimum{what}"] = str(minimum)
+    if maximum < largest:
+        element.attributes[f"maximum{what}"] = str(maximum)
+
+
+def _values(element: Element, facts: Facts) -> None:
+    if not facts.get("values"):
+        return
+    values = Element("values")
+    for value in facts["values"]:
+        if "range" in value:
+            lower, upper = (repr(float(limit)) for limit in value["range"])
+            attributes = {"xsi:type": "jaus:ValueRange", "lower": lower, "upper": upper}
+            for side, bound in zip(("lower", "upper"), value["bounds"], strict=True):
+                if bound == "exclusive":
+                    attributes[f"{side}Inclusive"] = "false"
+        else:
+            attributes = {
+                "xsi:type": "jaus:EnumeratedValue",
+                "name": " ".join(value["name"].split()),
+                "value": str(value["index"]),
+            }
+        values.children.append(Element("values", attributes))
+    element.children.append(values)
+
+
+def message_element(tag: str, service: str, facts: Facts) -> Element:
+    """Returns a message of a service as an element.
+
+    Args:
+        tag: `inputs` or `outputs`.
+        service: Name of the service, the first part of the message's id.
+        facts: The message.
+    """
+    name = facts["name"]
+    code = f"0x{int(facts['id'], 16):04X}"
+    element = Element(tag, {"xmi:id": f"{service}.{name}", "name": name, "code": code})
+    if facts["command"]:
+        element.attributes["isCommand"] = "true"
+    body = facts.get("body", {}).get("fields", [])
+    element.children += [field_element("body", container) for container in body]
+    return element
+
+
+def service_element(facts: Facts, places: Mapping[tuple[str, str], str], file: str) -> Element:
+    """Returns a service as an element.
+
+    Args:
+        facts: The service.
+        places: File and id (`file#id`) of every service by URN and version.
+        file: The file that the element is written to.
+    """
+    name = facts["name"]
+    attributes = {
+        "xmi:id": name,
+        "name": name,
+        "urn": facts["urn"],
+        "version": facts["version"],
+    }
+    element = Element("services", attributes)
+    inherits = facts.get("inherits")
+    if inherits:
+        base_file, base_id = places[inherits["urn"], inherits["version"]].split("#")
+        if base_file == file:
+            attributes["inherits"] = base_id
+        else:
+            element.children.append(Element("inherits", {"href": f"{base_file}#{base_id}"}))
+    for tag, key in (("inputs", "input"), ("outputs", "output")):
+        element.children += [message_element(tag, name, message) for message in facts[key]]
+    return element
+
+
+def service_set(place: SetFile, services: Sequence[Facts], places: Mapping[Any, str]) -> str:
+    """Returns the text of one file of the library.
+
+    Args:
+        place: The set.
+        services: The facts of its services.
+        places: File and id of every service by URN and version.
+    """
+    root = Element(
+        "jaus:ServiceSet",
+        {
+            "xmi:version": "2.0",
+            "xmlns:xmi": "http://www.omg.org/XMI",
+            "xmlns:xsi": "http://www.w3.org/2001/XMLSchema-instance",
+            "xmlns:jaus": "http://www.jausml.org/jaus/1.0",
+            "xmi:id": place.name,
+            "name": place.name,
+            "documentation": place.documentation,
+        },
+    )
+    if place.version != "1.0":
+        root.attributes["version"] = place.version
+    root.children += [service_element(facts, places, place.file) for facts in services]
+    return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', *root.lines(), ""])
+
+
+def build(facts: Facts) -> dict[str, str]:
+    """Returns the text of each file of the library by file name.
+
+    Args:
+        facts: The content of a facts file.
+    """
+    sets = facts["sets"]
+    places = {
+        (service["urn"], service["version"]): f"{place.file}#{service['name']}"
+        for place in SETS
+        for service in sets.get(place.key, ())
+    }
+    return {
+        place.file: service_set(place, sets[place.key], places)
+        for place in SETS
+        if place.key in sets
+    }
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the tool.
+
+    Args:
+        arguments: Facts file and output folder.
+
+    Returns:
+        The exit code.
+    """
+    if len(arguments) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    source, folder = map(Path, arguments)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in build(json.loads(source.read_text(encoding="utf-8"))).items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        print(folder / name)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
