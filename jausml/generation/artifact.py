@@ -1,0 +1,88 @@
+"""What a target produces: files in memory, and the contract between a skeleton and its base."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from enum import Enum
+
+DEFAULT_PREFIXES = ("on_", "report_", "translate_")
+
+
+class Kind(Enum):
+    """Who owns a file after it was written."""
+
+    GENERATED = "generated"  # always rewritten
+    SKELETON = "skeleton"  # written once, then the user's
+
+
+@dataclass(frozen=True)
+class MethodContract:
+    """A method that the generated base calls and the user's class may override.
+
+    Attributes:
+        name: Method name, e.g. `on_report_velocity_state`.
+        parameters: Names of the positional parameters in order, without `self`.
+        identity: What stays when the model element is renamed, e.g. the message code `0x4404`;
+            empty when nothing does.
+        stub: Ready text that the user may paste into the class.
+        optional: True when the base has a complete default, so that absence is not reported.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    identity: str
+    stub: str
+    optional: bool = False
+
+
+@dataclass(frozen=True)
+class SkeletonContract:
+    """What the generated base expects of the class in a skeleton file.
+
+    Attributes:
+        class_name: The user's class.
+        base_name: The generated class from which it derives.
+        methods: The methods that the base calls, in model order.
+        prefixes: A method of the user is compared with the contract only under these prefixes.
+    """
+
+    class_name: str
+    base_name: str
+    methods: tuple[MethodContract, ...]
+    prefixes: tuple[str, ...] = DEFAULT_PREFIXES
+
+
+@dataclass(frozen=True)
+class Artifact:
+    """One file to be written, complete and in memory.
+
+    Attributes:
+        path: Posix path relative to the output folder.
+        text: The whole text with LF line ends, header included.
+        kind: Who owns the file after it was written.
+        element_id: Identity of the model element it comes from, e.g. `component:vehicle`.
+        source: Model file, relative path.
+        target: Name of the target that produced it.
+        executable: Whether the file gets the executable bits when it is written.
+        contract: For a Python skeleton, what its base expects.
+    """
+
+    path: str
+    text: str
+    kind: Kind
+    element_id: str
+    source: str
+    target: str
+    executable: bool = False
+    contract: SkeletonContract | None = None
+
+
+def normalize_newlines(text: str) -> str:
+    """Returns the text with LF line ends, as before a checkout with git's autocrlf."""
+    return text.replace("\r\n", "\n")
+
+
+def text_digest(text: str) -> str:
+    """Returns the sha256 of the text in UTF-8 with LF line ends, in hexadecimal."""
+    return hashlib.sha256(normalize_newlines(text).encode("utf-8")).hexdigest()

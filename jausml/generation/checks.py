@@ -1,0 +1,56 @@
+"""A last look at rendered text: what no reader of its format would accept is never written."""
+
+from __future__ import annotations
+
+import ast
+import json
+import warnings
+import xml.parsers.expat
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def syntax_problem(text: str, path: str) -> str | None:
+    """Says why the text cannot be read as the format that the path's suffix names.
+
+    Args:
+        text: The whole text of a file.
+        path: Its path; only Python, XML and JSON are read, other formats pass.
+
+    Returns:
+        The problem with its line, or None.
+    """
+    try:
+        text.encode("utf-8")
+        check = _CHECKS.get(PurePosixPath(path).suffix)
+        if check is not None and text:
+            check(text)
+    except (ValueError, SyntaxError, SyntaxWarning, RecursionError) as error:
+        return f"{path} would not be readable: {error}"
+    except xml.parsers.expat.ExpatError as error:
+        return f"{path} would not be readable: {error}"
+    return None
+
+
+def _check_python(text: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ast.parse(text)
+
+
+def _check_xml(text: str) -> None:
+    parser = xml.parsers.expat.ParserCreate()
+    parser.Parse(text.encode("utf-8"), True)  # noqa: FBT003 - expat takes it by position only
+
+
+_CHECKS: dict[str, Callable[[str], object]] = {
+    ".py": _check_python,
+    ".pyi": _check_python,
+    ".xml": _check_xml,
+    ".urdf": _check_xml,
+    ".svg": _check_xml,
+    ".json": json.loads,
+}

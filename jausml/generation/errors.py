@@ -1,0 +1,37 @@
+"""Errors that the generation layer raises; the command line turns them into messages."""
+
+from __future__ import annotations
+
+
+class GenerationError(Exception):
+    """Base of every error of this layer; its text is meant for people."""
+
+
+class InternalError(GenerationError):
+    """A target is wrong (template, view or its output), not the user's model.
+
+    Args:
+        where: `file:line` of the template, or what stands nearest to the fault.
+        reason: What is wrong there.
+    """
+
+    def __init__(self, where: str, reason: str) -> None:
+        super().__init__(f"{where}: {reason}")
+        self.where = where
+
+
+class RefusedError(GenerationError):
+    """A plan with refusals was applied; nothing has been written."""
+
+
+class WriteError(GenerationError):
+    """A file could not be written or deleted; files before it in the plan are already new.
+
+    Args:
+        path: The file, relative to the output folder.
+        reason: What the operating system said.
+    """
+
+    def __init__(self, path: str, reason: str) -> None:
+        super().__init__(f"{path}: {reason}")
+        self.path = path

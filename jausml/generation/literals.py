@@ -1,0 +1,232 @@
+"""Filters for templates: model text is data, and these keep it data in every output language.
+
+All results are the same bytes on every supported Python: no Unicode category tables are asked.
+"""
+
+from __future__ import annotations
+
+import json
+import keyword
+import math
+import re
+import textwrap
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+LINE_WIDTH = 100
+_INDENT = "    "
+_LINE_ENDS = re.compile("\r\n|[\r\v\f\x1c-\x1e\x85\u2028\u2029]")
+# C0 and C1 controls, zero-width and bidirectional controls, surrogates, noncharacters.
+_UNPRINTABLE = re.compile(
+    "[\x00-\x09\x0b-\x1f\x7f-\x9f\u00ad\u061c\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff"
+    "\ufff9-\ufffb\ufffe\uffff\ud800-\udfff]"
+)
+# Characters outside the Char production of XML 1.0, section 2.2.
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+_XML_ESCAPES = {
+    "&": "&amp;",
+    "<": "&lt;",
+    ">": "&gt;",
+    '"': "&quot;",
+    "'": "&apos;",
+    "\t": "&#9;",
+    "\n": "&#10;",
+    "\r": "&#13;",
+}
+_XML_SPECIAL = re.compile("[&<>\"'\t\n\r]")
+_SURROGATES = re.compile("[\ud800-\udfff]")
+_ABOVE_BMP = re.compile("[\U00010000-\U0010ffff]")
+_SENTENCE = re.compile(r"(.+?[.?!]) (.+)")
+
+
+def printable(text: str) -> str:
+    """Returns the text with every kind of line end as LF and without control characters."""
+    return _UNPRINTABLE.sub(lambda m: " " if m.group() == "\t" else "", _LINE_ENDS.sub("\n", text))
+
+
+def python_string(value: object) -> str:
+    r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose.
+
+    Args:
+        value: Any text; other objects are turned into text first.
+
+    Returns:
+        A literal such as `"a \"b\""`, without line breaks.
+    """
+    text = str(value)
+    quote = "'" if text.count('"') > text.count("'") else '"'
+    # ascii() is free in its choice of quotes; a text with no quotes at all leaves it no choice.
+    pieces = (ascii(piece)[1:-1] for piece in re.split("['\"]", text))
+    marks = [f"\\{mark}" if mark == quote else mark for mark in re.findall("['\"]", text)]
+    joined = "".join(piece + mark for piece, mark in zip(pieces, [*marks, ""], strict=True))
+    return f"{quote}{joined}{quote}"
+
+
+def python_literal(value: object) -> str:
+    """Returns a Python expression for None, a bool, an int, a float or a string.
+
+    Args:
+        value: The value, for example the default of a parameter.
+
+    Raises:
+        TypeError: The value is of another type.
+    """
+    if isinstance(value, str):
+        return python_string(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return f'float("{value}")'
+    if value is None or isinstance(value, (bool, int, float)):
+        return repr(value)
+    raise TypeError(f"no Python literal for {type(value).__name__}")
+
+
+def identifier(value: object) -> str:
+    """Returns a Python name (dots allowed) unchanged, for names that come from a model.
+
+    Args:
+        value: The name.
+
+    Raises:
+        ValueError: It is not an ASCII Python name, or is a keyword.
+    """
+    name = str(value)
+    for part in name.split("."):
+        if not (part.isascii() and part.isidentifier()) or keyword.iskeyword(part):
+            raise ValueError(f"{name!a} is not a Python name")
+    return name
+
+
+def xml_text(value: object) -> str:
+    """Returns text escaped for XML content and attribute values in either kind of quotes."""
+    legal = _NOT_XML.sub("\ufffd", str(value))
+    return _XML_SPECIAL.sub(lambda m: _XML_ESCAPES[m.group()], legal)
+
+
+def xml_comment(value: object) -> str:
+    """Returns text that may stand inside `<!-- ... -->` on one line."""
+    text = " ".join(printable(str(value)).split())
+    return re.sub(r"-(?=-|$)", "- ", text)
+
+
+def yaml_string(value: object) -> str:
+    """Returns a double-quoted ASCII YAML scalar (YAML 1.2, section 7.3.1) on one line."""
+    text = json.dumps(_SURROGATES.sub("\ufffd", str(value)), ensure_ascii=False)
+    # YAML reads the surrogate pairs of JSON as two characters, and DEL not at all.
+    text = _ABOVE_BMP.sub(lambda m: f"\\U{ord(m.group()):08x}", text)
+    return re.sub("[\x7f-\uffff]", lambda m: f"\\u{ord(m.group()):04x}", text)
+
+
+def docstring(value: object, indent: int = 4) -> str:
+    r'''Returns a whole Python docstring, quotes included, wrapped to the line width.
+
+    Paragraphs (separated by blank lines) stay; the first sentence of a long first paragraph
+    becomes the summary. Double quotes become single ones and a backslash is doubled, so that no
+    text can end the literal.
+
+    Args:
+        value: The text of the model.
+        indent: Columns before the docstring; the first line is not indented here.
+
+    Returns:
+        `"""Summary."""`, or a text of several lines that ends with `"""` on its own line.
+    '''
+    paragraphs = _paragraphs(str(value).replace("\\", "\\\\").replace('"', "'"))
+    if not paragraphs:
+        return '"""Not documented in the model."""'
+    width = LINE_WIDTH - indent
+    summary = _punctuated(paragraphs[0])
+    sentence = _SENTENCE.fullmatch(summary)
+    if len(summary) + 6 > width and sentence:
+        summary = sentence.group(1)
+        paragraphs.insert(1, sentence.group(2))
+    # A docstring of one line has its closing quotes there too: wrap as if they stood in the line.
+    lines = _wrap('"""' + summary, width if paragraphs[1:] else width - 3)
+    if len(lines) == len(paragraphs) == 1:
+        return f'{lines[0]}"""'
+    for paragraph in paragraphs[1:]:
+        lines += ["", *_wrap(paragraph, width)]
+    return _indented([*lines, '"""'], indent)
+
+
+def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
+    """Returns text as comment lines, wrapped to the line width.
+
+    Args:
+        value: The text of the model.
+        indent: Columns before each line; the first line is not indented here.
+        prefix: What starts a comment line.
+    """
+    width = LINE_WIDTH - indent - len(prefix)
+    lines: list[str] = []
+    for paragraph in _paragraphs(str(value)):
+        lines += ["", *_wrap(paragraph, width)] if lines else _wrap(paragraph, width)
+    return _indented([(prefix + line).rstrip() for line in lines or [""]], indent)
+
+
+def call_args(
+    arguments: Sequence[object], opening: str, closing: str = ")", indent: int = 0
+) -> str:
+    """Lays out a call or a signature as ruff's formatter does.
+
+    Args:
+        arguments: The arguments or parameters as Python text.
+        opening: Text up to and with the bracket, e.g. `self.create_publisher(`.
+        closing: Text from the closing bracket to the end of the line, e.g. `) -> None:`.
+        indent: Columns before the statement; the first line is not indented here.
+
+    Returns:
+        One line when it fits, else all arguments on one line of their own, else one on each line.
+    """
+    texts = [str(argument) for argument in arguments]
+    line = opening + ", ".join(texts) + closing
+    if not texts or len(line) + indent <= LINE_WIDTH:
+        return line
+    middle = _INDENT + ", ".join(texts)
+    if len(middle) + indent <= LINE_WIDTH:
+        return _indented([opening, middle, closing], indent)
+    return _one_per_line(texts, opening, closing, indent)
+
+
+def items(values: Sequence[object], opening: str, closing: str, indent: int = 0) -> str:
+    """Lays out a list, tuple, set or dict display as ruff's formatter does.
+
+    Args:
+        values: The items as Python text (`key: value` for a dict).
+        opening: Text up to and with the bracket, e.g. `FIELDS = [`.
+        closing: Text from the closing bracket to the end of the line, e.g. `]`.
+        indent: Columns before the statement; the first line is not indented here.
+
+    Returns:
+        One line when it fits, else one item on each line. A tuple of one item keeps its comma.
+    """
+    texts = [str(value) for value in values]
+    comma = "," if len(texts) == 1 and opening.endswith("(") else ""
+    line = opening + ", ".join(texts) + comma + closing
+    if not texts or len(line) + indent <= LINE_WIDTH:
+        return line
+    return _one_per_line(texts, opening, closing, indent)
+
+
+def _one_per_line(texts: Sequence[str], opening: str, closing: str, indent: int) -> str:
+    return _indented([opening, *(f"{_INDENT}{text}," for text in texts), closing], indent)
+
+
+def _paragraphs(text: str) -> list[str]:
+    joined = (" ".join(part.split()) for part in re.split(r"\n\s*\n", printable(text)))
+    return [paragraph for paragraph in joined if paragraph]
+
+
+def _punctuated(text: str) -> str:
+    return text if text.endswith((".", "?", "!")) else text + "."
+
+
+def _wrap(text: str, width: int) -> list[str]:
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
+
+
+def _indented(lines: Sequence[str], indent: int) -> str:
+    margin = " " * indent
+    first, *others = lines
+    return "\n".join([first, *(margin + line if line else "" for line in others)])

@@ -1,0 +1,273 @@
+"""What a run would do: one plan for writing, `--check`, `--diff` and `--dry-run`."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.folder import FileState, find_generated, inspect
+from jausml.generation.header import has_valid_header
+from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, new_entry
+from jausml.generation.paths import find_problems
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+
+class ActionKind(Enum):
+    """What happens to a file."""
+
+    CREATE = "create"
+    UPDATE = "update"
+    KEEP = "keep"
+    DELETE = "delete"
+    ORPHAN = "orphan"  # reported only
+    REFUSE = "refuse"  # one of these stops the whole plan
+
+
+@dataclass(frozen=True)
+class Action:
+    """What happens to one file, and why.
+
+    Attributes:
+        kind: What happens.
+        path: The file, relative to the output folder.
+        reason: Why, for people.
+        old: Text that stands there now (LF line ends); None for no file or no text.
+        new: Text to be written; None when nothing is written.
+        backup: Where the old bytes are copied before an overwrite, or empty.
+        executable: Whether the written file gets the executable bits.
+    """
+
+    kind: ActionKind
+    path: str
+    reason: str
+    old: str | None = None
+    new: str | None = None
+    backup: str = ""
+    executable: bool = False
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All actions of a run; the manifest's is the last.
+
+    Attributes:
+        out: The output folder.
+        actions: In the order of their paths.
+    """
+
+    out: Path
+    actions: tuple[Action, ...]
+
+    @property
+    def changes(self) -> tuple[Action, ...]:
+        """The actions that write or delete."""
+        return self.of(ActionKind.CREATE, ActionKind.UPDATE, ActionKind.DELETE)
+
+    @property
+    def refused(self) -> tuple[Action, ...]:
+        """The refusals; with one of them nothing is written."""
+        return self.of(ActionKind.REFUSE)
+
+    @property
+    def orphans(self) -> tuple[Action, ...]:
+        """Files that no longer belong to the model but are not ours to delete."""
+        return self.of(ActionKind.ORPHAN)
+
+    @property
+    def is_up_to_date(self) -> bool:
+        """Whether writing would change nothing (exit status 0 of `--check`)."""
+        return not self.changes and not self.refused
+
+    def of(self, *kinds: ActionKind) -> tuple[Action, ...]:
+        """Returns the actions of some kinds."""
+        return tuple(action for action in self.actions if action.kind in kinds)
+
+
+def make_plan(
+    artifacts: Sequence[Artifact],
+    out: Path,
+    manifest: Manifest,
+    *,
+    targets: Collection[str] | None,
+    force: bool = False,
+    extra: Mapping[str, Any] | None = None,
+) -> Plan:
+    """Compares rendered files with the output folder. Reads only.
+
+    Args:
+        artifacts: The files of this run.
+        out: The output folder; it may be missing.
+        manifest: What earlier runs wrote there.
+        targets: Names of the targets that were run, so that files of others stay; None means all:
+            each file that is not among the artifacts is no longer produced.
+        force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
+            overwritten.
+        extra: Replaces the keys of the manifest's free section that it names.
+
+    Returns:
+        The plan.
+    """
+    out = out.resolve()
+    unique = {artifact.path: artifact for artifact in artifacts}
+    problems = find_problems(artifacts)
+    actions: list[Action] = []
+    files: dict[str, Entry] = {}
+    for path, artifact in unique.items():
+        entry = manifest.files.get(path)
+        problem = problems.get(path) or _foreign(entry, targets)
+        if problem:
+            actions.append(Action(ActionKind.REFUSE, path, problem))
+        else:
+            actions.append(_compare(artifact, inspect(out, path), entry, out, force=force))
+            files[path] = new_entry(artifact, entry)
+    for path, entry in manifest.files.items():
+        if path in unique:
+            continue
+        if _foreign(entry, targets):
+            files[path] = entry
+            continue
+        action = _gone(path, entry, inspect(out, path), _successor(entry, artifacts))
+        actions += [action] if action else []
+        if action and action.kind is ActionKind.ORPHAN:
+            files[path] = entry
+    actions += _strays(out, manifest, unique)
+    actions.sort(key=lambda action: action.path)
+    new = Manifest(files=files, extra={**manifest.extra, **(extra or {})})
+    return Plan(out, (*actions, _manifest_action(out, manifest, new)))
+
+
+def unified_diff(plan: Plan) -> str:
+    """Returns what a plan would change as one patch (`patch -p1`), empty when nothing."""
+    return "".join(_diff(action) for action in plan.changes)
+
+
+def _foreign(entry: Entry | None, targets: Collection[str] | None) -> str:
+    if entry is None or targets is None or entry.target in targets:
+        return ""
+    return f"the file belongs to target '{entry.target}', which is not part of this run"
+
+
+def _compare(
+    artifact: Artifact, state: FileState, entry: Entry | None, out: Path, *, force: bool
+) -> Action:
+    path = artifact.path
+    if state.obstacle:
+        return Action(ActionKind.REFUSE, path, state.obstacle)
+    if not state.exists:
+        return _write(ActionKind.CREATE, artifact, state, "new")
+    if artifact.kind is Kind.SKELETON:
+        return Action(ActionKind.KEEP, path, "yours")
+    if state.text == artifact.text:
+        return Action(ActionKind.KEEP, path, "unchanged")
+    if entry is not None and entry.kind is Kind.SKELETON:
+        return Action(ActionKind.REFUSE, path, "this was a skeleton and is yours; move it away")
+    if _is_untouched(state, entry):
+        return _write(ActionKind.UPDATE, artifact, state, "the model or jausml changed")
+    if force:
+        backup = _backup_path(out, path)
+        reason = f"edited by hand, overwritten (copy in {backup})"
+        return _write(ActionKind.UPDATE, artifact, state, reason, backup)
+    hint = "move the change to the skeleton beside it, or overwrite it with --force"
+    return Action(ActionKind.REFUSE, path, f"edited by hand or not written by jausml; {hint}")
+
+
+def _write(
+    kind: ActionKind, artifact: Artifact, state: FileState, reason: str, backup: str = ""
+) -> Action:
+    return Action(
+        kind=kind,
+        path=artifact.path,
+        reason=reason,
+        old=state.text,
+        new=artifact.text,
+        backup=backup,
+        executable=artifact.executable,
+    )
+
+
+def _is_untouched(state: FileState, entry: Entry | None) -> bool:
+    """Whether a file is as some run wrote it.
+
+    The header alone is enough: after a merge the manifest may be of one branch and the file of
+    the other.
+    """
+    if state.text is None:
+        return False
+    known = entry is not None and entry.sha256 == text_digest(state.text)
+    return known or has_valid_header(state.text)
+
+
+def _gone(path: str, entry: Entry, state: FileState, successor: str) -> Action | None:
+    """Returns what happens to a file that is no longer produced; None when it is not there."""
+    if state.obstacle:
+        return Action(ActionKind.ORPHAN, path, f"no longer produced; {state.obstacle}")
+    if not state.exists:
+        return None
+    if entry.kind is Kind.SKELETON:
+        moved = f", whose code is now expected in {successor}" if successor else ""
+        return Action(ActionKind.ORPHAN, path, f"yours; was for '{entry.element}'{moved}")
+    if not _is_untouched(state, entry):
+        return Action(ActionKind.ORPHAN, path, "no longer produced, but edited by hand")
+    return Action(ActionKind.DELETE, path, "no longer produced", old=state.text)
+
+
+def _successor(entry: Entry, artifacts: Sequence[Artifact]) -> str:
+    """Returns the skeleton that the same element now has under another path, or empty."""
+    found = (
+        artifact.path
+        for artifact in artifacts
+        if artifact.kind is Kind.SKELETON
+        and (artifact.target, artifact.element_id) == (entry.target, entry.element)
+    )
+    return min(found, default="")
+
+
+def _strays(out: Path, manifest: Manifest, unique: Mapping[str, Artifact]) -> Iterator[Action]:
+    if not manifest.problem:
+        return
+    reason = f"generated by jausml, but not of this run ({manifest.problem}); delete it if unused"
+    for path in find_generated(out):
+        if path not in unique:
+            yield Action(ActionKind.ORPHAN, path, reason)
+
+
+def _backup_path(out: Path, path: str) -> str:
+    """Returns the first free name: an older copy holds work of the user too."""
+    number = 1
+    backup = f"{path}.orig"
+    while (out / backup).exists() or (out / backup).is_symlink():
+        number += 1
+        backup = f"{path}.orig{number}"
+    return backup
+
+
+def _manifest_action(out: Path, old: Manifest, new: Manifest) -> Action:
+    state = inspect(out, MANIFEST_PATH)
+    if state.obstacle:
+        return Action(ActionKind.REFUSE, MANIFEST_PATH, state.obstacle)
+    text = new.dump()
+    if state.text == text:
+        return Action(ActionKind.KEEP, MANIFEST_PATH, "unchanged")
+    kind = ActionKind.UPDATE if state.exists else ActionKind.CREATE
+    reason = old.problem or "the list of files changed"
+    return Action(kind, MANIFEST_PATH, reason, old=state.text, new=text)
+
+
+def _diff(action: Action) -> str:
+    before = action.old.splitlines(keepends=True) if action.old else []
+    after = action.new.splitlines(keepends=True) if action.new else []
+    lines = difflib.unified_diff(
+        before,
+        after,
+        "/dev/null" if action.kind is ActionKind.CREATE else f"a/{action.path}",
+        "/dev/null" if action.kind is ActionKind.DELETE else f"b/{action.path}",
+    )
+    return "".join(
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+    )

@@ -1,0 +1,209 @@
+"""Filters keep model text data, whatever is in it, and lay code out as ruff's formatter does."""
+
+from __future__ import annotations
+
+import ast
+import math
+import random
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from jausml.generation import literals
+
+HOSTILE = [
+    '"""; import os; os.abort() #',
+    "'''\n",
+    "\\",
+    '\\"',
+    '"',
+    "a\\\n",
+    "x\r\ny\rz\u2028w\x85v",
+    "\x00\x1b[31m\x7f",
+    "\u202e\u2066txt",
+    "{{ 7*7 }}{% raw %}",
+    "-->--<!-- ]]>",
+    "%s {0} $HOME `id`",
+    "tab\there",
+    "\U0001f600 \xff \ud800",
+    "a" * 300,
+    "-" * 7,
+    "",
+    "#\n#!x",
+]
+
+texts = st.one_of(
+    st.sampled_from(HOSTILE),
+    st.text(st.sampled_from("'\"\\\n\r\t -#<>&x{}\x00\u2028é😀"), max_size=60),
+    st.text(max_size=60),
+    st.text(st.characters(), max_size=400),
+)
+encodable = texts.map(lambda text: text.encode("utf-8", "replace").decode("utf-8"))
+
+
+@given(texts)
+def test_pystr_is_the_same_string_in_ascii_on_one_line(text):
+    literal = literals.python_string(text)
+
+    assert literal.isascii()
+    assert "\n" not in literal
+    assert ast.literal_eval(literal) == text
+
+
+@pytest.mark.parametrize(
+    "value", [None, True, False, 0, -7, 1e-9, 0.1, "it's", math.inf, -math.inf]
+)
+def test_pyliteral_evaluates_to_the_value(value):
+    assert eval(literals.python_literal(value)) == value  # noqa: S307 - our own literal
+
+
+def test_pyliteral_of_nan_and_of_other_types():
+    assert math.isnan(eval(literals.python_literal(math.nan)))  # noqa: S307 - our own literal
+    with pytest.raises(TypeError, match="no Python literal for object"):
+        literals.python_literal(object())
+
+
+@given(encodable, st.integers(0, 12))
+def test_docstring_is_one_string_and_nothing_else(text, indent):
+    margin = " " * indent
+    literal = literals.docstring(text, indent)
+    source = f"if True:\n{margin} {literal}\n"
+
+    body = ast.parse(source).body[0].body
+
+    assert len(body) == 1
+    assert isinstance(body[0].value, ast.Constant)
+    assert isinstance(body[0].value.value, str)
+    assert not any(line != line.rstrip() for line in literal.split("\n"))
+
+
+def test_docstring_keeps_words_and_paragraphs():
+    text = 'Says "hi" to C:\\temp.\n\nSecond\nparagraph.'
+
+    literal = literals.docstring(text, 4)
+
+    assert literal == (
+        '"""Says \'hi\' to C:\\\\temp.\n\n    Second paragraph.\n    """'
+    )
+
+
+def test_docstring_splits_a_long_first_paragraph_after_its_sentence():
+    literal = literals.docstring("First. " + "word " * 30, 4)
+
+    assert literal.startswith('"""First.\n\n    word word')
+    assert max(map(len, literal.split("\n"))) <= 100
+
+
+@given(encodable, st.integers(0, 12))
+def test_comment_is_comments_only(text, indent):
+    margin = " " * indent
+    result = margin + literals.comment(text, indent)
+
+    assert all(line.lstrip().startswith("#") for line in result.splitlines())
+    assert ast.parse(result + "\n").body == []
+    assert yaml.safe_load(result) is None
+
+
+@given(encodable)
+def test_xml_text_comes_back_as_content_and_as_attribute(text):
+    escaped = literals.xml_text(text)
+    root = ET.fromstring(f"<a b=\"{escaped}\" c='{escaped}'>{escaped}</a>")  # noqa: S314 - ours
+
+    shown = "".join(c if c in "\t\n\r" or c >= " " else "\ufffd" for c in text)
+    shown = shown.replace("\ufffe", "\ufffd").replace("\uffff", "\ufffd")
+    assert (root.text or "") == shown
+    assert root.get("b") == root.get("c") == shown
+
+
+@given(encodable)
+def test_xmlcomment_stays_inside_its_comment(text):
+    document = f"<a><!-- {literals.xml_comment(text)} --></a>"
+
+    assert len(ET.fromstring(document)) == 0  # noqa: S314 - ours
+    assert "\n" not in document
+
+
+@given(encodable)
+@example("\x7f\x80\x9f\U0001f600")
+def test_yamlstr_comes_back_on_one_ascii_line(text):
+    scalar = literals.yaml_string(text)
+
+    assert scalar.isascii()
+    assert "\n" not in scalar
+    assert yaml.safe_load(f"key: {scalar}") == {"key": text}
+
+
+@pytest.mark.parametrize(
+    "name", ["", "1x", "a b", "x;import os", "class", "a.", "é", "a.None", "x\n", "__import__('os')"]
+)
+def test_ident_refuses_what_is_no_name(name):
+    with pytest.raises(ValueError, match="is not a Python name"):
+        literals.identifier(name)
+
+
+def test_ident_returns_names_unchanged():
+    assert literals.identifier("geometry_msgs.msg.Twist") == "geometry_msgs.msg.Twist"
+
+
+def test_call_args_uses_the_three_forms():
+    assert literals.call_args(["a", "b"], "f(") == "f(a, b)"
+    middle = literals.call_args(["a" * 45, "b" * 45], "function(", indent=4)
+    assert middle == f"function(\n        {'a' * 45}, {'b' * 45}\n    )"
+    tall = literals.call_args(["a" * 60, "b" * 60], "function(")
+    assert tall == f"function(\n    {'a' * 60},\n    {'b' * 60},\n)"
+    assert literals.call_args([], "function" * 20 + "(") == "function" * 20 + "()"
+
+
+def test_items_keeps_the_comma_of_a_tuple_of_one():
+    assert literals.items(["1"], "X = (", ")") == "X = (1,)"
+    assert literals.items(["1"], "X = [", "]") == "X = [1]"
+
+
+def _sample_module(seed):
+    rng = random.Random(seed)
+
+    def words(count):
+        alphabet = "abcdefghij"
+        return ["w" + "".join(rng.choices(alphabet, k=rng.randint(1, 24))) for _ in range(count)]
+
+    def string():
+        return literals.python_string("".join(rng.choices("ab'\"\\\n é", k=rng.randint(0, 12))))
+
+    doc = " ".join(words(rng.randint(0, 30)))
+    length = rng.choice((len(doc), rng.randint(85, 105)))
+    parts = [literals.docstring(doc[:length], 0), "", ""]
+    parts += [f"class C{seed}:"]
+    parts += ["    " + literals.docstring(". ".join(words(rng.randint(0, 30))), 4), ""]
+    parts += [f"    TITLE = {string()}"]
+    parts += ["    " + literals.items([string() for _ in words(rng.randint(2, 9))], "A = [", "]", 4)]
+    parts += ["    " + literals.items(words(rng.randint(1, 9)), "B = (", ")", 4)]
+    pairs = [f"{string()}: {word}" for word in words(rng.randint(1, 9))]
+    parts += ["    " + literals.items(pairs, "D = {", "}", 4), ""]
+    names = [f"a{n}_{word}: int" for n, word in enumerate(words(rng.randint(0, 8)))]
+    head = literals.call_args(["self", *names], "def method(", ") -> None:", 4)
+    parts += ["    " + head]
+    parts += ["        " + literals.docstring("\n\n".join(words(rng.randint(1, 4))), 8)]
+    parts += ["        " + literals.comment(" ".join(words(rng.randint(0, 30))), 8)]
+    arguments = [f"k{n}={string()}" for n in range(rng.randint(0, 8))]
+    parts += ["        " + literals.call_args(arguments, "self.call(", ")", 8)]
+    return "\n".join(parts) + "\n"
+
+
+def test_layout_is_what_ruff_format_makes(tmp_path):
+    ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
+    if ruff is None:
+        pytest.skip("ruff is not installed")
+    for seed in range(60):
+        (tmp_path / f"m{seed}.py").write_text(_sample_module(seed), encoding="utf-8")
+
+    command = [ruff, "format", "--isolated", "--line-length=100", "--diff", str(tmp_path)]
+    result = subprocess.run(command, capture_output=True, text=True)
+
+    assert result.returncode == 0, result.stdout[:4000]
