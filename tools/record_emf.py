@@ -64,7 +64,9 @@ def record(checker: str) -> int:
     (RECORD / "verdicts.json").write_text(text + "\n", encoding="utf-8")
     for path in examples():
         resave(checker, path)
-    return sum(line.startswith("ERROR") for verdict in verdicts.values() for line in verdict["lines"])
+    return sum(
+        line.startswith("ERROR") for verdict in verdicts.values() for line in verdict["lines"]
+    )
 
 
 def resave(checker: str, path: Path) -> None:

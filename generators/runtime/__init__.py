@@ -1,0 +1,1 @@
+"""Target `runtime`: copies the runtime into the workspace as the package `jausml_runtime`."""
