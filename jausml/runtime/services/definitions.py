@@ -1,0 +1,126 @@
+"""Terms that the component, its services and its clients share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+
+CORE = "urn:jaus:jss:core:"
+"""Prefix of the identifiers of the core services (AS5710)."""
+
+MAX_EVENT_RATE = 1092.0
+"""Upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)."""
+
+
+@dataclass(frozen=True)
+class ServiceIdentity:
+    """A service as Discovery reports it (AS5710, ReportServices).
+
+    Attributes:
+        urn: Identifier, e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters.
+        major: Major version.
+        minor: Minor version.
+    """
+
+    urn: str
+    major: int
+    minor: int
+
+
+class Guard(Enum):
+    """Who a component obeys an input message from (AS5710, AccessControl and Management)."""
+
+    ANY = "any"
+    """Every component."""
+    CONTROLLED = "controlled"
+    """The controller alone, in Standby or Ready."""
+    READY = "ready"
+    """The controller alone, in Ready."""
+
+
+class Status(IntEnum):
+    """Management state of a component (AS5710, ReportStatus)."""
+
+    INITIALIZE = 0
+    READY = 1
+    STANDBY = 2
+    SHUTDOWN = 3
+    FAILURE = 4
+    EMERGENCY = 5
+
+
+class Scope(IntEnum):
+    """How much a Discovery service answers for (AS5710, QueryIdentification, QueryType)."""
+
+    SYSTEM = 1
+    SUBSYSTEM = 2
+    NODE = 3
+    COMPONENT = 4
+
+
+@dataclass(frozen=True)
+class ComponentSettings:
+    """How a component behaves towards its peers.
+
+    Attributes:
+        default_authority: Lowest authority code that may control the component, 0 to 255.
+        control_timeout: Seconds after which control lapses unless it is requested again, 0 to
+            255; 0 means never (AS5710, QueryTimeout).
+        event_timeout: Minutes after which an event lapses unless it is updated, 0 to 255;
+            0 means never (AS5710, QueryEventTimeout).
+        event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
+        event_rate_max: Fastest periodic event in Hz; faster requests get this rate.
+        max_events: Events that the component serves at a time, 0 to 255.
+        discovery_scope: What the Discovery service answers for. One component of a subsystem
+            takes SUBSYSTEM, by convention n.1.1.
+        subsystem_name: Name of the subsystem in ReportIdentification; the component's own
+            name when empty.
+        registration_lifetime: Seconds after which a registered component that was not heard
+            of is forgotten.
+        register_services: Whether the component registers its services with the Discovery
+            service of its subsystem.
+        retry_min: Seconds before an unanswered request is sent again for the first time.
+        retry_max: Longest time in seconds between two requests that stay unanswered.
+        refused_retry: Seconds between two requests after a refusal.
+        watch_interval: Longest time in seconds between two checks of a controlled component.
+        renew_interval: Longest time in seconds between two renewals of an event.
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+
+    default_authority: int = 0
+    control_timeout: int = 5
+    event_timeout: int = 1
+    event_rate_min: float = 0.1
+    event_rate_max: float = 100.0
+    max_events: int = 255
+    discovery_scope: Scope = Scope.COMPONENT
+    subsystem_name: str = ""
+    registration_lifetime: float = 300.0
+    register_services: bool = True
+    retry_min: float = 0.5
+    retry_max: float = 5.0
+    refused_retry: float = 5.0
+    watch_interval: float = 1.0
+    renew_interval: float = 10.0
+
+    def __post_init__(self) -> None:
+        """Refuse values that the wire cannot carry or that would flood it."""
+        _check("default_authority", self.default_authority, 0, 255)
+        _check("control_timeout", self.control_timeout, 0, 255)
+        _check("event_timeout", self.event_timeout, 0, 255)
+        _check("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
+        _check("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)
+        _check("max_events", self.max_events, 0, 255)
+        _check("registration_lifetime", self.registration_lifetime, 1, 86400)
+        _check("retry_min", self.retry_min, 0.05, 60)
+        _check("retry_max", self.retry_max, self.retry_min, 600)
+        _check("refused_retry", self.refused_retry, 0.05, 600)
+        _check("watch_interval", self.watch_interval, 0.05, 600)
+        _check("renew_interval", self.renew_interval, 0.05, 600)
+
+
+def _check(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")
