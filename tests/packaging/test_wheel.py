@@ -1,0 +1,78 @@
+"""The wheel works in an empty environment, without ROS, from any working directory."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+pytestmark = [pytest.mark.timeout(400), pytest.mark.slow]
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    """Runs a command outside the checkout; returns what it printed."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    result = subprocess.run(
+        list(map(str, command)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=300
+    )
+    assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Builds the wheel from a copy of the tracked files and installs it alone; returns the bin folder."""
+    work = tmp_path_factory.mktemp("wheel")
+    source = work / "source"
+    names = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split("\0")
+    for name in filter(None, names):
+        if (ROOT / name).is_file() and not name.startswith("tests/"):
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, source / name)
+    run(sys.executable, "-m", "build", "--wheel", "--outdir", work, source, cwd=work)
+    (wheel,) = work.glob("jausml-*.whl")
+    environment = work / "environment"
+    venv.create(environment, with_pip=True)
+    run(environment / "bin" / "python", "-m", "pip", "install", "--quiet", wheel, cwd=work)
+    return environment / "bin"
+
+
+def shipped(installed: Path, tmp_path: Path) -> Path:
+    """Returns the folder of the models that the wheel brought."""
+    code = "import jausml, pathlib; print(pathlib.Path(jausml.__file__).parent / 'models')"
+    return Path(run(installed / "python", "-c", code, cwd=tmp_path).strip())
+
+
+def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
+    result = subprocess.run([installed / "python", "-c", "import rclpy"], cwd=tmp_path, capture_output=True)
+    assert result.returncode != 0
+
+
+@pytest.mark.parametrize("example", ["catvehicle", "minimal"])
+def test_validate_and_generate(installed: Path, tmp_path: Path, example: str) -> None:
+    model = shipped(installed, tmp_path) / example / f"{example}.xmi"
+    run(installed / "jausml", "validate", model, cwd=tmp_path)
+    run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
+    produced = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert {"jausml_runtime", f"{example}_bringup"} <= set(produced)
+    assert (tmp_path / "out" / "jausml_runtime" / "jausml_runtime" / "transport.py").is_file()
+    run(installed / "jausml", "generate", model, "-o", "out", "--check", cwd=tmp_path)
+    run(installed / "python", "-m", "compileall", "-q", tmp_path / "out", cwd=tmp_path)
+
+
+def test_own_model_by_library_address(installed: Path, tmp_path: Path) -> None:
+    """A model outside any checkout names the shipped library by its address, without a network."""
+    model = tmp_path / "own" / "model.xmi"
+    model.parent.mkdir()
+    text = (shipped(installed, tmp_path) / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+    model.write_text(text.replace("../library/", "http://www.jausml.org/library/"), encoding="utf-8")
+    run(installed / "jausml", "validate", model, cwd=tmp_path)
