@@ -1,0 +1,237 @@
+"""A connection of a bridge: takes a message, translates it, hands it over.
+
+All of it happens on the thread on which the message arrived. What is lost is counted under a
+reason; nothing that a message contains, and nothing that an overridden method does, ends the
+thread.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from .bridge_statistics import AbsentFieldError, Limit, OutOfRangeError, Statistics
+from .conversions import ConversionError
+from .message import EncodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .bridge import Bridge
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT")
+
+FILTERED = "filtered"
+FAILED = "translation_failed"
+NOT_READY = "not_ready"
+
+_REASONS: tuple[tuple[type[Exception], str], ...] = (
+    (AbsentFieldError, "absent_field"),
+    (OutOfRangeError, "out_of_range"),
+    (ConversionError, "no_counterpart"),
+    (EncodeError, "not_encodable"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionStatus:
+    """State of a connection for `/diagnostics`.
+
+    Attributes:
+        name: Name of the connection.
+        level: `ok`, `warning` or `stale`.
+        message: The state in a few words.
+        hardware_id: JAUS address of the bridge.
+        values: Names and values in the order in which they are shown.
+    """
+
+    name: str
+    level: str
+    message: str
+    hardware_id: str
+    values: tuple[tuple[str, str], ...]
+
+
+class Connection(Generic[SourceT, TargetT]):
+    """What the connections of both directions have in common.
+
+    Attributes:
+        name: Name of the connection in the model.
+        statistics: What happened so far.
+        limit: Keeps values in the range of their target field.
+        silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        clamp: bool = True,
+        silence_timeout: float = 0.0,
+        safe_value: Callable[[], TargetT] | None = None,
+    ) -> None:
+        """Prepares a connection; nothing is exchanged before `open`.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the target message, or None to pass nothing on.
+            clamp: What to do with values out of range: True moves them, False drops the message.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
+            safe_value: Makes the message that is sent once when the source is silent.
+        """
+        self.name = name
+        self.statistics = Statistics()
+        self.limit = Limit(self.statistics, clamp=clamp)
+        self.silence_timeout = silence_timeout
+        self.is_silent = False
+        self._translate = translate
+        self._safe_value = safe_value
+        self._heard = 0.0
+        self._bridge: Bridge
+        self._reported: tuple[float, int, int] | None = None
+
+    # ------------------------------------------------------------------ for the kinds
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the publishers and subscriptions of the connection.
+
+        Args:
+            bridge: The bridge, whose two sides are there.
+        """
+        self._bridge = bridge
+
+    def deliver(self, target: TargetT) -> bool:
+        """Hands a message to the target side; False when it was dropped and counted."""
+        raise NotImplementedError
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Names and states of the other ends, for diagnostics."""
+        raise NotImplementedError
+
+    @property
+    def declared_rate(self) -> float:
+        """Messages each second that the model promises; 0 when it promises none."""
+        return 0.0
+
+    # ------------------------------------------------------------------ messages
+
+    def take(self, source: SourceT) -> None:
+        """Takes one message from the source and passes its translation on."""
+        started = time.monotonic_ns()
+        self.statistics.arrivals += 1
+        self._note_arrival()
+        try:
+            target = self._translate(source)
+            if target is None:
+                self.drop(FILTERED)
+            elif self.deliver(target):
+                self.statistics.handled(time.monotonic_ns() - started)
+        except Exception as error:
+            self._failed(error)
+
+    def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
+        """Counts a message that is not passed on."""
+        drops = self.statistics.drops
+        drops[reason] = drops.get(reason, 0) + 1
+        self._bridge.component.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
+
+    def _failed(self, error: Exception) -> None:
+        for kind, reason in _REASONS:
+            if isinstance(error, kind):
+                self.drop(reason, str(error))
+                return
+        self.drop(FAILED, repr(error), error)
+
+    # ------------------------------------------------------------------ silence
+
+    def watch(self) -> None:
+        """Starts to watch for silence, which a source that never spoke also is."""
+        if self.silence_timeout > 0:
+            self._heard = self._bridge.loop.now()
+            self._bridge.loop.call_later(self.silence_timeout, self._check_silence)
+
+    def _note_arrival(self) -> None:
+        loop = self._bridge.loop
+        self.statistics.last_arrival = now = loop.now()
+        if self.silence_timeout > 0:
+            # With the lock the check either sees this arrival, or has sent the safe value before
+            # the value that arrived.
+            with loop.lock:
+                self._heard = now
+                if self.is_silent:
+                    self.is_silent = False
+                    loop.call_later(self.silence_timeout, self._check_silence)
+
+    def _check_silence(self) -> None:
+        """Runs on the loop, which holds its lock."""
+        loop = self._bridge.loop
+        remaining = self._heard + self.silence_timeout - loop.now()
+        if remaining > 0:
+            loop.call_later(remaining, self._check_silence)
+            return
+        self.fall_silent()
+
+    def fall_silent(self) -> None:
+        """Sends the safe value; the next message from the source ends the silence."""
+        self.is_silent = True
+        self.send_safe_value()
+
+    def send_safe_value(self) -> None:
+        """Hands the modelled safe value to the target side; nothing when there is none."""
+        if self._safe_value is None:
+            return
+        try:
+            if self.deliver(self._safe_value()):
+                self.statistics.safe_values += 1
+        except Exception as error:
+            self._failed(error)
+
+    def on_not_ready(self) -> None:
+        """The bridge lost its controller or Ready; matters to connections fed by commands."""
+
+    # ------------------------------------------------------------------ diagnostics
+
+    def status(self) -> ConnectionStatus:
+        """Returns the state since the last call, for `/diagnostics`."""
+        counts = self.statistics
+        now = self._bridge.loop.now()
+        dropped = sum(counts.drops.values())
+        then, arrivals_then, dropped_then = self._reported or (now, counts.arrivals, dropped)
+        self._reported = (now, counts.arrivals, dropped)
+        elapsed = now - then
+        rate = (counts.arrivals - arrivals_then) / elapsed if elapsed > 0 else 0.0
+        level, message = self._judge(rate, measured=elapsed > 0, dropping=dropped > dropped_then)
+        age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
+        values = [
+            ("messages taken", str(counts.arrivals)),
+            ("messages passed", str(counts.passed)),
+            ("rate (Hz)", f"{rate:.2f}"),
+            ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
+            ("age (s)", age),
+            ("safe values", str(counts.safe_values)),
+            ("values limited", str(counts.limited)),
+            *((f"dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+            ("handling mean (us)", f"{counts.handling_mean / 1000:.1f}"),
+            ("handling longest (us)", f"{counts.handling_longest / 1000:.1f}"),
+            *self.describe_peers(),
+        ]
+        return ConnectionStatus(
+            self.name, level, message, str(self._bridge.settings.address), tuple(values)
+        )
+
+    def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:
+        if self.is_silent:
+            return "stale", "the source is silent"
+        if self.statistics.last_arrival is None:
+            return "stale", "no message yet"
+        if dropping:
+            return "warning", "messages are dropped"
+        if measured and rate < self.declared_rate / 2:
+            return "warning", "slower than declared"
+        return "ok", "running"
+
+
+AnyConnection = Connection[Any, Any]

@@ -1,0 +1,181 @@
+"""Connections that carry ROS topics to JAUS. They work on the thread that waits for ROS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from .bridge_connection import NOT_READY, Connection
+from .component import ControlState
+from .packet import Priority
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from .address import JausAddress
+    from .bridge import Bridge, ReportHolder
+    from .component import ControlSession
+    from .message import Message
+    from .topics import Topic
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT", bound="Message")
+
+
+class FromTopics(Connection[SourceT, TargetT]):
+    """What the connections from ROS topics have in common: the topics."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        type: type[SourceT],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        message: type[TargetT],
+        clamp: bool = True,
+        silence_timeout: float = 0.0,
+        safe_value: Callable[[], TargetT] | None = None,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on.
+            type: ROS type of the topics.
+            topics: Topics that are subscribed to.
+            message: JAUS message that is made.
+            clamp: What to do with values out of range: True moves them, False drops the message.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
+            safe_value: Makes the message that is sent once when the topics are silent.
+        """
+        super().__init__(
+            name, translate, clamp=clamp, silence_timeout=silence_timeout, safe_value=safe_value
+        )
+        self._type = type
+        self._topics = tuple(topics)
+        self._message = message
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the subscriptions; no message is taken before the bridge runs."""
+        super().open(bridge)
+        for topic in self._topics:
+            bridge.subscribe(self._type, topic, self.take)
+
+
+class TopicsToMessage(FromTopics[SourceT, TargetT]):
+    """Sends a JAUS message for each ROS message.
+
+    Attributes:
+        peers: JAUS components that receive it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        peers: Sequence[JausAddress],
+        control: bool = False,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on.
+            peers: JAUS components that receive it.
+            control: Whether control of the peers is acquired and kept, and they are resumed. The
+                message is sent to a peer only while that holds.
+            priority: Priority of the message (AS5669A).
+            acknowledge: Whether each peer shall acknowledge it.
+            options: The other parameters of `FromTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.peers = tuple(peers)
+        self._control = control
+        self._priority = priority
+        self._acknowledge = acknowledge
+        self._sessions: dict[JausAddress, ControlSession] = {}
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the subscriptions and starts to acquire control."""
+        super().open(bridge)
+        if self._control:
+            for peer in self.peers:
+                self._sessions[peer] = bridge.component.control(
+                    peer, authority=bridge.settings.authority, on_change=self._control_changed
+                )
+
+    def deliver(self, target: TargetT) -> bool:
+        """Encodes once and sends to each peer that obeys; False when none does."""
+        payload = target.encode()
+        component = self._bridge.component
+        sent = False
+        with component.loop.lock:
+            for peer in self.peers:
+                session = self._sessions.get(peer)
+                if session is not None and session.state is not ControlState.READY:
+                    self.drop(NOT_READY, str(peer))
+                    continue
+                component.transport.send(
+                    component.address,
+                    peer,
+                    payload,
+                    priority=self._priority,
+                    acknowledge=self._acknowledge,
+                )
+                sent = True
+        return sent
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and the state of their control."""
+        states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
+        return [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
+
+    def _control_changed(self, state: ControlState) -> None:
+        # A peer that was away when the topics fell silent has missed the safe value.
+        if state is ControlState.READY and self.is_silent:
+            self.send_safe_value()
+
+
+class TopicsToReport(FromTopics[SourceT, TargetT]):
+    """Serves the newest ROS message as a JAUS report, to queries and events alike."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        query: type[Message],
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS report, or None to keep the one before.
+            query: The query that asks for the report.
+            options: The other parameters of `FromTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self._query = query
+        self._report: ReportHolder
+
+    def open(self, bridge: Bridge) -> None:
+        """Offers the report, then makes the subscriptions."""
+        super().open(bridge)
+        self._report = bridge.report(self._query, self._message)
+
+    def deliver(self, target: TargetT) -> bool:
+        """Makes the message the present report and tells subscribers of changes."""
+        target.encode()  # an unfit value is refused here, not at the next query
+        with self._bridge.loop.lock:
+            self._report.value = target
+            self._bridge.component.report_changed(self._message)
+        return True
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Reports go to whoever asks."""
+        return [("peer", "any")]

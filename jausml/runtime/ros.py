@@ -1,0 +1,202 @@
+"""The ROS side of a bridge: the only module of the runtime that imports rclpy.
+
+A bridge sees three things of ROS: it subscribes, it publishes, and somebody waits. How a
+subscription takes its messages and who waits for them stays in here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.duration import Duration
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from .conversions import Time
+from .settings import add_arguments, from_arguments
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from .bridge import Bridge, ConnectionStatus
+    from .topics import Topic
+
+_LEVELS = {
+    "ok": DiagnosticStatus.OK,
+    "warning": DiagnosticStatus.WARN,
+    "stale": DiagnosticStatus.STALE,
+}
+
+
+class RosNode:
+    """One rclpy node with a thread that waits for its messages."""
+
+    def __init__(self, name: str, namespace: str, arguments: Sequence[str] | None = None) -> None:
+        """Joins ROS.
+
+        Args:
+            name: Node name, which `-r __node:=` changes.
+            namespace: Namespace; empty means the root.
+            arguments: Command line with `--ros-args`; None means none.
+        """
+        self._context = rclpy.Context()
+        # Signals are left to the process: ROS must outlive the release of JAUS control.
+        rclpy.init(
+            args=list(arguments or ()),
+            context=self._context,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+
+    @property
+    def name(self) -> str:
+        """Name of the node with its namespace, e.g. `/fleet/bridge`."""
+        return str(self._node.get_fully_qualified_name())
+
+    def now(self) -> Time:
+        """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
+        return Time(*self._node.get_clock().now().seconds_nanoseconds())
+
+    def parameter(
+        self, name: str, default: Any, description: str, limits: tuple[float, float] | None = None
+    ) -> Any:
+        """Declares a read-only parameter and returns its value.
+
+        Args:
+            name: Name of the parameter.
+            default: Modelled value; its type is that of the parameter.
+            description: Text of the descriptor.
+            limits: Least and greatest value of a number.
+        """
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        if limits is not None and isinstance(default, int):
+            low, high = int(limits[0]), int(limits[1])
+            descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
+        elif limits is not None:
+            low_high = FloatingPointRange(from_value=limits[0], to_value=limits[1])
+            descriptor.floating_point_range = [low_high]
+        return self._node.declare_parameter(name, default, descriptor).value
+
+    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
+        """Makes a publisher and returns what publishes on it, callable from any thread."""
+        publish: Callable[[Any], None] = self._node.create_publisher(
+            message_type,
+            topic.name,
+            _profile(topic),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        ).publish
+        return publish
+
+    def subscribe(
+        self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
+    ) -> None:
+        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
+        self._node.create_subscription(
+            message_type,
+            topic.name,
+            deliver,
+            _profile(topic),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+
+    def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
+        """Publishes one status for each connection on `/diagnostics`."""
+        array = DiagnosticArray()
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        array.status = [
+            DiagnosticStatus(
+                level=_LEVELS[status.level],
+                name=f"{self.name}: {status.name}",
+                message=status.message,
+                hardware_id=status.hardware_id,
+                values=[KeyValue(key=key, value=value) for key, value in status.values],
+            )
+            for status in statuses
+        ]
+        self._diagnostics.publish(array)
+
+    def start(self) -> None:
+        """Starts to wait for messages, on a thread of its own."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stops to wait and leaves ROS."""
+        self._executor.shutdown()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._node.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+
+    def _spin(self) -> None:
+        try:
+            self._executor.spin()
+        except ExternalShutdownException:
+            return
+
+
+def run(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
+    """Runs a bridge until SIGINT or SIGTERM; control of JAUS peers is released at the end.
+
+    Args:
+        bridge: The bridge, not yet opened.
+        arguments: Command line; None means that of the process.
+
+    Returns:
+        Exit code of the process.
+    """
+    line = sys.argv[1:] if arguments is None else list(arguments)
+    model = bridge.settings
+    parser = argparse.ArgumentParser(prog=model.name, description=model.description)
+    add_arguments(parser, model.transport)
+    options = parser.parse_args(remove_ros_args(["", *line])[1:])
+    settings = from_arguments(options, model.transport)
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    ros = RosNode(model.name, model.namespace, line)
+    try:
+        with bridge.running(ros, settings):
+            ros.start()
+            stop.wait()
+    finally:
+        ros.close()
+    return 0
+
+
+def _profile(topic: Topic) -> QoSProfile:
+    """The rclpy profile; its policies have the names that the model uses."""
+    qos = topic.qos
+    profile = QoSProfile(
+        reliability=ReliabilityPolicy[qos.reliability.upper()],
+        durability=DurabilityPolicy[qos.durability.upper()],
+        history=HistoryPolicy[qos.history.upper()],
+        depth=qos.depth,
+        liveliness=LivelinessPolicy[qos.liveliness.upper()],
+    )
+    if qos.deadline > 0:
+        profile.deadline = Duration(seconds=qos.deadline)
+    if qos.lifespan > 0:
+        profile.lifespan = Duration(seconds=qos.lifespan)
+    if qos.lease_duration > 0:
+        profile.liveliness_lease_duration = Duration(seconds=qos.lease_duration)
+    return profile

@@ -1,0 +1,43 @@
+"""ROS topics as a bridge names them, without a dependency on rclpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Qos:
+    """Quality of service in the words of ROS 2; the defaults are those of a plain publisher.
+
+    Attributes:
+        reliability: `reliable`, `best_effort` or `system_default`.
+        durability: `volatile`, `transient_local` or `system_default`.
+        history: `keep_last`, `keep_all` or `system_default`.
+        depth: Messages kept with `keep_last`.
+        deadline: Longest expected time between messages in seconds; 0 means none.
+        lifespan: Seconds after which a message is stale; 0 means never.
+        liveliness: `automatic`, `manual_by_topic` or `system_default`.
+        lease_duration: Seconds within which liveliness must be shown; 0 means none.
+    """
+
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    history: str = "keep_last"
+    depth: int = 10
+    deadline: float = 0.0
+    lifespan: float = 0.0
+    liveliness: str = "automatic"
+    lease_duration: float = 0.0
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of a connection.
+
+    Attributes:
+        name: Topic name; relative names are resolved in the namespace of the node.
+        qos: Quality of service, which `qos_overrides` parameters may change.
+    """
+
+    name: str
+    qos: Qos = Qos()
