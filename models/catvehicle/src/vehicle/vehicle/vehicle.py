@@ -1,0 +1,98 @@
+"""The car: a bicycle plant behind JAUS."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import astuple
+from datetime import datetime, timezone
+
+from catvehicle.events import EventLog
+from catvehicle.metrics import COLUMNS
+from catvehicle.parameters import VehicleParameters
+from catvehicle.realtime import RealTimePlant
+from jausml_runtime.address import JausAddress
+from jausml_runtime.transport import Transport
+
+from .messages import (
+    QueryLocalPose,
+    QueryVelocityState,
+    QueryWrenchEffort,
+    ReportLocalPose,
+    ReportVelocityState,
+    ReportWrenchEffort,
+    SetWrenchEffort,
+)
+from .vehicle_base import VehicleBase
+
+
+class Vehicle(VehicleBase):
+    """Drives the plant by SetWrenchEffort and reports its state.
+
+    JAUS axes are x forward, y right, z down; the plant's are x forward, y left, z up. So y, yaw,
+    yaw rate and tyre angle change sign on the way in and out.
+    """
+
+    # JAUS-DEVIATION: AS6009 calls PrimitiveDriver open loop effort. Here linear effort x is the
+    # speed set-point and rotational effort z the tyre angle, in percent of their limits, as the
+    # drive by wire kit of the original vehicle takes them; no standard mobility message carries a
+    # tyre angle.
+
+    def __init__(self, transport: Transport) -> None:
+        super().__init__(transport)
+        self._parameters = VehicleParameters()
+        self._plant = RealTimePlant(self._parameters, time.monotonic)
+        self._truth = EventLog.from_environment("vehicle")
+        self._truth.write(*COLUMNS)
+        self._events = EventLog.from_environment("vehicle_events")
+
+    def on_set_wrench_effort(self, message: SetWrenchEffort, sender: JausAddress) -> None:
+        """Takes the efforts that are present; an absent one keeps its last value."""
+        linear, rotational = message.propulsive_linear_effort_x, message.propulsive_rotational_effort_z
+        if linear is not None:
+            self._plant.command_speed(linear / 100 * self._parameters.speed_max)
+        if rotational is not None:
+            angle = -rotational / 100 * self._parameters.steering_limit
+            self._plant.command_steering(angle)
+            self._events.write("command", time.monotonic(), angle)
+
+    def on_not_ready(self) -> None:
+        """Stops: nobody may drive."""
+        self._plant.stop()
+
+    def report_velocity_state(
+        self, query: QueryVelocityState, sender: JausAddress
+    ) -> ReportVelocityState:
+        """Returns the velocity of the rear axle and logs the true state."""
+        sample = self._plant.sample()
+        self._truth.write(*astuple(sample))
+        now = datetime.now(timezone.utc)
+        self._events.write("report", time.monotonic(), int(now.timestamp() * 1000))
+        return ReportVelocityState(
+            velocity_x=sample.v,
+            velocity_y=0.0,
+            yaw_rate=-self._plant.yaw_rate,
+            time_stamp=ReportVelocityState.TimeStamp(
+                milliseconds=now.microsecond // 1000,
+                seconds=now.second,
+                minutes=now.minute,
+                hour=now.hour,
+                day=now.day,
+            ),
+        )
+
+    def report_wrench_effort(
+        self, query: QueryWrenchEffort, sender: JausAddress
+    ) -> ReportWrenchEffort:
+        """Returns what was achieved: speed and tyre angle in percent of their limits."""
+        state = self._plant.state()
+        return ReportWrenchEffort(
+            propulsive_linear_effort_x=100 * state.v / self._parameters.speed_max,
+            propulsive_rotational_effort_z=-100 * state.delta / self._parameters.steering_limit,
+        )
+
+    def report_local_pose(self, query: QueryLocalPose, sender: JausAddress) -> ReportLocalPose:
+        """Returns the pose of the rear axle."""
+        state = self._plant.state()
+        yaw = -math.remainder(state.psi, math.tau)
+        return ReportLocalPose(x=state.x, y=-state.y, yaw=yaw)

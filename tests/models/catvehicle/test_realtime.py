@@ -1,0 +1,72 @@
+"""The plant on a clock that the test moves."""
+
+from __future__ import annotations
+
+import pytest
+from catvehicle.parameters import VehicleParameters
+from catvehicle.plant import BicyclePlant
+from catvehicle.realtime import RealTimePlant
+
+
+class Clock:
+    """Monotonic seconds, moved by hand."""
+
+    def __init__(self) -> None:
+        self.time = 100.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def test_follows_the_clock(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(deadman_timeout=10.0), clock)
+    plant.command_speed(2.0)
+    clock.time += 1.0
+    reference = BicyclePlant(VehicleParameters())
+    reference.command(2.0, 0.0)
+    assert plant.state().v == pytest.approx(reference.advance(1.0).v)
+    assert plant.sample().t == pytest.approx(1.0)
+
+
+def test_dead_man_acts_at_its_instant_even_when_asked_later(clock: Clock) -> None:
+    parameters = VehicleParameters(deadman_timeout=0.2)
+    plant = RealTimePlant(parameters, clock)
+    plant.command_speed(5.0)
+    clock.time += 3.0
+    reference = BicyclePlant(parameters)
+    reference.command(5.0, 0.0)
+    reference.advance(0.2)
+    reference.command(0.0, 0.0)
+    assert plant.state().v == pytest.approx(reference.advance(2.8).v)
+    assert plant.sample().v_cmd == 0.0
+
+
+def test_dead_man_keeps_the_tyre_angle(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(), clock)
+    plant.command_speed(5.0)
+    plant.command_steering(-0.2)
+    clock.time += 5.0
+    assert plant.sample().delta_cmd == pytest.approx(-0.2)
+    assert plant.state().delta == pytest.approx(-0.2, abs=1e-3)
+
+
+def test_renewed_commands_keep_it_going(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(), clock)
+    for _ in range(50):
+        plant.command_speed(3.0)
+        clock.time += 0.1
+    assert plant.state().v > 2.5
+
+
+def test_stop(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(), clock)
+    plant.command_speed(3.0)
+    clock.time += 0.1
+    plant.stop()
+    clock.time += 10.0
+    assert plant.state().v == pytest.approx(0.0, abs=1e-3)
