@@ -12,6 +12,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
+from jausml.generation.folder import inspect
 from jausml.generation.paths import path_problem
 from jausml.generation.source import (
     Definition,
@@ -84,7 +85,7 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
     for artifact in artifacts:
         if artifact.kind is not Kind.SKELETON or path_problem(artifact.path) is not None:
             continue
-        if artifact.contract is not None and (out / artifact.path).is_file():
+        if artifact.contract is not None and inspect(out, artifact.path).exists:
             entry = manifest.files.get(artifact.path)
             known = entry.methods if entry else {}
             findings += _compare_file(out, artifact.path, artifact.contract, known)
@@ -193,5 +194,5 @@ def _signature_problem(function: Function, method: MethodContract) -> str:
         return f"takes ({', '.join(names)})"
     if None in arguments.kw_defaults:
         return "requires keyword arguments"
-    swapped = [n for n, w in zip(names, wanted, strict=False) if n != w and n in wanted]
+    swapped = any(n != w and w in names for n, w in zip(names, wanted, strict=False))
     return f"takes its parameters in another order ({', '.join(names)})" if swapped else ""

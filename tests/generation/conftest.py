@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from jausml import generation as gen
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 TEMPLATES = {
-    "base.py.j2": '''\
+    "base.py.j2": """\
 {{ view.doc|docstring(0) }}
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ class {{ view.class_name|ident }}Base:
     def on_{{ message.name|ident }}(self, message: bytes) -> None:
         {{ ("Receives " ~ message.name ~ ".")|docstring(8) }}
 {% endfor %}
-''',
+""",
     "user.py.j2": '''\
 """Yours: written once."""
 

@@ -89,9 +89,7 @@ def test_docstring_keeps_words_and_paragraphs():
 
     literal = literals.docstring(text, 4)
 
-    assert literal == (
-        '"""Says \'hi\' to C:\\\\temp.\n\n    Second paragraph.\n    """'
-    )
+    assert literal == ('"""Says \'hi\' to C:\\\\temp.\n\n    Second paragraph.\n    """')
 
 
 def test_docstring_splits_a_long_first_paragraph_after_its_sentence():
@@ -141,7 +139,8 @@ def test_yamlstr_comes_back_on_one_ascii_line(text):
 
 
 @pytest.mark.parametrize(
-    "name", ["", "1x", "a b", "x;import os", "class", "a.", "é", "a.None", "x\n", "__import__('os')"]
+    "name",
+    ["", "1x", "a b", "x;import os", "class", "a.", "é", "a.None", "x\n", "__import__('os')"],
 )
 def test_ident_refuses_what_is_no_name(name):
     with pytest.raises(ValueError, match="is not a Python name"):
@@ -182,7 +181,9 @@ def _sample_module(seed):
     parts += [f"class C{seed}:"]
     parts += ["    " + literals.docstring(". ".join(words(rng.randint(0, 30))), 4), ""]
     parts += [f"    TITLE = {string()}"]
-    parts += ["    " + literals.items([string() for _ in words(rng.randint(2, 9))], "A = [", "]", 4)]
+    parts += [
+        "    " + literals.items([string() for _ in words(rng.randint(2, 9))], "A = [", "]", 4)
+    ]
     parts += ["    " + literals.items(words(rng.randint(1, 9)), "B = (", ")", 4)]
     pairs = [f"{string()}: {word}" for word in words(rng.randint(1, 9))]
     parts += ["    " + literals.items(pairs, "D = {", "}", 4), ""]

@@ -1,0 +1,182 @@
+"""Carrying out a plan: a failure at any point leaves each file old or new, and a rerun heals it."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from jausml import generation as gen
+
+NOBODY = 65534
+
+
+class Killed(BaseException):
+    """Stands for a signal: no handler of the product catches it."""
+
+
+class FailingReplace:
+    """Path.replace that fails at one of its calls, before or after it took place."""
+
+    def __init__(self, monkeypatch, failing_call, error, *, after):
+        self.calls = 0
+        self.failing_call = failing_call
+        self.error = error
+        self.after = after
+        self.real = Path.replace
+
+        def replace(path, target):
+            return self.run(path, target)
+
+        monkeypatch.setattr(Path, "replace", replace)
+
+    def run(self, path, target):
+        self.calls += 1
+        if self.calls == self.failing_call and not self.after:
+            raise self.error
+        result = self.real(path, target)
+        if self.calls == self.failing_call:
+            raise self.error
+        return result
+
+
+def contents(workspace):
+    return workspace.files() if workspace.out.exists() else {}
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("error", [Killed(), OSError(28, "No space left on device")])
+def test_a_failure_between_any_two_files_is_healed_by_a_rerun(
+    workspace, vehicle, arm, rename, tmp_path, after, error
+):
+    old_model = [vehicle, arm]
+    new_model = [rename(vehicle, doc="Changed."), rename(arm, name="hand")]
+    workspace.write(old_model)
+    old = contents(workspace)
+    writes = len(workspace.plan(new_model).of(gen.ActionKind.CREATE, gen.ActionKind.UPDATE))
+    reference = type(workspace)(tmp_path / "reference", workspace.targets)
+    reference.write(old_model)
+    reference.write(new_model)
+    new = contents(reference)
+    for failing_call in range(1, writes + 1):
+        workspace.out = tmp_path / f"out{failing_call}"
+        workspace.write(old_model)
+        plan = workspace.plan(new_model)
+
+        with pytest.MonkeyPatch.context() as patch:
+            FailingReplace(patch, failing_call, error, after=after)
+            with pytest.raises((Killed, gen.WriteError)):
+                gen.apply(plan)
+
+        for path, content in contents(workspace).items():
+            assert content in (old.get(path), new.get(path)), path
+        last_reached = failing_call == writes and after
+        assert (contents(workspace)[gen.MANIFEST_PATH] == new[gen.MANIFEST_PATH]) is last_reached
+        workspace.write(new_model)
+        assert contents(workspace) == new
+        assert workspace.plan(new_model).is_up_to_date
+
+
+def test_a_failed_first_run_leaves_no_temporary_file(workspace, vehicle):
+    plan = workspace.plan([vehicle])
+
+    with pytest.MonkeyPatch.context() as patch:
+        FailingReplace(patch, 3, Killed(), after=False)
+        with pytest.raises(Killed):
+            gen.apply(plan)
+
+    assert len(contents(workspace)) == 2
+    workspace.write([vehicle])
+    assert workspace.plan([vehicle]).is_up_to_date
+
+
+def test_a_temporary_file_of_a_killed_run_is_replaced_not_followed(workspace, vehicle, tmp_path):
+    victim = tmp_path / "victim"
+    victim.write_text("x", encoding="utf-8")
+    folder = workspace.path("vehicle")
+    folder.mkdir(parents=True)
+    (folder / ".data.json.jausml-tmp").symlink_to(victim)
+    (folder / ".vehicle.py.jausml-tmp").write_text("half", encoding="utf-8")
+
+    workspace.write([vehicle])
+
+    assert victim.read_text(encoding="utf-8") == "x"
+    assert not list(workspace.out.rglob("*.jausml-tmp"))
+
+
+def test_a_failed_rendering_writes_nothing(workspace, templates, vehicle, rename):
+    workspace.write([vehicle])
+    before = workspace.snapshot()
+    (templates / "params.yaml.j2").write_text("{{ view.nosuch }}", encoding="utf-8")
+
+    with pytest.raises(gen.InternalError):
+        workspace.write([rename(vehicle, doc="Changed.")])
+
+    assert workspace.snapshot() == before
+
+
+def test_a_file_that_appears_after_the_plan_is_not_overwritten(workspace, vehicle):
+    plan = workspace.plan([vehicle])
+    workspace.path("vehicle").mkdir(parents=True)
+    workspace.path("vehicle/vehicle.py").write_text("mine", encoding="utf-8")
+
+    with pytest.raises(gen.WriteError, match=r"vehicle/vehicle\.py: the file appeared"):
+        gen.apply(plan)
+
+    assert workspace.path("vehicle/vehicle.py").read_text(encoding="utf-8") == "mine"
+
+
+@contextmanager
+def unprivileged():
+    """Root may write anywhere; become nobody for a moment."""
+    if os.geteuid() != 0:
+        yield
+        return
+    os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permission bits")
+def test_a_read_only_folder_is_an_error_with_the_files_name(workspace, vehicle, rename):
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        workspace.out = folder
+        workspace.write([vehicle])
+        before = contents(workspace)
+        plan = workspace.plan([rename(vehicle, doc="Changed.")])
+        workspace.path("vehicle").chmod(0o555)
+        workspace.path("vehicle/config").chmod(0o555)
+
+        with unprivileged(), pytest.raises(gen.WriteError, match=r"vehicle/.*: Permission denied"):
+            gen.apply(plan)
+
+        assert contents(workspace) == before
+        workspace.path("vehicle").chmod(0o755)
+        workspace.path("vehicle/config").chmod(0o755)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permission bits")
+def test_files_get_the_usual_permissions(workspace, vehicle):
+    mask = os.umask(0o027)
+    try:
+        workspace.write([vehicle])
+    finally:
+        os.umask(mask)
+
+    assert workspace.path("vehicle/vehicle.py").stat().st_mode & 0o777 == 0o640
+
+
+def test_an_output_path_that_is_a_file_is_an_error(workspace, vehicle):
+    workspace.out.write_text("x", encoding="utf-8")
+
+    with pytest.raises((gen.WriteError, gen.RefusedError)):
+        workspace.write([vehicle])
+
+    assert workspace.out.read_text(encoding="utf-8") == "x"
