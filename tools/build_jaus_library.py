@@ -50,15 +50,13 @@ SETS = (
         "1.0",
         "Environment sensing services of AS6060.",
     ),
-    SetFile(
-        "manipulator", "manipulator-1.0.xmi", "manipulator", "1.0", "Manipulator services of AS6057."
-    ),
+    SetFile("manipulator", "manipulator-1.0.xmi", "manipulator", "1.0", "Services of AS6057."),
     SetFile(
         "manipulator-v2.0",
         "manipulator-2.0.xmi",
         "manipulator",
         "2.0",
-        "Manipulator services of AS6057A.",
+        "Services of AS6057A.",
     ),
     SetFile("ugv", "ugv.xmi", "ugv", "1.0", "Unmanned ground vehicle services of AS6091."),
     SetFile("iop", "iop.xmi", "iop", "1.1", "Services of the interoperability profiles (IOP)."),

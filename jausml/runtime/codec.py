@@ -1,0 +1,287 @@
+"""What the generated messages call to check a value on its way to and from the wire.
+
+Encoding is strict: a value outside its range, or one that a value set does not list, raises
+EncodeError and names the attribute. Decoding is as lenient as the layout allows: an integer that a
+value set does not list is carried on, because peers send such values (the emergency code 0 for
+example, where AS5710 lists 1 alone) and only the receiver can say what they are worth.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+from .message import DecodeError, EncodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence, Sized
+
+T = TypeVar("T")
+
+# Part of a step by which floating point may miss an integer that was decoded before.
+_SLACK = 1e-3
+
+
+def integer(value: int, lower: int, upper: int, field: str) -> int:
+    """Returns an integer that lies in its range.
+
+    Args:
+        value: The value.
+        lower: Smallest legal value.
+        upper: Largest legal value.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range or no number.
+    """
+    try:
+        if lower <= value <= upper:
+            return value
+    except TypeError:
+        raise EncodeError(field, f"{value!r} is not a number") from None
+    raise EncodeError(field, f"{value!r} is outside {lower} .. {upper}")
+
+
+def one_of(value: int, ranges: Sequence[tuple[int, int]], field: str) -> int:
+    """Returns an integer that its value set lists.
+
+    Args:
+        value: The value.
+        ranges: Smallest and largest value of each legal range.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: No range holds the value.
+    """
+    try:
+        if any(lower <= value <= upper for lower, upper in ranges):
+            return value
+    except TypeError:
+        raise EncodeError(field, f"{value!r} is not a number") from None
+    raise EncodeError(field, f"{value!r} is not in the value set")
+
+
+def whole(value: float, lower: int, upper: int, field: str) -> int:
+    """Returns the integer that a real number stands for.
+
+    Args:
+        value: A number without a fraction.
+        lower: Smallest legal value.
+        upper: Largest legal value.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range, has a fraction or is no number.
+    """
+    try:
+        number = int(value)
+    except (TypeError, ValueError, OverflowError):
+        raise EncodeError(field, f"{value!r} is not a number") from None
+    if number != value:
+        raise EncodeError(field, f"{value!r} is not a whole number")
+    return integer(number, lower, upper, field)
+
+
+def real(value: float, lower: float, upper: float, field: str) -> float:
+    """Returns a real number that lies in its range.
+
+    Args:
+        value: The value.
+        lower: Smallest legal value.
+        upper: Largest legal value.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range, infinite or no number.
+    """
+    try:
+        if lower <= value <= upper:
+            return value
+    except TypeError:
+        raise EncodeError(field, f"{value!r} is not a number") from None
+    raise EncodeError(field, f"{value!r} is outside {lower} .. {upper}")
+
+
+def scaled(value: float, lower: float, step: float, maximum: int, field: str) -> int:
+    """Returns the integer nearest to a scaled value (AS5684 scale_range, function round).
+
+    Args:
+        value: The value in its unit.
+        lower: Value of the integer 0.
+        step: Difference between the values of neighbouring integers.
+        maximum: Largest integer.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range or no number.
+    """
+    try:
+        position = (value - lower) / step
+        if 0.0 <= position <= maximum:
+            return round(position)
+    except TypeError:
+        raise EncodeError(field, f"{value!r} is not a number") from None
+    return _end(value, lower, step, maximum, field)
+
+
+def scaled_down(value: float, lower: float, step: float, maximum: int, field: str) -> int:
+    """Returns the integer below a scaled value (AS5684 scale_range, function floor).
+
+    Args:
+        value: The value in its unit.
+        lower: Value of the integer 0.
+        step: Difference between the values of neighbouring integers.
+        maximum: Largest integer.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range or no number.
+    """
+    scaled(value, lower, step, maximum, field)
+    return min(math.floor((value - lower) / step + _SLACK), maximum)
+
+
+def scaled_up(value: float, lower: float, step: float, maximum: int, field: str) -> int:
+    """Returns the integer above a scaled value (AS5684 scale_range, function ceiling).
+
+    Args:
+        value: The value in its unit.
+        lower: Value of the integer 0.
+        step: Difference between the values of neighbouring integers.
+        maximum: Largest integer.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The value is out of range or no number.
+    """
+    scaled(value, lower, step, maximum, field)
+    return min(max(math.ceil((value - lower) / step - _SLACK), 0), maximum)
+
+
+def _end(value: float, lower: float, step: float, maximum: int, field: str) -> int:
+    """Returns the end that a value misses by no more than floating point does, or raises."""
+    position = (value - lower) / step
+    slack = _SLACK + maximum * 2.0**-50
+    if -slack <= position < 0.0:
+        return 0
+    if maximum < position <= maximum + slack:
+        return maximum
+    raise EncodeError(field, f"{value!r} is outside {lower} .. {lower + step * maximum}")
+
+
+def sized(value: Sized, lower: int, upper: int, field: str) -> int:
+    """Returns the length of a list, string or byte string that is neither too short nor too long.
+
+    Args:
+        value: The list or string.
+        lower: Smallest legal length.
+        upper: Largest legal length.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The length is not legal.
+    """
+    length = len(value)
+    if lower <= length <= upper:
+        return length
+    raise EncodeError(field, f"length {length} is outside {lower} .. {upper}")
+
+
+def exactly(values: Sequence[T], count: int, field: str) -> Sequence[T]:
+    """Returns the elements of an array, which has a fixed number of them.
+
+    Args:
+        values: The elements.
+        count: How many there must be.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: There are more or fewer.
+    """
+    sized(values, count, count, field)
+    return values
+
+
+def latin1(value: str, field: str) -> bytes:
+    """Returns a string as bytes, one for each character.
+
+    Args:
+        value: The string.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The string has characters beyond Latin-1.
+    """
+    try:
+        return value.encode("latin-1")
+    except UnicodeEncodeError:
+        raise EncodeError(field, f"{value!r} has characters beyond Latin-1") from None
+
+
+def padded(value: str, length: int, field: str) -> bytes:
+    """Returns a string of fixed length as bytes, padded with zeros.
+
+    Args:
+        value: The string.
+        length: Number of bytes.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: The string is too long, has characters beyond Latin-1 or a NUL, which ends it.
+    """
+    text = latin1(value, field)
+    sized(text, 0, length, field)
+    if b"\0" in text:
+        raise EncodeError(field, f"{value!r} has a NUL, which would end it")
+    return text.ljust(length, b"\0")
+
+
+def unpadded(text: bytes) -> str:
+    """Returns the string that fixed bytes hold: what stands before the first NUL.
+
+    Args:
+        text: The bytes.
+    """
+    return text.split(b"\0", 1)[0].decode("latin-1")
+
+
+def take(buffer: bytes, offset: int, size: int, lower: int, upper: int, field: str) -> bytes:
+    """Returns a counted part of the payload.
+
+    Args:
+        buffer: The whole payload.
+        offset: Where the part begins.
+        size: The count on the wire.
+        lower: Smallest legal count.
+        upper: Largest legal count.
+        field: Attribute that an error names.
+
+    Raises:
+        DecodeError: The count is not legal or the payload ends before it.
+    """
+    if not lower <= size <= upper:
+        raise DecodeError(field, f"length {size} is outside {lower} .. {upper}")
+    part = buffer[offset : offset + size]
+    if len(part) != size:
+        raise DecodeError(field, f"length {size} is more than the {len(part)} bytes that follow")
+    return part
+
+
+def check_count(size: int, lower: int, upper: int, room: int, element: int, field: str) -> None:
+    """Checks the count of a list before memory is taken for its elements.
+
+    Args:
+        size: The count on the wire.
+        lower: Smallest legal count.
+        upper: Largest legal count.
+        room: Bytes that follow the count.
+        element: Fewest bytes of an element.
+        field: Attribute that an error names.
+
+    Raises:
+        DecodeError: The count is not legal or the payload is too short for it.
+    """
+    if not lower <= size <= upper:
+        raise DecodeError(field, f"count {size} is outside {lower} .. {upper}")
+    if size * element > room:
+        raise DecodeError(field, f"count {size} needs more than the {room} bytes that follow")

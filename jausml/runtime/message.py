@@ -1,0 +1,133 @@
+"""Base of the generated messages, and the two errors of their codecs.
+
+A message on the wire is its code (u16, little endian) and a packed body without padding; all
+numbers are little endian (SAE AS5684, encoding of JSIDL messages; codes: AS5710, AS6009).
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import ClassVar, TypeVar
+
+_CODE = struct.Struct("<H")
+
+MessageT = TypeVar("MessageT", bound="Message")
+
+
+class DecodeError(ValueError):
+    """Bytes that are not the message they claim to be.
+
+    Attributes:
+        where: Message or field that is wrong.
+        reason: What is wrong with it.
+    """
+
+    def __init__(self, where: str, reason: str) -> None:
+        super().__init__(f"{where}: {reason}")
+        self.where = where
+        self.reason = reason
+
+
+class EncodeError(ValueError):
+    """A value that has no place on the wire, for example one outside the range of its field.
+
+    Attributes:
+        field: Attribute that is wrong.
+        reason: What is wrong with it.
+    """
+
+    def __init__(self, field: str, reason: str) -> None:
+        super().__init__(f"{field}: {reason}")
+        self.field = field
+        self.reason = reason
+
+
+def read_code(payload: bytes) -> int:
+    """Returns the message code that a payload begins with.
+
+    Args:
+        payload: Payload of a datagram or of an embedded message.
+
+    Raises:
+        DecodeError: The payload is too short for a code.
+    """
+    try:
+        code: int = _CODE.unpack_from(payload)[0]
+    except struct.error:
+        raise DecodeError("message code", f"{len(payload)} bytes cannot hold it") from None
+    return code
+
+
+class Message:
+    """One JAUS message; the generated subclasses are dataclasses of its fields.
+
+    An optional field that is None is left out by the presence vector. Two messages are equal when
+    their fields are.
+
+    Attributes:
+        CODE: Message code.
+        NAME: Name in the standard.
+    """
+
+    __slots__ = ()
+
+    CODE: ClassVar[int]
+    NAME: ClassVar[str]
+
+    def encode(self) -> bytes:
+        """Returns the message code and the body as bytes.
+
+        Raises:
+            EncodeError: A field is out of range, not a number or too long.
+        """
+        out = bytearray(_CODE.pack(self.CODE))
+        try:
+            self.write_to(out)
+        except struct.error as error:
+            raise EncodeError(self.NAME, str(error)) from error
+        return bytes(out)
+
+    @classmethod
+    def decode(cls: type[MessageT], payload: bytes) -> MessageT:
+        """Returns the message that the bytes hold.
+
+        Bytes after the body are refused: a body that is longer than its definition is of another
+        definition, and what was read of it cannot be trusted.
+
+        Args:
+            payload: Message code and body.
+
+        Raises:
+            DecodeError: The bytes are no such message.
+        """
+        code = read_code(payload)
+        if code != cls.CODE:
+            raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
+        try:
+            message, end = cls.read_from(payload, 2)
+        except struct.error as error:
+            raise DecodeError(cls.NAME, f"the body ends too early: {error}") from None
+        if end != len(payload):
+            raise DecodeError(cls.NAME, f"{len(payload) - end} bytes follow the body")
+        return message
+
+    def write_to(self, out: bytearray) -> None:
+        """Appends the body; there is none unless a subclass says otherwise.
+
+        Args:
+            out: Bytes written so far.
+        """
+
+    @classmethod
+    def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:
+        """Reads the body; there is none unless a subclass says otherwise.
+
+        Args:
+            buffer: The whole payload.
+            offset: Where the body begins.
+
+        Returns:
+            The message, and the offset after it.
+        """
+        del buffer
+        return cls(), offset
