@@ -1,0 +1,110 @@
+"""Writes docs/reference/ from the metamodels, the rules and the command line, so that they cannot drift apart."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import click
+
+from jausml.cli import main as command_line
+from jausml.metamodel import ClassTable, FeatureTable, PackageTable, documentation, load_metamodels
+from jausml.validation import rule_catalogue
+
+FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
+LANGUAGES = ("jaus", "ros", "bridge", "system")
+
+
+def metamodel_page(language: str) -> str:
+    """Returns the page of one language: classes with their features, then enumerations."""
+    package = load_metamodels().package_named(language)
+    lines = [f"# The {language} language", "", documentation(package.epackage), ""]
+    lines += [f"Namespace: `{package.ns_uri}`, declared in `metamodels/{package.file_name}`.", ""]
+    for table in package.classes.values():
+        lines += _class(table)
+    lines += _data_types(package)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _class(table: ClassTable) -> list[str]:
+    kind = " (abstract)" if table.abstract else ""
+    supers = ", ".join(str(parent.name) for parent in table.eclass.eSuperTypes)
+    lines = [f"## {table.name}{kind}", "", documentation(table.eclass), ""]
+    if supers:
+        lines += [f"Specialises {supers}.", ""]
+    own = [table.features[feature.name] for feature in table.eclass.eStructuralFeatures]
+    if own:
+        lines += ["| feature | type | number | default | meaning |", "|---|---|---|---|---|"]
+        lines += [_feature(feature) for feature in own]
+        lines.append("")
+    return lines
+
+
+def _feature(feature: FeatureTable) -> str:
+    upper = "*" if feature.upper < 0 else str(feature.upper)
+    number = str(feature.lower) if str(feature.lower) == upper else f"{feature.lower}..{upper}"
+    default = feature.feature.defaultValueLiteral or ""
+    cells = (f"`{feature.name}`", feature.type_name, number, default, documentation(feature.feature))
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _data_types(package: PackageTable) -> list[str]:
+    lines: list[str] = []
+    for classifier in package.epackage.eClassifiers:
+        if classifier.eClass.name == "EEnum":
+            lines += [f"## {classifier.name}", "", documentation(classifier), ""]
+            lines += ["| literal | meaning |", "|---|---|"]
+            literals = classifier.eLiterals
+            lines += [f"| `{literal.name}` | {documentation(literal)} |" for literal in literals]
+            lines.append("")
+        elif classifier.eClass.name == "EDataType":
+            lines += [f"## {classifier.name}", "", documentation(classifier), ""]
+    return lines
+
+
+def rules_page() -> str:
+    """Returns the page of all rules with what `jausml explain` says."""
+    lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
+    for rule_id, info in sorted(rule_catalogue().items()):
+        lines += [f"## {rule_id} {info.title}", "", f"Severity: {info.severity.value}.", ""]
+        lines += [info.explanation, ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def command_line_page() -> str:
+    """Returns the page of the command line: what each verb's --help prints."""
+    lines = ["# Command line", ""]
+    root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
+    commands = [command_line, *(command_line.commands[name] for name in sorted(command_line.commands))]
+    for command in commands:
+        context = root
+        if command is not command_line:
+            context = click.Context(command, info_name=command.name, parent=root)
+        lines += [f"## {context.command_path}", "", "```text", command.get_help(context), "```", ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def pages() -> Mapping[str, str]:
+    """Returns every page by file name."""
+    makers: dict[str, Callable[[], str]] = {"rules.md": rules_page, "cli.md": command_line_page}
+    texts = {f"{language}.md": metamodel_page(language) for language in LANGUAGES}
+    return texts | {name: maker() for name, maker in makers.items()}
+
+
+def main() -> int:
+    """Writes the pages; with --check only tells whether they are up to date (exit 1 when not)."""
+    stale = []
+    for name, text in pages().items():
+        path = FOLDER / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            stale.append(name)
+            if "--check" not in sys.argv[1:]:
+                FOLDER.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8", newline="\n")
+    print(f"{len(stale)} pages changed: {', '.join(stale)}" if stale else "reference is up to date")
+    return 1 if stale and "--check" in sys.argv[1:] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
