@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jausml.generation.literals import yaml_string
+from jausml.generators.common.names import package_name
 
 _DEFAULT_HOST = {"interface": "127.0.0.1", "port": 3794, "group": "239.255.0.1", "ttl": 16}
 
@@ -17,7 +18,7 @@ class ProcessView:
     """A process of the system.
 
     Attributes:
-        name: Name of the component, node or bridge, which is also that of its package.
+        name: Name of the component, node or bridge.
         kind: `component`, `node` or `bridge`.
         namespace: ROS namespace; empty for the root and for JAUS components.
         host: Name of the host that it runs on; empty when the model has no hosts.
@@ -30,7 +31,12 @@ class ProcessView:
     namespace: str
     host: str
     transport: Mapping[str, str | int]
-    parameters: Mapping[str, bool | int | float | str]
+    parameters: Mapping[str, bool | float | str]
+
+    @property
+    def package(self) -> str:
+        """Package of the process, which is also the name of its executable."""
+        return package_name(self.name)
 
     @property
     def speaks_jaus(self) -> bool:
@@ -45,7 +51,7 @@ class ProcessView:
     @property
     def module(self) -> str:
         """Module that runs the process."""
-        return f"{self.name}.main"
+        return f"{self.package}.main"
 
     @property
     def transport_arguments(self) -> tuple[str, ...]:
@@ -168,7 +174,7 @@ class BringupView:
     @property
     def dependencies(self) -> tuple[str, ...]:
         """ROS packages that the package needs at run time, sorted."""
-        packages = {process.name for process in self.processes}
+        packages = {process.package for process in self.processes}
         return tuple(sorted(packages | {"ament_index_python", "launch", "launch_ros"}))
 
     def _on_host(self, host: str) -> tuple[ProcessView, ...]:
@@ -200,14 +206,14 @@ class BringupView:
         return self.system.hosts[0] if self.system.hosts else None
 
 
-def _yaml(value: bool | int | float | str) -> str:
+def _yaml(value: bool | float | str) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     return yaml_string(value) if isinstance(value, str) else repr(value)
 
 
-def _parameters(node: Any) -> dict[str, bool | int | float | str]:
-    values: dict[str, bool | int | float | str] = {}
+def _parameters(node: Any) -> dict[str, bool | float | str]:
+    values: dict[str, bool | float | str] = {}
     for parameter in node.parameters:
         text = parameter.value
         kind = parameter.type.name

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generators.common.names import class_name
+from jausml.generators.common.names import class_name, package_name
 from jausml.generators.common.ros import Qos, RosType, import_lines, qos, ros_type
 
 
@@ -38,13 +38,13 @@ class ParameterView:
     """A parameter: default value as a Python literal and what its descriptor says."""
 
     name: str
-    default: bool | int | float | str
+    default: bool | float | str
     python_type: str
-    value_field: str
     documentation: str
     range_class: str
-    minimum: int | float
-    maximum: int | float
+    range_argument: str
+    minimum: float
+    maximum: float
     read_only: bool
 
 
@@ -69,8 +69,13 @@ class NodeView:
 
     @property
     def name(self) -> str:
-        """Node name, which is also the package and module name."""
+        """Node name."""
         return str(self.node.name)
+
+    @property
+    def package(self) -> str:
+        """Package name, which is also the name of the skeleton's module."""
+        return package_name(self.name)
 
     @property
     def class_name(self) -> str:
@@ -218,7 +223,7 @@ def _service(endpoint: Any, verb: str) -> ServiceView:
 
 def _parameter(parameter: Any) -> ParameterView:
     kind = parameter.type.name
-    default: bool | int | float | str = {
+    default: bool | float | str = {
         "bool": lambda text: text.strip().lower() == "true",
         "integer": int,
         "double": float,
@@ -230,11 +235,11 @@ def _parameter(parameter: Any) -> ParameterView:
         name=parameter.name,
         default=default,
         python_type={"bool": "bool", "integer": "int", "double": "float", "string": "str"}[kind],
-        value_field=f"{kind}_value",
         documentation=parameter.documentation or "",
         range_class={"integer": "IntegerRange", "double": "FloatingPointRange"}[kind]
         if limited
         else "",
+        range_argument={"integer": "integer_range"}.get(kind, "floating_point_range"),
         minimum=number(parameter.minimum),
         maximum=number(parameter.maximum),
         read_only=parameter.readOnly,
