@@ -1,0 +1,67 @@
+"""Every command that the documentation shows runs, in order, as a reader would type it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\((?!http)([^)#]+)(?:#[^)]*)?\)")
+pytestmark = pytest.mark.timeout(300)
+
+
+def script(page: Path) -> str:
+    """Returns the commands of a page: what follows `$ `, and the lines of here documents."""
+    lines = "".join(BLOCK.findall(page.read_text(encoding="utf-8"))).splitlines()
+    return "\n".join(line.removeprefix("$ ") for line in lines)
+
+
+WITH_COMMANDS = [page for page in PAGES if script(page)]
+
+
+@pytest.mark.live
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.stem)
+def test_commands_run(page: Path, tmp_path: Path) -> None:
+    (tmp_path / "models").symlink_to(ROOT / "models")
+    programs = Path(sys.executable).parent
+    environment = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    bash = shutil.which("bash")
+    assert bash is not None
+    result = subprocess.run(
+        [bash, "-euo", "pipefail", "-c", script(page)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=250,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_the_tutorial_has_commands() -> None:
+    assert ROOT / "docs" / "tutorial.md" in WITH_COMMANDS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    for link in LINK.findall(page.read_text(encoding="utf-8")):
+        assert (page.parent / link).exists(), f"{page.name} links to {link}"
+
+
+def test_readme_names_exactly_the_two_commands() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert re.findall(r"^    (\S.*)$", text, re.MULTILINE) == ["make demo", "make test"]
+
+
+def test_reference_is_what_the_tool_says() -> None:
+    command = [sys.executable, str(ROOT / "tools" / "build_reference.py"), "--check"]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert result.returncode == 0, result.stdout
