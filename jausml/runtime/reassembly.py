@@ -1,0 +1,164 @@
+"""Messages of several packets: putting their fragments together."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+from .packet import DataFlags, Packet
+
+if TYPE_CHECKING:
+    from .address import JausAddress
+    from .counters import Counters
+
+_FRAGMENT_OVERHEAD = 400
+_MAX_SOURCES = 256
+_MAX_FRAGMENTS = 32768
+_TOTAL_FACTOR = 4
+
+
+class _Run:
+    """Fragments with consecutive sequence numbers, from ``start`` to ``end``."""
+
+    __slots__ = ("end", "start", "updated")
+
+    def __init__(self, start: int, end: int, updated: float) -> None:
+        self.start = start
+        self.end = end
+        self.updated = updated
+
+
+class _Source:
+    """Fragments of one source and the runs that they form."""
+
+    __slots__ = ("by_end", "by_start", "fragments", "size")
+
+    def __init__(self) -> None:
+        self.fragments: dict[int, Packet] = {}
+        self.by_start: dict[int, _Run] = {}
+        self.by_end: dict[int, _Run] = {}
+        self.size = 0
+
+    def add(self, packet: Packet, now: float) -> _Run:
+        """Keep a fragment and return the run that it belongs to now."""
+        number = packet.sequence
+        self.fragments[number] = packet
+        self.size += _cost(packet)
+        run = _Run(number, number, now)
+        before = None
+        if packet.data_flags != DataFlags.FIRST:
+            before = self.by_end.get(_following(number, -1))
+        if before and self.fragments[before.end].data_flags != DataFlags.LAST:
+            del self.by_end[before.end]
+            run = before
+            run.end, run.updated = number, now
+        after = None
+        if packet.data_flags != DataFlags.LAST:
+            after = self.by_start.get(_following(number))
+        if after and self.fragments[after.start].data_flags != DataFlags.FIRST:
+            del self.by_start[after.start]
+            run.end = after.end
+        self.by_start[run.start] = run
+        self.by_end[run.end] = run
+        return run
+
+    def is_complete(self, run: _Run) -> bool:
+        """Return whether a run is a whole message."""
+        first, last = self.fragments[run.start], self.fragments[run.end]
+        return first.data_flags == DataFlags.FIRST and last.data_flags == DataFlags.LAST
+
+    def remove(self, run: _Run) -> list[Packet]:
+        """Forget a run and return its fragments in order."""
+        del self.by_start[run.start], self.by_end[run.end]
+        count = (run.end - run.start & 0xFFFF) + 1
+        packets = [self.fragments.pop(_following(run.start, n)) for n in range(count)]
+        self.size -= sum(map(_cost, packets))
+        return packets
+
+
+class Reassembly:
+    """Collects fragments per source until a message is whole (AS5669A, data flags).
+
+    Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
+    numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
+    ``judp.reassembly_timeout`` and ``judp.reassembly_overflow``.
+    """
+
+    def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
+        """Start with no fragments.
+
+        Args:
+            timeout: Seconds without progress after which fragments are discarded.
+            limit: Bytes kept for one source (with bookkeeping); four times as many in total.
+            counters: Where discarded fragments are counted.
+        """
+        self._timeout = timeout
+        self._limit = limit
+        self._counters = counters
+        self._sources: OrderedDict[JausAddress, _Source] = OrderedDict()
+        self._size = 0
+
+    @property
+    def size(self) -> int:
+        """Bytes held for incomplete messages, with bookkeeping."""
+        return self._size
+
+    def add(self, packet: Packet, now: float) -> Packet | None:
+        """Take a fragment and return the whole message that it completes, if it does.
+
+        The message has the sequence number, priority and destination of its first packet.
+        """
+        source = self._sources.get(packet.source)
+        if source is None:
+            source = self._sources[packet.source] = _Source()
+        elif packet.sequence in source.fragments:
+            return None
+        self._sources.move_to_end(packet.source)
+        self._size += _cost(packet)
+        run = source.add(packet, now)
+        if source.is_complete(run):
+            return self._finish(packet.source, source, run)
+        self._enforce_limits(packet.source, source)
+        return None
+
+    def expire(self, now: float) -> None:
+        """Discard what has not grown for the timeout."""
+        for address, source in list(self._sources.items()):
+            runs = source.by_start.values()
+            for run in [run for run in runs if now - run.updated >= self._timeout]:
+                count = len(self._remove(source, run))
+                self._counters.count("judp.reassembly_timeout", f"{count} fragments of {address}")
+            if not source.fragments:
+                del self._sources[address]
+
+    def _finish(self, address: JausAddress, source: _Source, run: _Run) -> Packet:
+        packets = self._remove(source, run)
+        if not source.fragments:
+            del self._sources[address]
+        payload = b"".join([packet.payload for packet in packets])
+        return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
+
+    def _remove(self, source: _Source, run: _Run) -> list[Packet]:
+        before = source.size
+        packets = source.remove(run)
+        self._size -= before - source.size
+        return packets
+
+    def _enforce_limits(self, address: JausAddress, source: _Source) -> None:
+        if source.size > self._limit or len(source.fragments) > _MAX_FRAGMENTS:
+            self._discard(address)
+        while self._size > self._limit * _TOTAL_FACTOR or len(self._sources) > _MAX_SOURCES:
+            self._discard(next(iter(self._sources)))
+
+    def _discard(self, address: JausAddress) -> None:
+        source = self._sources.pop(address)
+        self._size -= source.size
+        self._counters.count("judp.reassembly_overflow", f"{source.size} bytes of {address}")
+
+
+def _cost(packet: Packet) -> int:
+    return len(packet.payload) + _FRAGMENT_OVERHEAD
+
+
+def _following(number: int, steps: int = 1) -> int:
+    return number + steps & 0xFFFF
