@@ -1,0 +1,70 @@
+"""Docstrings from model text: wrapped, and unable to end the literal they stand in."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import LINE_WIDTH, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def clean(text: str | None) -> str:
+    """Returns model text on one line, safe inside a docstring and a comment.
+
+    Args:
+        text: Any text, or None.
+    """
+    plain = " ".join(printable(text or "").split())
+    return plain.replace("\\", "/").replace('"', "'")
+
+
+def sentence(text: str) -> str:
+    """Returns clean text with a capital first and a full stop last.
+
+    Args:
+        text: Clean text, not empty.
+    """
+    ended = text if text.endswith((".", "?", "!")) else f"{text}."
+    return ended[0].upper() + ended[1:]
+
+
+def docstring(
+    summary: str,
+    indent: int,
+    paragraphs: Sequence[str] = (),
+    attributes: Sequence[tuple[str, str]] = (),
+) -> str:
+    """Returns a docstring with its quotes; the first line is not indented.
+
+    Args:
+        summary: Clean text of the first line.
+        indent: Columns before the docstring.
+        paragraphs: Clean texts that follow.
+        attributes: Names and clean descriptions for a section `Attributes`.
+    """
+    width = LINE_WIDTH - indent
+    if not paragraphs and not attributes and len(summary) + 6 <= width:
+        return f'"""{summary}"""'
+    lines = _wrap(f'"""{summary}', width)
+    for paragraph in paragraphs:
+        lines += ["", *_wrap(paragraph, width)]
+    if attributes:
+        lines += ["", "Attributes:"]
+    for name, description in attributes:
+        lines += _wrap(f"    {name}: {description}", width, "        ")
+    first, *others = [*lines, '"""']
+    margin = " " * indent
+    return "\n".join([first, *(margin + line if line else "" for line in others)])
+
+
+def _wrap(text: str, width: int, continued: str = "") -> list[str]:
+    return textwrap.wrap(
+        text,
+        width,
+        subsequent_indent=continued,
+        break_long_words=True,
+        break_on_hyphens=False,
+    )

@@ -1,0 +1,310 @@
+"""How values stand on the wire (SAE AS5684): what a codec says of one field of a message.
+
+Each class describes one kind of value and answers what templates/messages.py.j2 asks: the Python
+type, a default, and the expressions that turn the value into its wire form and back.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from jausml.generators.common.layout import Call, Expression
+
+FORMATS = {
+    "uint8": "B",
+    "int8": "b",
+    "uint16": "H",
+    "int16": "h",
+    "uint32": "I",
+    "int32": "i",
+    "uint64": "Q",
+    "int64": "q",
+    "float32": "f",
+    "float64": "d",
+}
+_FLOAT_LIMITS = {"float32": 3.4028234663852886e38, "float64": 1.7976931348623157e308}
+_SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
+
+Ranges = tuple[tuple[int, int], ...]
+
+
+def name_of(value: Any) -> str:
+    """Returns the name of an enumeration literal of a model (or of a default, a plain string)."""
+    return str(getattr(value, "name", value))
+
+
+def bits_of(numeric_type: str) -> int:
+    """Returns the number of bits of a wire type."""
+    return 8 * struct.calcsize(f"<{FORMATS[numeric_type]}")
+
+
+def integer_limits(numeric_type: str) -> tuple[int, int]:
+    """Returns the smallest and the largest integer of a wire type."""
+    bits = bits_of(numeric_type)
+    return (
+        (0, 2**bits - 1)
+        if numeric_type.startswith("u")
+        else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    )
+
+
+def length_format(numeric_type: str) -> str:
+    """Returns the struct format of a count or tag.
+
+    Raises:
+        ValueError: It is not an unsigned integer.
+    """
+    if not numeric_type.startswith("u"):
+        raise ValueError(f"{numeric_type} cannot count")
+    return FORMATS[numeric_type]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A value of a fixed number of bytes, one item of a struct format.
+
+    Attributes:
+        format: Its struct format.
+        python_type: Its type in Python.
+        default: A legal value, as Python text.
+        check: Function that checks and converts a value for the wire.
+        limits: Arguments of that function between the value and the attribute name.
+        back: What turns the integer on the wire (`{}`) into the value.
+        range_text: Its legal values in words.
+        scale: Lower and upper limit of a scaled field.
+    """
+
+    kind: ClassVar[str] = "fixed"
+    format: str
+    python_type: str
+    default: str
+    check: str
+    limits: tuple[str, ...]
+    back: str = "{}"
+    range_text: str = ""
+    scale: tuple[float, float] | None = None
+
+    @property
+    def size(self) -> int:
+        """Bytes on the wire."""
+        return struct.calcsize(f"<{self.format}")
+
+    min_size = size
+
+    def pack(self, value: str, field: str) -> Call:
+        """Returns the expression that makes the wire item.
+
+        Args:
+            value: The value, as Python text.
+            field: Attribute that an error names.
+        """
+        return Call(self.check, (value, *self.limits, f'"{field}"'))
+
+    def unpack(self, raw: str) -> str:
+        """Returns the expression that makes the value.
+
+        Args:
+            raw: The wire item, as Python text.
+        """
+        return self.back.format(raw)
+
+
+@dataclass(frozen=True)
+class Bits(Fixed):
+    """A bit field: an integer on the wire, an instance of a nested class in Python."""
+
+    def pack(self, value: str, field: str) -> Call:
+        """Returns the expression that makes the wire item."""
+        del field
+        return Call(f"{value}.to_integer", ())
+
+
+@dataclass(frozen=True)
+class Blob:
+    """Counted bytes, or text when `is_text`.
+
+    Attributes:
+        count_format: Struct format of the count.
+        lower: Smallest legal length.
+        upper: Largest legal length.
+        is_text: Whether the value is a string.
+        content: What the bytes are, in words.
+    """
+
+    kind: ClassVar[str] = "blob"
+    count_format: str
+    lower: int
+    upper: int
+    is_text: bool
+    content: str
+
+    @property
+    def python_type(self) -> str:
+        """Type in Python."""
+        return "str" if self.is_text else "bytes"
+
+    @property
+    def default(self) -> str:
+        """An empty value."""
+        return '""' if self.is_text else 'b""'
+
+    @property
+    def range_text(self) -> str:
+        """Legal lengths in words."""
+        shortest = f"{self.lower} .. " if self.lower else "up to "
+        return f"{shortest}{self.upper} bytes"
+
+    @property
+    def count_size(self) -> int:
+        """Bytes of the count."""
+        return struct.calcsize(f"<{self.count_format}")
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.count_size + self.lower
+
+    def taken(self, field: str) -> Call:
+        """Returns the expression that reads the bytes after the count, which is in `size`."""
+        at = f"offset + {self.count_size}"
+        limits = (str(self.lower), str(self.upper), f'"{field}"')
+        return Call("take", ("buffer", at, "size", *limits))
+
+    def sized(self, value: str, field: str) -> Call:
+        """Returns the expression for the checked length of a value."""
+        return Call("sized", (value, str(self.lower), str(self.upper), f'"{field}"'))
+
+
+def value_ranges(value_set: Any, lower: int, upper: int) -> Ranges:
+    """Returns the legal integers of a value set, merged into as few ranges as possible.
+
+    Args:
+        value_set: The ValueSet, or None.
+        lower: Smallest integer of the type.
+        upper: Largest integer of the type.
+    """
+    found = []
+    for value in value_set.values if value_set is not None else ():
+        if value.eClass.name == "EnumeratedValue":
+            found.append((value.value, value.value))
+        else:
+            first = int(value.lower) if value.lowerInclusive else int(value.lower) + 1
+            last = int(value.upper) if value.upperInclusive else int(value.upper) - 1
+            found.append((first, last))
+    merged: list[tuple[int, int]] = []
+    for first, last in sorted((max(a, lower), min(b, upper)) for a, b in found):
+        if first > last:
+            continue
+        if merged and first <= merged[-1][1] + 1:
+            merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
+        else:
+            merged.append((first, last))
+    return tuple(merged) or ((lower, upper),)
+
+
+def number(numeric_type: str, scale: Any, value_set: Any) -> Fixed:
+    """Describes a number.
+
+    Args:
+        numeric_type: Its wire type.
+        scale: Its ScaleRange, or None.
+        value_set: Its ValueSet, or None.
+    """
+    if numeric_type in _FLOAT_LIMITS:
+        return _real(numeric_type, value_set)
+    if scale is not None:
+        return _scaled(numeric_type, scale)
+    return integer(FORMATS[numeric_type], value_ranges(value_set, *integer_limits(numeric_type)))
+
+
+def integer(struct_format: str, ranges: Ranges) -> Fixed:
+    """Describes an integer.
+
+    Args:
+        struct_format: Its struct format.
+        ranges: Its legal values.
+    """
+    default = 0 if any(a <= 0 <= b for a, b in ranges) else ranges[0][0]
+    text = ", ".join(str(a) if a == b else f"{a} .. {b}" for a, b in ranges)
+    if len(ranges) == 1:
+        limits: tuple[str, ...] = (str(ranges[0][0]), str(ranges[0][1]))
+        return Fixed(struct_format, "int", str(default), "integer", limits, range_text=text)
+    pairs = "({})".format(", ".join(f"({a}, {b})" for a, b in ranges))
+    return Fixed(struct_format, "int", str(default), "one_of", (pairs,), range_text=text)
+
+
+def _real(numeric_type: str, value_set: Any) -> Fixed:
+    limit = _FLOAT_LIMITS[numeric_type]
+    lower, upper = -limit, limit
+    values = list(value_set.values) if value_set is not None else []
+    # A set of single reals has no use; of ranges the outer limits are kept.
+    if values and all(value.eClass.name == "ValueRange" for value in values):
+        lower = min(float(value.lower) for value in values)
+        upper = max(float(value.upper) for value in values)
+        if numeric_type == "float32":
+            # A limit that is not a single is met by the single next to it.
+            lower, upper = min(lower, _single(lower)), max(upper, _single(upper))
+    text = "" if upper == limit else f"{lower!r} .. {upper!r}"
+    limits = (repr(lower), repr(upper))
+    default = repr(0.0 if lower <= 0.0 <= upper else lower)
+    return Fixed(FORMATS[numeric_type], "float", default, "real", limits, range_text=text)
+
+
+def _single(value: float) -> float:
+    single: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return single
+
+
+def _scaled(numeric_type: str, scale: Any) -> Fixed:
+    lower, upper = float(scale.lower), float(scale.upper)
+    if not lower < upper or not numeric_type.startswith("u"):
+        raise ValueError(f"scale {lower} .. {upper} of {numeric_type} has no meaning in AS5684")
+    maximum = f"0x{integer_limits(numeric_type)[1]:X}"
+    step = f"{upper - lower!r} / {maximum}"
+    # The sum and the product are the standard's own: value = lower + raw * step.
+    if lower == 0.0:
+        back = f"{{}} * ({step})"
+    else:
+        back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {abs(lower)!r}"
+    return Fixed(
+        FORMATS[numeric_type],
+        "float",
+        repr(0.0 if lower <= 0.0 <= upper else lower),
+        _SCALED[name_of(scale.rounding)],
+        (repr(lower), step, maximum),
+        back,
+        f"{lower:.12g} .. {upper:.12g}",
+        (lower, upper),
+    )
+
+
+def fixed_text(length: int) -> Fixed:
+    """Describes a string of fixed length.
+
+    Args:
+        length: Its bytes.
+    """
+    return Fixed(
+        f"{length}s",
+        "str",
+        '""',
+        "padded",
+        (str(length),),
+        "unpadded({})",
+        f"up to {length} characters",
+    )
+
+
+def expression_names(*expressions: Expression) -> set[str]:
+    """Returns the names of all functions that some expressions call.
+
+    Args:
+        expressions: Calls, or text.
+    """
+    names: set[str] = set()
+    for expression in expressions:
+        if isinstance(expression, Call):
+            names |= {expression.function, *expression_names(*expression.arguments)}
+    return names

@@ -1,0 +1,166 @@
+"""Python names from model names: valid, free of collisions, the same on every Python version.
+
+A model name is data: whatever stands in it, what comes out is an ASCII Python name that is no
+keyword, hides no builtin and none of the names that the generated code itself uses.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+import sys
+
+MAXIMUM_LENGTH = 60
+
+_WORD_START = re.compile("(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_NOT_NAME = re.compile("[^A-Za-z0-9]+")
+
+
+def _names(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+# Spelled out, because dir(builtins) differs from version to version.
+_BUILTIN_FUNCTIONS = _names(
+    """
+    abs aiter all anext any ascii bin bool breakpoint bytearray bytes callable chr classmethod
+    compile complex copyright credits delattr dict dir divmod enumerate eval exec exit filter
+    float format frozenset getattr globals hasattr hash help hex id input int isinstance
+    issubclass iter len license list locals map max memoryview min next object oct open ord pow
+    print property quit range repr reversed round set setattr slice sorted staticmethod str sum
+    super tuple type vars zip
+    """
+)
+_BUILTIN_CLASSES = _names(
+    """
+    ArithmeticError AssertionError AttributeError BaseException BaseExceptionGroup BlockingIOError
+    BrokenPipeError BufferError BytesWarning ChildProcessError ConnectionAbortedError
+    ConnectionError ConnectionRefusedError ConnectionResetError DeprecationWarning EOFError
+    Ellipsis EncodingWarning EnvironmentError Exception ExceptionGroup False FileExistsError
+    FileNotFoundError FloatingPointError FutureWarning GeneratorExit IOError ImportError
+    ImportWarning IndentationError IndexError InterruptedError IsADirectoryError KeyError
+    KeyboardInterrupt LookupError MemoryError ModuleNotFoundError NameError None
+    NotADirectoryError NotImplemented NotImplementedError OSError OverflowError
+    PendingDeprecationWarning PermissionError ProcessLookupError PythonFinalizationError
+    RecursionError ReferenceError ResourceWarning RuntimeError RuntimeWarning StopAsyncIteration
+    StopIteration SyntaxError SyntaxWarning SystemError SystemExit TabError TimeoutError True
+    TypeError UnboundLocalError UnicodeDecodeError UnicodeEncodeError UnicodeError
+    UnicodeTranslateError UnicodeWarning UserWarning ValueError Warning ZeroDivisionError
+    """
+)
+# Modules that some supported version has and another has not; a package must hide none of them.
+_PASSING_MODULES = _names(
+    """
+    aifc asynchat asyncore audioop cgi cgitb chunk crypt distutils imghdr imp lib2to3 mailcap
+    msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib tomllib uu xdrlib
+    """
+)
+_FOREIGN_PACKAGES = _names(
+    """
+    ament_copyright ament_flake8 ament_index_python ament_pep257 builtin_interfaces colcon
+    diagnostic_msgs geometry_msgs jausml jausml_runtime launch launch_ros nav_msgs numpy pip
+    pkg_resources pytest rcl_interfaces rclpy rosidl_runtime_py sensor_msgs setup setuptools
+    std_msgs std_srvs test tests tf2_msgs wheel yaml
+    """
+)
+
+# What generated code calls its own: imports, parameters and locals of the codecs' methods.
+RESERVED_ATTRIBUTES = _names(
+    """
+    annotations buffer check_count cls dataclass decode encode exactly field integer item latin1
+    offset one_of out padded part presence read_from real scaled scaled_down scaled_up self size
+    sized start struct tag take text to_integer from_integer unpadded whole write_to
+    """
+)
+RESERVED_CLASSES = _names(
+    """
+    ClassVar DecodeError EncodeError IntEnum Message Struct
+    """
+)
+
+
+def words(name: str) -> list[str]:
+    """Returns the words of a name: at capitals, digits stay with the word before them.
+
+    Args:
+        name: Any text, e.g. `PropulsiveLinearEffortX` or `Velocity_X`.
+    """
+    return [
+        word for part in _NOT_NAME.split(name) for word in _WORD_START.split(part) if word != ""
+    ]
+
+
+def snake_case(name: str) -> str:
+    """Returns an attribute, argument or module name, e.g. `request_id` for RequestID.
+
+    Args:
+        name: Any text.
+    """
+    text = "_".join(word.lower() for word in words(name))[:MAXIMUM_LENGTH].rstrip("_") or "unnamed"
+    if text[0].isdigit():
+        text = f"n{text}"
+    return f"{text}_" if keyword.iskeyword(text) or text in _BUILTIN_FUNCTIONS else text
+
+
+def class_name(name: str) -> str:
+    """Returns the name of a class, e.g. `NodeSeq` for NodeSeq, `PowerPlantID` for powerPlantID.
+
+    Args:
+        name: Any text.
+    """
+    parts = [part for part in _NOT_NAME.split(name) if part]
+    text = "".join(part[0].upper() + part[1:] for part in parts)[:MAXIMUM_LENGTH] or "Unnamed"
+    if text[0].isdigit():
+        text = f"N{text}"
+    return f"{text}_" if text in _BUILTIN_CLASSES else text
+
+
+def constant_name(name: str) -> str:
+    """Returns the name of a constant, e.g. `PERIODIC_SC` for "Periodic (SC)".
+
+    Args:
+        name: Any text.
+    """
+    text = "_".join(words(name)).upper()[:MAXIMUM_LENGTH].rstrip("_") or "UNNAMED"
+    return f"N{text}" if text[0].isdigit() else text
+
+
+def package_name(name: str) -> str:
+    """Returns the name of a generated package, e.g. `catvehicle_bridge`.
+
+    A name that would hide a module of the standard library, or a package that generated code
+    imports, gets the ending `_jaus`: a component may well be called `operator`.
+
+    Args:
+        name: Any text.
+    """
+    text = snake_case(name).rstrip("_") or "unnamed"
+    hidden = _PASSING_MODULES | _FOREIGN_PACKAGES | sys.stdlib_module_names
+    taken = text in hidden or keyword.iskeyword(text) or text in _BUILTIN_FUNCTIONS
+    return f"{text}_jaus" if taken else text
+
+
+class Scope:
+    """Names that stand side by side, e.g. the attributes of one class.
+
+    Args:
+        reserved: Names that are taken from the start.
+    """
+
+    def __init__(self, reserved: frozenset[str] = frozenset()) -> None:
+        self._reserved = reserved
+        self._taken: set[str] = set()
+
+    def claim(self, name: str) -> str:
+        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one gets `_`.
+
+        Args:
+            name: A valid Python name.
+        """
+        first = f"{name}_" if name in self._reserved else name
+        candidate, number = first, 1
+        while candidate in self._taken or candidate in self._reserved:
+            number += 1
+            candidate = f"{first.rstrip('_')}_{number}"
+        self._taken.add(candidate)
+        return candidate
