@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
@@ -123,6 +124,13 @@ def test_an_error_in_an_included_template_is_located_there(workspace, templates,
     assert error.where == f"{templates / 'part.j2'}:2"
 
 
+def test_an_included_template_keeps_its_last_line_end(workspace, templates, vehicle):
+    (templates / "part.j2").write_text("{\n", encoding="utf-8")
+    (templates / "data.json.j2").write_text('{% include "part.j2" %}\n}\n', encoding="utf-8")
+
+    assert texts(workspace.render([vehicle]))["vehicle/data.json"] == "{\n}\n"
+
+
 def test_a_missing_template_and_a_broken_path_name_the_element(workspace, templates, vehicle):
     (templates / "base.py.j2").unlink()
 
@@ -142,7 +150,9 @@ def test_a_missing_template_and_a_broken_path_name_the_element(workspace, templa
 def test_output_that_its_reader_would_refuse_is_never_returned(
     workspace, templates, vehicle, template, text
 ):
-    error, _ = failing(workspace, templates, template, text, vehicle)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # as in a user's shell
+        error, _ = failing(workspace, templates, template, text, vehicle)
 
     assert f"{template} for component:1025" in str(error)
     assert "would not be readable" in str(error)

@@ -12,7 +12,6 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
-import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -106,7 +105,6 @@ def test_comment_is_comments_only(text, indent):
 
     assert all(line.lstrip().startswith("#") for line in result.splitlines())
     assert ast.parse(result + "\n").body == []
-    assert yaml.safe_load(result) is None
 
 
 @given(encodable)
@@ -131,6 +129,7 @@ def test_xmlcomment_stays_inside_its_comment(text):
 @given(encodable)
 @example("\x7f\x80\x9f\U0001f600")
 def test_yamlstr_comes_back_on_one_ascii_line(text):
+    yaml = pytest.importorskip("yaml")
     scalar = literals.yaml_string(text)
 
     assert scalar.isascii()
