@@ -1,0 +1,94 @@
+"""The files that make a folder an ament_python package, shared by all targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from jausml.generation.engine import ArtifactTask, FileTask, TextFile, TextTask, templates_beside
+
+PACKAGE_TEMPLATES = templates_beside(__file__)
+"""Folder of the shared templates, for the `template_folders` of a target."""
+
+
+@dataclass(frozen=True)
+class PackageView:
+    """An ament_python package.
+
+    Attributes:
+        name: Package name.
+        element_id: Identity of the model element that it is made for.
+        source: Model file.
+        description: What the package is for.
+        version: Version of the package.
+        maintainer: Maintainer.
+        maintainer_email: Address of the maintainer.
+        license: SPDX identifier.
+        dependencies: Packages that it needs at run time, sorted.
+        test_dependencies: Packages that its tests need.
+        executables: Console scripts as (name, module with a function `main`).
+        data: Installed files as (folder below share/<package>, pattern).
+        python: Whether it holds a Python package of its name.
+    """
+
+    name: str
+    element_id: str
+    source: str
+    description: str
+    version: str
+    maintainer: str
+    maintainer_email: str
+    license: str
+    dependencies: tuple[str, ...] = ()
+    test_dependencies: tuple[str, ...] = ("python3-pytest",)
+    executables: tuple[tuple[str, str], ...] = ()
+    data: tuple[tuple[str, str], ...] = field(default=())
+    python: bool = True
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Python packages to install."""
+        return (self.name,) if self.python else ()
+
+
+def package_view(system: Any, name: str, **attributes: Any) -> PackageView:
+    """Returns the package of an element of a system, with the system's version and maintainer.
+
+    Args:
+        system: The `system.System`.
+        name: Package name.
+        **attributes: The other attributes of PackageView.
+    """
+    return PackageView(
+        name=name,
+        version=system.version,
+        maintainer=system.maintainer,
+        maintainer_email=system.maintainerEmail,
+        license=system.license,
+        **attributes,
+    )
+
+
+def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
+    """Returns the tasks for package.xml, setup.py, setup.cfg, the resource marker and markers.
+
+    Args:
+        packages: The packages.
+    """
+    with_code = [package for package in packages if package.python]
+    markers = [_text(package, f"resource/{package.name}") for package in packages]
+    markers += [_text(package, f"{package.name}/py.typed") for package in with_code]
+    return [
+        FileTask("package.xml.j2", packages, lambda package: f"{package.name}/package.xml"),
+        FileTask("setup.py.j2", packages, lambda package: f"{package.name}/setup.py"),
+        FileTask("setup.cfg.j2", packages, lambda package: f"{package.name}/setup.cfg"),
+        FileTask(
+            "init.py.j2", with_code, lambda package: f"{package.name}/{package.name}/__init__.py"
+        ),
+        TextTask(markers),
+    ]
+
+
+def _text(package: PackageView, path: str) -> TextFile:
+    return TextFile(f"{package.name}/{path}", "", package.element_id, package.source)
