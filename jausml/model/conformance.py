@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
+from jausml.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.metamodel.filling import count
+from jausml.model.problems import Place
 
 if TYPE_CHECKING:
     from jausml.model.documents import Document
     from jausml.model.model import Model
     from jausml.model.parsing import Node
-    from jausml.model.problems import Attribute, Problems
+    from jausml.model.problems import Problems
 
 
-def check_bounds(model: Model, metamodels: Metamodels, problems: Problems) -> None:
+def check_bounds(model: Model, problems: Problems) -> None:
     """Checks the lower and upper bounds of all features of all elements.
 
     A feature with another finding is left alone: one cause is one error.
@@ -26,7 +27,7 @@ def check_bounds(model: Model, metamodels: Metamodels, problems: Problems) -> No
             if node.obj is None:
                 continue
             pending.extend(reversed(node.children))
-            table = metamodels.class_of(node.obj)
+            table = model.metamodels.class_of(node.obj)
             for feature in table.bounded:
                 number = count(node.obj, feature)
                 if number >= max(feature.lower, 1) and (
@@ -46,19 +47,17 @@ def _report(
     problems: Problems,
 ) -> None:
     what = f"feature '{feature.name}' of {_label(table, node.obj)}"
-    attribute: Attribute | None = None
-    if node.get(feature.name) is not None:
-        attribute = ("", feature.name)
+    written = node.get(feature.name) is not None
+    place = Place(document, node, ("", feature.name) if written else None)
     if 0 <= feature.upper < number:
         message = f"{what} has {number} values, at most {feature.upper} are allowed"
-        problems.at_node("JML109", document, node, message, attribute=attribute)
+        problems.report("JML109", place, message)
     elif number == 0 and feature.can_be_missing:
         message = f"required {what} is missing"
-        hint = _how(feature)
-        problems.at_node("JML108", document, node, message, hint, attribute=attribute)
+        problems.report("JML108", place, message, _how(feature))
     elif 0 < number < feature.lower:
         message = f"{what} has {number} values, at least {feature.lower} are required"
-        problems.at_node("JML110", document, node, message, attribute=attribute)
+        problems.report("JML110", place, message)
 
 
 def _how(feature: FeatureTable) -> str:

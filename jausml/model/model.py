@@ -137,8 +137,10 @@ class Model:
         It is the element's id when it has one, else the path of features from the root, as EMF
         writes it (`//@services.0/@inputs.1`). Empty for elements that were not read.
         """
-        if obj in self._ids:
-            return self._ids[obj]
+        return self._ids.get(obj) or self.path_of(obj)
+
+    def path_of(self, obj: Any) -> str:
+        """Returns the fragment of an element by features, whether it has an id or not."""
         document = self.document_of(obj)
         if document is None:
             return ""

@@ -18,15 +18,26 @@ Attribute = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """Where something is written: a document, an element of it and perhaps its attribute."""
+
+    document: Document
+    node: Node
+    attribute: Attribute | None = None
+
+    @property
+    def location(self) -> Location:
+        """The place as path, line and column."""
+        return self.document.location(self.node, self.attribute)
+
+
+@dataclass(frozen=True, slots=True)
 class _Draft:
     rule: str
-    document: Document
-    node: Node | None
-    attribute: Attribute | None
+    place: Place | Location
     message: str
     hint: str
     related: tuple[Related, ...]
-    place: Location | None
 
 
 class Problems:
@@ -39,30 +50,16 @@ class Problems:
         self._drafts: list[_Draft] = []
         self._spoilt: set[tuple[int, str]] = set()
 
-    def at_file(self, rule: str, document: Document, message: str, hint: str = "") -> None:
-        """Reports a finding about a file as a whole."""
-        self.at_place(rule, document, Location(document.display), message, hint)
-
-    def at_place(
-        self, rule: str, document: Document, place: Location, message: str, hint: str = ""
-    ) -> None:
-        """Reports a finding at a place that no element holds."""
-        self._drafts.append(_Draft(rule, document, None, None, message, hint, (), place))
-
-    def at_node(
+    def report(
         self,
         rule: str,
-        document: Document,
-        node: Node,
+        place: Place | Location,
         message: str,
         hint: str = "",
-        *,
-        attribute: Attribute | None = None,
         related: tuple[Related, ...] = (),
     ) -> None:
-        """Reports a finding at an XML element, or at one of its attributes."""
-        draft = _Draft(rule, document, node, attribute, message, hint, related, None)
-        self._drafts.append(draft)
+        """Reports a finding; its severity is that of the rule."""
+        self._drafts.append(_Draft(rule, place, message, hint, related))
 
     def spoil(self, obj: Any, feature: str) -> None:
         """Notes that a feature of an element has a finding."""
@@ -74,23 +71,22 @@ class Problems:
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
-        return sorted(self._finish(draft, model) for draft in self._drafts)
+        return sorted(_finish(draft, model) for draft in self._drafts)
 
-    def _finish(self, draft: _Draft, model: Model) -> Diagnostic:
-        place = draft.place
-        if place is None and draft.node is not None:
-            place = draft.document.location(draft.node, draft.attribute)
-        obj = _nearest(draft.node)
-        return Diagnostic(
-            draft.rule,
-            READER_RULES[draft.rule].severity,
-            place or Location(draft.document.display),
-            draft.message,
-            draft.hint,
-            model.element_path(obj) if obj is not None else "",
-            model.fragment(obj) if obj is not None else "",
-            draft.related,
-        )
+
+def _finish(draft: _Draft, model: Model) -> Diagnostic:
+    place = draft.place
+    obj = None if isinstance(place, Location) else _nearest(place.node)
+    return Diagnostic(
+        draft.rule,
+        READER_RULES[draft.rule].severity,
+        place if isinstance(place, Location) else place.location,
+        draft.message,
+        draft.hint,
+        model.element_path(obj) if obj is not None else "",
+        model.fragment(obj) if obj is not None else "",
+        draft.related,
+    )
 
 
 def _nearest(node: Node | None) -> Any:

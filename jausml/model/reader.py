@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import Metamodels, load_metamodels
-from jausml.model.building import Builder
+from jausml.model.building import DocumentBuilder
 from jausml.model.conformance import check_bounds
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
@@ -22,6 +22,8 @@ from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_ro
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.model.assigning import Reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,21 +102,21 @@ class _Reading:
         self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
         self._problems = Problems()
         self._model = Model([], metamodels)
-        self._builder = Builder(metamodels, self._model, self._problems)
+        self._references: list[Reference] = []
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
         for target in [self._uris.given(name) for name in names]:
             self._given(target)
         done = 0
-        references = self._builder.references
+        references = self._references
         # Opening a document adds references to the list.
         while done < len(references):
             reference = references[done]
             done += 1
             if reference.uri:
-                self._open(reference.uri, reference.document)
-        Resolution(self._metamodels, self._problems, self._open).run(references)
-        check_bounds(self._model, self._metamodels, self._problems)
+                self._open(reference.uri, reference.place.document)
+        Resolution(self._model, self._problems, self._open).run(references)
+        check_bounds(self._model, self._problems)
         return self._model, self._problems.diagnostics(self._model)
 
     def _given(self, target: FileTarget) -> None:
@@ -123,7 +125,7 @@ class _Reading:
         document = self._add(target, given=True)
         fault = self._load(document)
         if fault is not None:
-            self._problems.at_file("JML001", document, fault)
+            self._problems.report("JML001", Location(document.display), fault)
 
     def _open(self, uri: str, base: Document) -> Document | UriFault:
         """Returns the document that a URI names, read at the first call."""
@@ -163,9 +165,12 @@ class _Reading:
         if result.root is None:
             if fault is not None:
                 place = Location(document.display, fault.line, fault.column)
-                self._problems.at_place(fault.rule, document, place, fault.message, fault.hint)
+                self._problems.report(fault.rule, place, fault.message, fault.hint)
             return None
         document.encoding = result.encoding
         document.readable = True
-        self._builder.build(document, result.root)
+        builder = DocumentBuilder(
+            self._metamodels, self._model, self._problems, self._references, document
+        )
+        builder.build(result.root)
         return None

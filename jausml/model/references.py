@@ -11,12 +11,13 @@ from jausml.metamodel import FeatureKind, Metamodels
 from jausml.metamodel.filling import holds, link
 from jausml.model.diagnostics import Related
 from jausml.model.documents import Document
-from jausml.model.fragments import find
+from jausml.model.fragments import Found, FragmentFinder
 from jausml.model.uris import UriFault
 from jausml.model.values import show
 
 if TYPE_CHECKING:
-    from jausml.model.building import Reference
+    from jausml.model.assigning import Reference
+    from jausml.model.model import Model
     from jausml.model.parsing import Node
     from jausml.model.problems import Problems
 
@@ -35,12 +36,20 @@ class _Absent:
 
 
 class Resolution:
-    """Resolves the references of all documents."""
+    """Resolves the references of all documents.
 
-    def __init__(self, metamodels: Metamodels, problems: Problems, open_document: Open) -> None:
-        self._metamodels = metamodels
+    Args:
+        model: The model whose documents are built.
+        problems: Where findings go.
+        open_document: How to get the document that a URI names.
+    """
+
+    def __init__(self, model: Model, problems: Problems, open_document: Open) -> None:
+        self._model = model
+        self._metamodels: Metamodels = model.metamodels
         self._problems = problems
         self._open = open_document
+        self._finder = FragmentFinder(model.metamodels, self._follow)
         self._absent: dict[tuple[str, str], _Absent] = {}
         self._following: set[Node] = set()
 
@@ -63,7 +72,7 @@ class Resolution:
 
     def _target(self, reference: Reference) -> Any:
         """Returns the element referred to, None when a finding explains why there is none."""
-        document = reference.document
+        document = reference.place.document
         if reference.uri:
             opened = self._open(reference.uri, document)
             if isinstance(opened, UriFault):
@@ -73,16 +82,19 @@ class Resolution:
             document = opened
         if not document.readable:
             return None
-        found = find(document, reference.fragment, self._follow)
+        found = self._finder.find(document, reference.fragment)
         if found is None:
             self._report_unresolved(reference, document)
             return None
-        target = found[1].obj
+        target = found.node.obj
         if target is not None and not self._fits(reference, target):
             return None
+        if target is not None and found.by_name:
+            message = f"Eclipse cannot resolve {show(reference.fragment)} of {_where(reference)}"
+            self._report("JML214", reference, message, f"write {self._model.path_of(target)}")
         return target
 
-    def _follow(self, document: Document, node: Node) -> tuple[Document, Node] | None:
+    def _follow(self, document: Document, node: Node) -> Found | None:
         """Steps from a child element with an href to the element that it stands for."""
         uri, _, fragment = (node.get("href") or "").strip().partition("#")
         if node.obj is not None or node in self._following:
@@ -92,7 +104,7 @@ class Resolution:
             return None
         self._following.add(node)
         try:
-            return find(opened, fragment, self._follow)
+            return self._finder.find(opened, fragment)
         finally:
             self._following.discard(node)
 
@@ -146,7 +158,7 @@ class Resolution:
         known = get_close_matches(reference.fragment, list(document.ids), n=1, cutoff=0.7)
         hint = f"did you mean '{known[0]}'?" if known else ""
         what = show(reference.fragment)
-        if document is reference.document:
+        if document is reference.place.document:
             message = f"unresolved reference {what} of {_where(reference)}"
             self._report("JML202", reference, message, hint)
         elif not reference.fragment:
@@ -162,23 +174,13 @@ class Resolution:
         if others:
             message += f" ({len(absent.references)} references)"
         related = tuple(
-            Related(each.document.location(each.node, each.attribute), "referenced here too")
-            for each in others[:_FEW_RELATED]
+            Related(each.place.location, "referenced here too") for each in others[:_FEW_RELATED]
         )
-        self._problems.at_node(
-            absent.fault.rule,
-            first.document,
-            first.node,
-            message,
-            absent.fault.hint,
-            attribute=first.attribute,
-            related=related,
-        )
+        fault = absent.fault
+        self._problems.report(fault.rule, first.place, message, fault.hint, related)
 
     def _report(self, rule: str, reference: Reference, message: str, hint: str = "") -> None:
-        self._problems.at_node(
-            rule, reference.document, reference.node, message, hint, attribute=reference.attribute
-        )
+        self._problems.report(rule, reference.place, message, hint)
 
 
 def _where(reference: Reference) -> str:

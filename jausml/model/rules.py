@@ -62,8 +62,8 @@ _RULES = {
     "JML010": RuleInfo(
         "schemaLocation names another file",
         "xsi:schemaLocation tells Eclipse where a metamodel lies. jausml always uses the "
-        "metamodels that it ships; the document names a file of another name for one of them, so Eclipse may "
-        "check it against something else.",
+        "metamodels that it ships; the document names a file of another name for one of them, so "
+        "Eclipse may check it against something else.",
         Severity.INFO,
     ),
     "JML011": RuleInfo(
@@ -75,6 +75,12 @@ _RULES = {
         "text without meaning",
         "Text stands between child elements. Eclipse drops it on the next save: documentation "
         "belongs into a `documentation` attribute.",
+        Severity.WARNING,
+    ),
+    "JML013": RuleInfo(
+        "prefix that Eclipse does not know",
+        "XML leaves prefixes to the author, but EMF recognises xsi:type and xmi:id by the prefixes "
+        "xsi and xmi. jausml reads the document; Eclipse may not.",
         Severity.WARNING,
     ),
     "JML101": RuleInfo(
@@ -173,6 +179,11 @@ _RULES = {
     "JML213": RuleInfo(
         "value listed twice",
         "A value occurs twice in a feature that holds each value once.",
+        Severity.WARNING,
+    ),
+    "JML214": RuleInfo(
+        "reference by names",
+        "A fragment such as //Name is understood here, but EMF resolves names in metamodels only.",
         Severity.WARNING,
     ),
 }

@@ -10,9 +10,12 @@ import math
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import DataTypeTable, ValueKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 _INTEGER = re.compile(r"[+-]?[0-9]+")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -58,13 +61,18 @@ def convert(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | None
     return _real(text)
 
 
-def suggest(wrong: str, known: list[str]) -> str:
-    """Returns a hint that names the known word nearest to a wrong one, or lists a few words."""
-    near = get_close_matches(wrong, known, n=1, cutoff=0.6)
-    if not near:
-        folded = {each.lower(): each for each in known}
-        near = [folded[wrong.lower()]] if wrong.lower() in folded else []
-    return f"did you mean '{near[0]}'?" if near else ""
+def nearest(wrong: str, known: Iterable[str]) -> str:
+    """Returns the known word that a wrong one most likely means, or an empty text."""
+    words = list(known)
+    near = get_close_matches(wrong, words, n=1, cutoff=0.6)
+    folded = [word for word in words if word.lower() == wrong.lower()]
+    return (folded or near or [""])[0]
+
+
+def suggest(wrong: str, known: Iterable[str]) -> str:
+    """Returns the hint that names the nearest known word, or an empty text."""
+    near = nearest(wrong, known)
+    return f"did you mean '{near}'?" if near else ""
 
 
 def show(text: str) -> str:
@@ -106,5 +114,5 @@ def _wrong(text: str, wanted: str) -> ValueFault:
 
 
 def _no_literal(text: str, data_type: DataTypeTable) -> ValueFault:
-    hint = suggest(text, list(data_type.legal)) or f"one of {', '.join(data_type.legal)}"
+    hint = suggest(text, data_type.legal) or f"one of {', '.join(data_type.legal)}"
     return ValueFault("JML105", f"{show(text)} is not a literal of {data_type.name}", hint)
