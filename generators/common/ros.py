@@ -12,7 +12,11 @@ _POLICIES = {
     "history": ("HistoryPolicy", "keep_last"),
     "liveliness": ("LivelinessPolicy", "automatic"),
 }
-_DURATIONS = {"deadline": "deadline", "lifespan": "lifespan", "leaseDuration": "liveliness_lease_duration"}
+_DURATIONS = {
+    "deadline": "deadline",
+    "lifespan": "lifespan",
+    "leaseDuration": "liveliness_lease_duration",
+}
 
 
 @dataclass(frozen=True, order=True)

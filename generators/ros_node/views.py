@@ -47,6 +47,11 @@ class ParameterView:
     maximum: float
     read_only: bool
 
+    @property
+    def range_expression(self) -> str:
+        """Constructor call of the range."""
+        return f"{self.range_class}(from_value={self.minimum!r}, to_value={self.maximum!r})"
+
 
 @dataclass(frozen=True)
 class NodeView:
@@ -93,9 +98,14 @@ class NodeView:
         return str(self.node.namespace or "")
 
     @property
-    def documentation(self) -> str:
+    def description(self) -> str:
         """What the model says that the node is for."""
-        return self.node.documentation or f"ROS 2 node {self.name} of the system {self.system}."
+        return self.node.documentation or f"Node of the system {self.system}."
+
+    @property
+    def documentation(self) -> str:
+        """Summary and description, for docstrings."""
+        return f"ROS 2 node {self.name}.\n\n{self.description}"
 
     @property
     def period(self) -> float:

@@ -1,0 +1,512 @@
+"""Builds the views of messages from the model: resolves types, names, formats and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from jausml.generation.errors import GenerationError
+from jausml.generators.common import docs, fields, names
+from jausml.generators.common.layout import Call
+from jausml.generators.common.messages import (
+    Alternative,
+    BitFieldClass,
+    ContainerClass,
+    Enumeration,
+    Member,
+    MessageView,
+    Run,
+    Single,
+    SubField,
+    VariableFieldClass,
+    VariantAlias,
+)
+from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
+
+Value = fields.Fixed | fields.Blob | PartValue | VariantValue | ListValue | ArrayValue
+Element = fields.Fixed | fields.Blob | PartValue | VariantValue
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A field of the model with its type references followed.
+
+    Attributes:
+        name: Its name, the outermost reference's.
+        optional: Whether it is optional, as the outermost reference says.
+        documentation: Clean text.
+        type: The element that is no TypeReference.
+    """
+
+    name: str
+    optional: bool
+    documentation: str
+    type: Any
+
+    @property
+    def kind(self) -> str:
+        """Class of the type in the metamodel."""
+        return str(self.type.eClass.name)
+
+
+def resolve(element: Any) -> Resolved:
+    """Follows the type references of a field.
+
+    Args:
+        element: A Field of the model.
+
+    Raises:
+        GenerationError: The references lead nowhere or in a circle.
+    """
+    target, seen = element, []
+    while target is not None and target.eClass.name == "TypeReference":
+        if target in seen:
+            raise GenerationError(f"type reference '{element.name}' refers to itself")
+        seen.append(target)
+        target = target.target
+    if target is None:
+        raise GenerationError(f"type reference '{element.name}' has no target")
+    text = docs.clean(element.documentation or target.documentation)
+    return Resolved(str(element.name), bool(element.optional), text, target)
+
+
+def build_message(element: Any, class_name: str | None = None) -> MessageView:
+    """Returns the view of a message.
+
+    Args:
+        element: A MessageDef of the model.
+        class_name: Name of the class; made from the message's name when it is not given.
+
+    Raises:
+        GenerationError: The message cannot be encoded; validation tells users before.
+    """
+    return MessageBuilder(element, class_name or names.class_name(str(element.name))).build()
+
+
+def build_messages(elements: Iterable[Any]) -> tuple[MessageView, ...]:
+    """Returns the views of the messages of one module, in the order of their codes.
+
+    A message that occurs more than once (several services of a set define SetTravelSpeed) becomes
+    one class; messages that share no more than a name get different ones.
+
+    Args:
+        elements: MessageDefs of the model.
+
+    Raises:
+        GenerationError: A message cannot be encoded.
+    """
+    scope = names.Scope(names.RESERVED_CLASSES)
+    found: dict[MessageView, str] = {}
+    plain = {id(element): element for element in elements}.values()
+    for element in sorted(plain, key=lambda e: (int(str(e.code), 16), str(e.name))):
+        view = build_message(element)
+        if view not in found:
+            found[view] = scope.claim(view.class_name)
+            if found[view] != view.class_name:
+                found[build_message(element, found[view])] = found[view]
+                del found[view]
+    return tuple(found)
+
+
+class MessageBuilder:
+    """Builds the view of one message.
+
+    Args:
+        element: A MessageDef of the model.
+        class_name: Name of the class.
+    """
+
+    def __init__(self, element: Any, class_name: str) -> None:
+        self._element = element
+        self._class_name = class_name
+        self._scope = names.Scope(names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"})
+        self._nested: list[
+            Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
+        ] = []
+        self._structs: dict[str, str] = {}
+        self._known: dict[object, Any] = {}
+        self._open: list[Any] = []
+        self._kinds: dict[str, Callable[[Resolved, str], Value]] = {
+            "FixedField": self._number,
+            "BitField": self._bits,
+            "FixedLengthString": self._fixed_text,
+            "VariableLengthString": self._text,
+            "VariableLengthField": self._blob,
+            "VariableFormatField": self._part,
+            "VariableField": self._part,
+            "Record": self._part,
+            "Sequence": self._part,
+            "List": self._list,
+            "Array": self._array,
+            "Variant": self._variant,
+        }
+
+    def build(self) -> MessageView:
+        """Returns the view."""
+        element = self._element
+        code = int(str(element.code), 16)
+        body = resolve(element.body) if element.body is not None else None
+        summary = f"{docs.clean(element.name)} (message code 0x{code:04X})."
+        text = docs.clean(element.documentation)
+        container = self._container(
+            self._class_name, body, summary, (docs.sentence(text),) if text else ()
+        )
+        return MessageView(
+            jaus_name=str(element.name),
+            code=code,
+            is_command=bool(element.isCommand),
+            body=container,
+            nested=tuple(self._nested),
+            structs=tuple(sorted(self._structs.items())),
+            body_name=body.name if body else "",
+            body_kind=body.kind if body else "",
+        )
+
+    # -- classes ---------------------------------------------------------------------------------
+
+    def _container(
+        self,
+        name: str,
+        body: Resolved | None,
+        summary: str,
+        paragraphs: tuple[str, ...] = (),
+        tag: int | None = None,
+    ) -> ContainerClass:
+        """Builds a class of members: those of a record or sequence, or the one field itself."""
+        path = self._path(name)
+        presence = "none"
+        elements: Sequence[Any] = ()
+        if body is not None and body.kind in ("Record", "Sequence"):
+            if body.type in self._open:
+                raise GenerationError(f"'{body.name}' of {self._element.name} contains itself")
+            self._open.append(body.type)
+            presence = fields.name_of(body.type.presenceVector)
+            elements = list(body.type.fields)
+        members = self._members(
+            path,
+            [resolve(e) for e in elements]
+            if elements
+            else [replace(body, optional=False)]
+            if body
+            else [],
+            presence,
+        )
+        if elements:
+            self._open.pop()
+        presence_format = "" if presence == "none" else fields.length_format(presence)
+        return ContainerClass(
+            name=name,
+            path=path,
+            summary=summary,
+            paragraphs=paragraphs,
+            members=members,
+            segments=self._segments(path, members, presence_format),
+            presence_struct=self._use(presence_format) if presence_format else "",
+            presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
+            tag=tag,
+        )
+
+    def _members(
+        self, path: str, resolved: Sequence[Resolved], presence: str
+    ) -> tuple[Member, ...]:
+        scope = names.Scope(names.RESERVED_ATTRIBUTES)
+        attributes = [scope.claim(names.snake_case(field.name)) for field in resolved]
+        members = []
+        bit = 1
+        for field, attribute in zip(resolved, attributes, strict=True):
+            value = self._value(field, path)
+            optional = field.optional and presence != "none"
+            member = Member(
+                jaus_name=field.name,
+                attribute=attribute,
+                value=self._with_reader(value, attribute, scope),
+                default="None" if optional else self._default(value, path),
+                bit=bit if optional else 0,
+                item=scope.claim(f"{attribute}_item") if value.kind in ("list", "array") else "",
+                units=docs.clean(getattr(field.type, "units", "")),
+                documentation=field.documentation,
+                enumeration=self._enumeration(field, getattr(field.type, "values", None)),
+            )
+            bit <<= optional
+            members.append(member)
+        if presence != "none" and bit > 2 ** fields.bits_of(presence):
+            raise GenerationError(f"the presence vector of {path} is too short for its members")
+        return tuple(members)
+
+    def _with_reader(self, value: Value, attribute: str, scope: names.Scope) -> Value:
+        """Names the method of the class that reads a variant."""
+        if isinstance(value, VariantValue):
+            return replace(value, reader=scope.claim(f"read_{attribute}"))
+        if isinstance(value, ListValue | ArrayValue) and isinstance(value.element, VariantValue):
+            reader = scope.claim(f"read_{attribute}")
+            return replace(value, element=replace(value.element, reader=reader))
+        return value
+
+    def _segments(
+        self, path: str, members: Sequence[Member], presence_format: str
+    ) -> tuple[Run | Single, ...]:
+        """Groups the members: those of fixed size that are always there share a struct."""
+        segments: list[Run | Single] = []
+        waiting: list[Member] = []
+        head = bool(presence_format)
+
+        def flush() -> None:
+            nonlocal head
+            if waiting or head:
+                segments.append(self._run(path, waiting, presence_format if head else ""))
+            waiting.clear()
+            head = False
+
+        for member in members:
+            if isinstance(member.value, fields.Fixed) and not member.is_optional:
+                waiting.append(member)
+            else:
+                flush()
+                segments.append(Single(member))
+        flush()
+        return tuple(segments)
+
+    def _run(self, path: str, members: Sequence[Member], presence_format: str) -> Run:
+        formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
+        items = [presence_format, *formats] if presence_format else formats
+        size = sum(fields.size_of(item) for item in items)
+        if len(items) == 1:
+            name = self._use(items[0])
+        else:
+            name = self._own_struct(path, "".join(items))
+        return Run(name, tuple(members), bool(presence_format), size)
+
+    def _class(self, field: Resolved, tag: int | None = None) -> PartValue:
+        """Returns the class of a field as a part; a class of its own for each option of a variant."""
+        key = (id(field.type), field.name, tag)
+        if tag is not None or key not in self._known:
+            name = self._scope.claim(names.class_name(field.name))
+            summary = docs.sentence(
+                field.documentation or f"{docs.clean(field.name)} of the message"
+            )
+            if field.kind == "VariableField":
+                part: ContainerClass | VariableFieldClass = self._variable(field, name, summary)
+            elif field.kind == "VariableFormatField":
+                part = self._format(field, name, summary)
+            else:
+                part = self._container(name, field, summary, tag=tag)
+            self._nested.append(part)
+            self._known[key] = PartValue(part, part.path)
+        part_value: PartValue = self._known[key]
+        return part_value
+
+    def _variable(self, field: Resolved, name: str, summary: str) -> VariableFieldClass:
+        numbers = [
+            fields.number(fields.name_of(a.type), a.scale, a.values)
+            for a in field.type.alternatives
+        ]
+        python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
+        alternatives = []
+        for element, value in zip(field.type.alternatives, numbers, strict=True):
+            self._use(value.format)
+            text = " ".join(filter(None, [value.range_text, docs.clean(element.units)]))
+            number = fields.as_real(value) if python_type == "float" else value
+            description = text or docs.clean(element.name)
+            alternatives.append(Alternative(int(element.index), number, description))
+        self._use("B")
+        return VariableFieldClass(name, self._path(name), summary, python_type, tuple(alternatives))
+
+    def _format(self, field: Resolved, name: str, summary: str) -> ContainerClass:
+        """Builds the class of a variable format field: the index of a format, and bytes."""
+        path = self._path(name)
+        indices = [(int(f.index), str(f.name)) for f in field.type.formats]
+        enumeration = self._listed(f"{name}Format", docs.clean(field.name), indices)
+        ranges = fields.merge((index, index) for index, _ in indices)
+        index = Member(
+            "format",
+            "format_index",
+            fields.integer("B", ranges),
+            str(min(indices)[0]),
+            enumeration=enumeration,
+        )
+        blob = self._counted(field, "format", is_text=False)
+        data = Member("hex", "data", blob, blob.default)
+        members = (index, data)
+        return ContainerClass(name, path, summary, (), members, self._segments(path, members, ""))
+
+    def _bit_field(self, field: Resolved) -> BitFieldClass:
+        key = (id(field.type), field.name)
+        if key not in self._known:
+            name = self._scope.claim(names.class_name(field.name))
+            scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
+            subs = [self._sub_field(sub, scope) for sub in field.type.subFields]
+            summary = docs.sentence(
+                field.documentation or f"{docs.clean(field.name)} of the message"
+            )
+            self._known[key] = BitFieldClass(name, self._path(name), summary, tuple(subs))
+            self._nested.append(self._known[key])
+        found: BitFieldClass = self._known[key]
+        return found
+
+    def _sub_field(self, element: Any, scope: names.Scope) -> SubField:
+        low, mask = int(element.lowBit), 2 ** (int(element.highBit) - int(element.lowBit) + 1) - 1
+        resolved = Resolved(str(element.name), False, docs.clean(element.documentation), element)
+        return SubField(
+            jaus_name=resolved.name,
+            attribute=scope.claim(names.snake_case(resolved.name)),
+            low=low,
+            mask=mask,
+            value=fields.integer("", fields.value_ranges(element.values, 0, mask)),
+            documentation=resolved.documentation,
+            enumeration=self._enumeration(resolved, element.values),
+        )
+
+    def _enumeration(self, field: Resolved, value_set: Any) -> str:
+        """Returns the name of the class of the listed values of a field, or nothing."""
+        listed = [
+            (int(value.value), str(value.name))
+            for value in (value_set.values if value_set is not None else ())
+            if value.eClass.name == "EnumeratedValue"
+        ]
+        return self._listed(names.class_name(field.name), docs.clean(field.name), listed)
+
+    def _listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:
+        if not listed:
+            return ""
+        scope = names.Scope()
+        # Of several names of one value the first is kept, as an enumeration needs.
+        first = dict(reversed(listed))
+        constants = tuple((scope.claim(names.constant_name(first[v])), v) for v in dict(listed))
+        key = (name, constants)
+        if key not in self._known:
+            self._known[key] = Enumeration(self._scope.claim(name), of, constants)
+            self._nested.append(self._known[key])
+        enumeration: Enumeration = self._known[key]
+        return enumeration.name
+
+    # -- values ----------------------------------------------------------------------------------
+
+    def _value(self, field: Resolved, path: str) -> Value:
+        return self._kinds[field.kind](field, path)
+
+    def _number(self, field: Resolved, path: str) -> fields.Fixed:
+        del path
+        element = field.type
+        value = fields.number(fields.name_of(element.type), element.scale, element.values)
+        self._use(value.format)
+        return value
+
+    def _bits(self, field: Resolved, path: str) -> fields.Fixed:
+        del path
+        struct_format = self._used(fields.length_format(fields.name_of(field.type.type)))
+        name = self._bit_field(field).path
+        return fields.Bits(struct_format, name, "", "", (), f"{name}.from_integer({{}})")
+
+    def _fixed_text(self, field: Resolved, path: str) -> fields.Fixed:
+        del path
+        value = fields.fixed_text(int(field.type.length))
+        self._use(value.format)
+        return value
+
+    def _text(self, field: Resolved, path: str) -> fields.Blob:
+        del path
+        return self._counted(field, "text", is_text=True)
+
+    def _blob(self, field: Resolved, path: str) -> fields.Blob:
+        del path
+        return self._counted(field, docs.clean(field.type.format), is_text=False)
+
+    def _counted(self, field: Resolved, content: str, *, is_text: bool) -> fields.Blob:
+        count_type = fields.name_of(field.type.countType)
+        lower, upper = self._limits(
+            count_type, int(field.type.minimumLength), int(field.type.maximumLength)
+        )
+        count_format = self._used(fields.length_format(count_type))
+        return fields.Blob(count_format, lower, upper, is_text, content)
+
+    def _part(self, field: Resolved, path: str) -> PartValue:
+        del path
+        return self._class(field)
+
+    def _list(self, field: Resolved, path: str) -> ListValue:
+        element = field.type
+        count_type = fields.name_of(element.countType)
+        lower, upper = self._limits(
+            count_type, int(element.minimumCount), int(element.maximumCount)
+        )
+        count_format = self._used(fields.length_format(count_type))
+        return ListValue(self._item(resolve(element.element), path), count_format, lower, upper)
+
+    def _array(self, field: Resolved, path: str) -> ArrayValue:
+        item = self._item(resolve(field.type.element), path)
+        array = ArrayValue(item, tuple(int(size) for size in field.type.dimensions))
+        if isinstance(item, fields.Fixed) and not item.format.endswith("s"):
+            name = self._own_struct(path, f"{array.count}{item.format}")
+            return replace(array, struct=name)
+        return array
+
+    def _item(self, field: Resolved, path: str) -> Element:
+        """Returns an element of a list or array; a list in a list gets a class around it."""
+        value = self._class(field) if field.kind in ("List", "Array") else self._value(field, path)
+        assert not isinstance(value, ListValue | ArrayValue)
+        return value
+
+    def _variant(self, field: Resolved, path: str) -> fields.Fixed | VariantValue:
+        del path
+        tag_format = self._used(fields.length_format(fields.name_of(field.type.tagType)))
+        resolved = [resolve(option) for option in field.type.options]
+        if not resolved:
+            # A tag and nothing more: JSIDL writes a variant without options where none is chosen.
+            return fields.integer(tag_format, ((0, 0),))
+        alias = self._scope.claim(names.class_name(field.name))
+        options = tuple(self._class(option, tag) for tag, option in enumerate(resolved))
+        self._nested.append(VariantAlias(alias, tuple(option.part.name for option in options)))
+        return VariantValue("", alias, self._path(alias), tag_format, options)
+
+    def _default(self, value: Value, path: str) -> Call | str:
+        if isinstance(value, ListValue):
+            return Call("field", ("default_factory=list",))
+        if isinstance(value, ArrayValue):
+            return Call("field", (f"default_factory=lambda: {self._elements(value)}",))
+        if isinstance(value, VariantValue):
+            return self._factory(value.options[0].python_type, path)
+        if isinstance(value, PartValue | fields.Bits):
+            return self._factory(value.python_type, path)
+        return value.default
+
+    def _factory(self, class_path: str, path: str) -> Call:
+        # A class inside a class is not in sight of its neighbours until the outer one is made.
+        if path == self._class_name:
+            return Call("field", (f"default_factory={class_path.split('.')[-1]}",))
+        return Call("field", (f"default_factory=lambda: {class_path}()",))
+
+    def _elements(self, array: ArrayValue) -> str:
+        element = array.element
+        if isinstance(element, fields.Fixed | fields.Blob) and not isinstance(element, fields.Bits):
+            return f"[{element.default}] * {array.count}"
+        first = element.options[0] if isinstance(element, VariantValue) else element
+        return f"[{first.python_type}() for _ in range({array.count})]"
+
+    # -- names and limits ------------------------------------------------------------------------
+
+    def _path(self, name: str) -> str:
+        return name if name == self._class_name else f"{self._class_name}.{name}"
+
+    def _use(self, struct_format: str) -> str:
+        """Returns the name of the shared constant for one wire item, which the module then has."""
+        name = fields.struct_name(struct_format)
+        self._structs[name] = f"<{struct_format}"
+        return name
+
+    def _used(self, struct_format: str) -> str:
+        self._use(struct_format)
+        return struct_format
+
+    def _own_struct(self, path: str, struct_format: str) -> str:
+        stem = "_" + "_".join(names.constant_name(part) for part in path.split("."))
+        name, number = stem, 1
+        while self._structs.get(name, f"<{struct_format}") != f"<{struct_format}":
+            number += 1
+            name = f"{stem}_{number}"
+        self._structs[name] = f"<{struct_format}"
+        return name
+
+    def _limits(self, count_type: str, lower: int, upper: int) -> tuple[int, int]:
+        largest = fields.integer_limits(count_type)[1]
+        return lower, min(upper, largest) if upper > 0 else largest
