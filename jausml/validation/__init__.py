@@ -1,0 +1,1 @@
+"""Validation: rules over models, and reports in several formats."""

@@ -1,0 +1,1 @@
+"""Facts about models that rules ask for: layouts, paths, topics, provided services, names."""

@@ -1,0 +1,99 @@
+"""Which messages a component takes and sends, inherited services included."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.validation.facts.layouts import signature
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.validation.subject import Subject
+
+ACCESS_CONTROL = "AccessControl"
+
+
+def lineage(service: Any) -> list[Any]:
+    """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
+    found: list[Any] = []
+    while service is not None and service not in found:
+        found.append(service)
+        service = service.inherits
+    return found
+
+
+def provided_services(component: Any) -> list[Any]:
+    """Returns the services that a component provides, inherited ones included, each once."""
+    found: list[Any] = []
+    for service in component.provides:
+        found += [each for each in lineage(service) if each not in found]
+    return found
+
+
+def is_known(subject: Subject, component: Any) -> bool:
+    """Tells whether all that a component provides could be read.
+
+    Only then is the absence of a message a finding of its own.
+    """
+    if component is None or subject.is_broken(component):
+        return False
+    return subject.is_intact(*provided_services(component))
+
+
+def inputs(component: Any) -> list[Any]:
+    """Returns the messages that the services of a component take."""
+    return [each for service in provided_services(component) for each in service.inputs]
+
+
+def outputs(component: Any) -> list[Any]:
+    """Returns the messages that the services of a component send."""
+    return [each for service in provided_services(component) for each in service.outputs]
+
+
+def find_same(message: Any, candidates: Iterable[Any]) -> Any:
+    """Returns the candidate that is the same message on the wire, or None.
+
+    Service sets repeat a message when several services take it: the code and the layout count.
+    """
+    for candidate in candidates:
+        if candidate is message:
+            return candidate
+        if same_code(candidate, message) and signature(candidate) == signature(message):
+            return candidate
+    return None
+
+
+def same_code(first: Any, second: Any) -> bool:
+    """Tells whether two messages have the same message code."""
+    return code(first) == code(second)
+
+
+def code(message: Any) -> int:
+    """Returns the message code as a number, -1 when it has none."""
+    return int(message.code, 16) if message.code else -1
+
+
+def provides_access_control(component: Any) -> bool:
+    """Tells whether a component can be controlled (AS5710, AccessControl)."""
+    return any(service.name == ACCESS_CONTROL for service in provided_services(component))
+
+
+def query_name(message: Any) -> str:
+    """Returns the name of the query that asks for a report, or empty when it has none by name."""
+    name = message.name or ""
+    return f"Query{name[len('Report') :]}" if name.startswith("Report") else ""
+
+
+def find_query(connection: Any, provider: Any) -> Any:
+    """Returns the query of a connection among the inputs of the provider, or None.
+
+    Args:
+        connection: A `jaus.ServiceConnection` or a `bridge.Connection` with its query, if any.
+        provider: The component that answers.
+    """
+    if connection.query is not None:
+        return find_same(connection.query, inputs(provider))
+    message = connection.message if hasattr(connection, "message") else connection.map.message
+    wanted = query_name(message)
+    return next((each for each in inputs(provider) if each.name == wanted), None)

@@ -1,0 +1,124 @@
+"""Names of the ROS graph, by the rules of ROS 2 (rcl and rmw name validation)."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_TOKEN = re.compile("[A-Za-z_][A-Za-z0-9_]*")
+_LONGEST = 255
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """A publisher or a subscription, of a node or of a bridge.
+
+    Attributes:
+        element: The `ros.TopicEndpoint` or `bridge.Topic`.
+        feature: Feature of the element that holds the topic name.
+        owner: The node or bridge.
+        topic: Full topic name, such as `/robot/odometry`.
+        type: The `ros.MessageType`.
+        publishes: Whether it publishes.
+    """
+
+    element: Any
+    feature: str
+    owner: Any
+    topic: str
+    type: Any
+    publishes: bool
+
+
+def topic_fault(name: str) -> str:
+    """Says why a text is no topic or service name, or returns an empty string."""
+    if not name:
+        return "is empty"
+    if len(name) > _LONGEST:
+        return f"is longer than {_LONGEST} characters"
+    body = name[1:] if name.startswith("/") else name
+    tokens = body.split("/")
+    if tokens[0] == "~" and not name.startswith("/"):
+        tokens = tokens[1:]
+        if not tokens:
+            return "names the node's own namespace, not a topic in it"
+    return _tokens_fault(tokens)
+
+
+def namespace_fault(namespace: str) -> str:
+    """Says why a text is no namespace, or returns an empty string; empty means the root."""
+    if namespace in ("", "/"):
+        return ""
+    if len(namespace) > _LONGEST:
+        return f"is longer than {_LONGEST} characters"
+    return _tokens_fault(namespace.removeprefix("/").split("/"))
+
+
+def resolve_topic(name: str, namespace: str, node: str) -> str:
+    """Returns the full name of a topic.
+
+    Args:
+        name: Absolute (`/a`), private (`~/a`) or relative (`a`) name.
+        namespace: Namespace of the node, empty for the root.
+        node: Name of the node.
+    """
+    if name.startswith("/"):
+        return name
+    base = "/" + namespace.strip("/") if namespace.strip("/") else ""
+    if name.startswith("~/"):
+        return f"{base}/{node}/{name[2:]}"
+    return f"{base}/{name}"
+
+
+def endpoints(group: list[Any]) -> Iterator[Endpoint]:
+    """Yields the publishers and subscriptions of some nodes and bridges whose names are legal.
+
+    Args:
+        group: Components, bridges and nodes of one system.
+    """
+    for owner in group:
+        kind = owner.eClass.name
+        if kind == "Node":
+            yield from _node_endpoints(owner)
+        elif kind == "Bridge":
+            yield from _bridge_endpoints(owner)
+
+
+def _node_endpoints(node: Any) -> Iterator[Endpoint]:
+    for publishes, elements in ((True, node.publishers), (False, node.subscriptions)):
+        for each in elements:
+            if each.type is not None and each.topic and not topic_fault(each.topic):
+                topic = resolve_topic(each.topic, node.namespace or "", node.name or "")
+                yield Endpoint(each, "topic", node, topic, each.type, publishes)
+
+
+def _bridge_endpoints(bridge: Any) -> Iterator[Endpoint]:
+    for connection in bridge.bridgeConnections:
+        if connection.map is None or connection.map.type is None:
+            continue
+        publishes = connection.direction.name == "jausToRos"
+        for each in connection.topics:
+            if each.name and not topic_fault(each.name):
+                topic = resolve_topic(each.name, bridge.namespace or "", bridge.name or "")
+                yield Endpoint(each, "name", bridge, topic, connection.map.type, publishes)
+
+
+def _tokens_fault(tokens: list[str]) -> str:
+    for token in tokens:
+        if not token:
+            return "has an empty part ('//' or '/' at the end)"
+        if "{" in token or "}" in token:
+            return "has a substitution in braces, which models do not support"
+        if "~" in token:
+            return "has '~' elsewhere than at the start, before '/'"
+        if token[0].isdigit():
+            return f"has a part that starts with a digit ('{token}')"
+        if not _TOKEN.fullmatch(token):
+            return "has characters other than letters, digits, '_' and '/'"
+        if "__" in token:
+            return "has two underscores in a row"
+    return ""

@@ -1,0 +1,57 @@
+"""Reports for people and editors: one line for each finding, as compilers write it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.model.diagnostics import Severity
+
+if TYPE_CHECKING:
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.validation.report import Report
+
+
+def render(report: Report) -> str:
+    """Returns the findings, each on one line, with their related places on lines after it.
+
+    Args:
+        report: The report.
+    """
+    return "".join(f"{line}\n" for each in report.diagnostics for line in _lines(each))
+
+
+def summary(report: Report) -> str:
+    """Returns one line that says how many findings there are.
+
+    Args:
+        report: The report.
+    """
+    files = _count(len(report.files), "file")
+    counts = [
+        _count(report.count(severity), noun)
+        for severity, noun in ((Severity.ERROR, "error"), (Severity.WARNING, "warning"))
+        if report.count(severity)
+    ]
+    return f"{', '.join(counts) or 'no problems'} in {files}"
+
+
+def one_line(text: str) -> str:
+    """Returns text with everything that could move a terminal's cursor escaped.
+
+    Args:
+        text: Text that may come from a model.
+    """
+    return "".join(char if char.isprintable() else _escape(char) for char in text)
+
+
+def _lines(diagnostic: Diagnostic) -> list[str]:
+    notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
+    return [one_line(str(diagnostic)), *map(one_line, notes)]
+
+
+def _escape(char: str) -> str:
+    return ascii(char)[1:-1]
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

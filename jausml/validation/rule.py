@@ -1,0 +1,87 @@
+"""What a validation rule is: a documented function that yields findings about a model."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jausml.model.diagnostics import Severity
+    from jausml.validation.subject import Subject
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A second element that explains a finding.
+
+    Attributes:
+        element: The element.
+        message: What it has to do with the finding.
+        feature: Feature of the element at which to point, or None for the element itself.
+    """
+
+    element: Any
+    message: str
+    feature: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a rule has to say about one element.
+
+    Attributes:
+        element: The element.
+        message: What is wrong, naming the element.
+        feature: Feature of the element at which to point, or None for the element itself.
+        hint: What to do about it, or empty.
+        related: Elements that explain the finding.
+    """
+
+    element: Any
+    message: str
+    feature: str | None = None
+    hint: str = ""
+    related: tuple[Note, ...] = ()
+
+
+Check = Callable[["Subject"], Iterator[Finding]]
+"""Looks at all elements that a rule is about and yields what is wrong with them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule with a stable id.
+
+    Attributes:
+        id: `JML` and three digits; an id is never used again for something else.
+        severity: How grave its findings are.
+        title: A few words for lists.
+        check: The function.
+    """
+
+    id: str
+    severity: Severity
+    title: str
+    check: Check
+
+    @property
+    def documentation(self) -> str:
+        """What the rule demands and why, with a bad and a good example."""
+        return inspect.getdoc(self.check) or ""
+
+
+def rule(rule_id: str, severity: Severity, title: str) -> Callable[[Check], Rule]:
+    """Makes a rule of a function, whose docstring is the documentation page of the rule.
+
+    Args:
+        rule_id: `JML3xx` JAUS, `JML4xx` ROS and bridges, `JML5xx` generator readiness.
+        severity: How grave its findings are.
+        title: A few words for lists.
+    """
+
+    def make(check: Check) -> Rule:
+        return Rule(rule_id, severity, title, check)
+
+    return make

@@ -1,0 +1,34 @@
+"""The rules, one module for each language and topic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.validation.rules import (
+    bridge_connections,
+    bridge_maps,
+    jaus_components,
+    jaus_messages,
+    jaus_services,
+    names,
+    ros,
+    system,
+)
+
+if TYPE_CHECKING:
+    from jausml.validation.rule import Rule
+
+
+def all_rules() -> tuple[Rule, ...]:
+    """Returns all rules, ordered by id."""
+    rules = (
+        *jaus_components.RULES,
+        *jaus_services.RULES,
+        *jaus_messages.RULES,
+        *ros.RULES,
+        *bridge_maps.RULES,
+        *bridge_connections.RULES,
+        *names.RULES,
+        *system.RULES,
+    )
+    return tuple(sorted(rules, key=lambda each: each.id))

@@ -1,0 +1,117 @@
+"""Rules about JAUS services and their messages."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Severity
+from jausml.validation.facts.layouts import signature
+from jausml.validation.facts.services import code, lineage
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.validation.subject import Subject
+
+
+@rule("JML311", Severity.ERROR, "service inherits from itself")
+def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
+    """The services that a service inherits from are not the service itself.
+
+    Bad: A inherits B, B inherits A
+
+    Good: A inherits B, B inherits Events
+    """
+    for service in subject.instances("jaus.Service"):
+        last = lineage(service)[-1]
+        if last.inherits is service:
+            names = " -> ".join(each.name or "?" for each in (*lineage(service), service))
+            yield Finding(service, f"service '{service.name}' inherits itself: {names}", "inherits")
+
+
+@rule("JML312", Severity.ERROR, "message code used twice in a service")
+def code_unique(subject: Subject) -> Iterator[Finding]:
+    """A message code means one message within a service and those that it inherits.
+
+    The code alone says how a message is to be read. One message may be input and output.
+
+    Bad: inputs SetSpeed and SetSteering, both with `code="0x0415"`
+
+    Good: `0x0415` and `0x0416`
+    """
+    for service in subject.instances("jaus.Service"):
+        inherited = [message for each in lineage(service)[1:] for message in _messages(each)]
+        seen: dict[int, Any] = {}
+        for message in (*inherited, *_messages(service)):
+            if code(message) < 0 or not subject.is_intact(message):
+                continue
+            first = seen.setdefault(code(message), message)
+            if first is message or message.eContainer() is not service:
+                continue
+            if first.name != message.name or signature(first) != signature(message):
+                note = Note(first, f"{first.name} of {subject.path(first.eContainer())}", "code")
+                text = f"code {message.code} of {message.name} is that of {first.name}"
+                yield Finding(message, text, "code", related=(note,))
+
+
+@rule("JML313", Severity.ERROR, "messages of one code in one process")
+def code_unambiguous(subject: Subject) -> Iterator[Finding]:
+    """Messages with one code that meet in a process have one layout and one name.
+
+    A process finds the codec of a message by its code. The messages of a component are those
+    of its services, of the services that it uses, of its connections and of its maps.
+
+    Bad: a component that provides a service of core-1.0 and uses one of core-1.1 whose message
+    of the same code has another field
+
+    Good: both from the same service set
+    """
+    for component in subject.instances("jaus.Component"):
+        by_code: dict[int, list[Any]] = defaultdict(list)
+        for message in _messages_of(subject, component):
+            if code(message) >= 0 and subject.is_intact(message):
+                by_code[code(message)].append(message)
+        for messages in by_code.values():
+            first = messages[0]
+            for other in messages[1:]:
+                if first.name != other.name or signature(first) != signature(other):
+                    yield _ambiguous(subject, component, first, other)
+                    break
+
+
+def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Finding:
+    how = "another name" if first.name != other.name else "another layout"
+    return Finding(
+        component,
+        f"'{component.name}' has two messages of the code {first.code}: {first.name} and"
+        f" {other.name} with {how}",
+        related=tuple(Note(each, subject.path(each), "code") for each in (first, other)),
+    )
+
+
+def _messages(service: Any) -> list[Any]:
+    return [*service.inputs, *service.outputs]
+
+
+def _messages_of(subject: Subject, component: Any) -> list[Any]:
+    found: dict[Any, None] = {}
+    for service in (*component.provides, *component.uses):
+        for each in lineage(service):
+            found.update(dict.fromkeys(_messages(each)))
+    connections = list(component.connections)
+    for connection in connections:
+        found.update(dict.fromkeys((connection.message, connection.query)))
+    if subject.is_kind_of(component, "bridge.Bridge"):
+        for connection in component.bridgeConnections:
+            used = (
+                connection.map.message if connection.map is not None else None,
+                connection.query,
+            )
+            found.update(dict.fromkeys(used))
+    found.pop(None, None)
+    return list(found)
+
+
+RULES = (inheritance_cycle, code_unique, code_unambiguous)

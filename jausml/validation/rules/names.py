@@ -1,0 +1,184 @@
+"""Rules about names that become code (generator readiness)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Severity
+from jausml.validation.facts.names import is_identifier, package_key, snake_case, taken
+from jausml.validation.facts.services import lineage
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.validation.subject import Subject
+
+_IDENTIFIERS = (
+    "jaus.Component",
+    "jaus.ServiceSet",
+    "jaus.Service",
+    "jaus.MessageDef",
+    "jaus.ServiceConnection",
+    "ros.TopicEndpoint",
+    "ros.ServiceEndpoint",
+    "ros.Parameter",
+    "ros.Node",
+    "bridge.AttributeMap",
+    "bridge.Connection",
+    "system.System",
+    "system.Host",
+)
+# Features whose elements become names in one scope of the code.
+_SIBLINGS = (
+    ("jaus.Record", ("fields",)),
+    ("jaus.Sequence", ("fields",)),
+    ("jaus.BitField", ("subFields",)),
+    ("jaus.ServiceSet", ("services",)),
+    ("jaus.ServiceSet", ("types",)),
+    ("jaus.Service", ("inputs",)),
+    ("jaus.Service", ("outputs",)),
+    ("jaus.Component", ("connections",)),
+    ("bridge.Bridge", ("maps",)),
+    ("bridge.Bridge", ("bridgeConnections",)),
+    ("ros.Node", ("publishers", "serviceClients")),
+    ("ros.Node", ("subscriptions", "serviceServers")),
+    ("ros.Node", ("parameters",)),
+    ("ros.InterfacePackage", ("messages",)),
+    ("ros.MessageType", ("fields",)),
+    ("ros.MessageType", ("constants",)),
+    ("system.System", ("hosts",)),
+)
+
+
+@rule("JML501", Severity.ERROR, "name is no identifier")
+def identifiers(subject: Subject) -> Iterator[Finding]:
+    """Names of elements that become names in code are of letters, digits and underscores.
+
+    They start with a letter. Names of message fields are converted and may be any text that has
+    a letter.
+
+    Bad: `<bridgeConnections name="tyre angle">`
+
+    Good: `<bridgeConnections name="tyre_angle">`
+    """
+    for kind in _IDENTIFIERS:
+        for element in subject.instances(kind):
+            if element.name is not None and not is_identifier(element.name):
+                noun = element.eClass.name
+                hint = "letters, digits and underscores, with a letter first"
+                yield Finding(
+                    element, f"{noun} name {element.name!a} is no identifier", "name", hint
+                )
+    for kind in ("jaus.Field", "jaus.SubField"):
+        for field in subject.instances(kind):
+            if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):
+                message = f"field name {field.name!a} has no letter to make a name in code of"
+                yield Finding(field, message, "name")
+
+
+@rule("JML502", Severity.ERROR, "name of an interface package is taken")
+def interface_names(subject: Subject) -> Iterator[Finding]:
+    """Interface packages of a system hide no module that generated code imports.
+
+    Their names are those of Python packages and cannot be changed in generated code. Names of
+    components, bridges and nodes can: the package of a node named json is json_jaus.
+
+    Bad: `<interfaces name="json">`
+
+    Good: `<interfaces name="robot_interfaces">`
+    """
+    for package in subject.instances("ros.InterfacePackage"):
+        reason = taken(package.name or "")
+        if reason and not subject.model.is_library(package):
+            yield Finding(package, f"interface package name '{package.name}' {reason}", "name")
+
+
+@rule("JML503", Severity.ERROR, "packages of one name")
+def package_collisions(subject: Subject) -> Iterator[Finding]:
+    """The packages of a system have names of their own, whatever their upper and lower case.
+
+    There is one for each component, bridge and node, and one named <system>_bringup; their names
+    are the names in the model in snake case. The interface packages that the model uses are
+    packages too.
+
+    Bad: a component named Vehicle and a node named vehicle
+
+    Good: vehicle and vehicle_display
+    """
+    interfaces = subject.model.instances("ros.InterfacePackage")
+    for system in subject.instances("system.System"):
+        holders = {package_key(each.name): each for each in interfaces if each.name}
+        if system.name:
+            holders.setdefault(package_key(f"{system.name}_bringup"), system)
+        for element in (*system.components, *system.bridges, *system.nodes):
+            if not element.name or not is_identifier(element.name):
+                continue
+            first = holders.setdefault(package_key(element.name), element)
+            if first is not element:
+                message = f"{element.eClass.name} '{element.name}' has the package name of"
+                yield Finding(
+                    element,
+                    f"{message} {first.eClass.name} '{first.name}'",
+                    "name",
+                    related=(Note(first, f"'{first.name}'", "name"),),
+                )
+
+
+@rule("JML504", Severity.ERROR, "siblings of one name")
+def sibling_names(subject: Subject) -> Iterator[Finding]:
+    """Elements that lie side by side have names that differ in code as well.
+
+    VelocityX and velocity_x become the same attribute.
+
+    Bad: two connections of a bridge, both named pose
+
+    Good: vehicle_pose and estimated_pose
+    """
+    for siblings in _siblings(subject):
+        holders: dict[str, Any] = {}
+        for element in siblings:
+            if not element.name or not snake_case(element.name):
+                continue
+            first = holders.setdefault(snake_case(element.name), element)
+            if first is not element:
+                message = f"{element.eClass.name} '{element.name}' has the name of another one"
+                if first.name != element.name:
+                    message += f" in code, '{first.name}'"
+                note = Note(first, f"'{first.name}'", "name")
+                yield Finding(element, message, "name", related=(note,))
+
+
+@rule("JML505", Severity.ERROR, "messages of one name in one process")
+def message_names(subject: Subject) -> Iterator[Finding]:
+    """Messages that meet in a process have names of their own, or are the same message.
+
+    Each becomes a class in the package of the component.
+
+    Bad: a component that provides two services with a message QueryStatus of different codes
+
+    Good: QueryDriveStatus and QueryLampStatus
+    """
+    for component in subject.instances("jaus.Component"):
+        holders: dict[str, Any] = {}
+        services = {each for s in (*component.provides, *component.uses) for each in lineage(s)}
+        messages = sorted(
+            (m for each in services for m in (*each.inputs, *each.outputs) if m.name and m.code),
+            key=lambda m: (m.name, m.code),
+        )
+        for message in messages:
+            first = holders.setdefault(snake_case(message.name), message)
+            if first.code.lower() != message.code.lower():
+                text = f"'{component.name}' has two messages named {message.name}"
+                text += f", of codes {first.code} and {message.code}"
+                notes = tuple(Note(m, subject.path(m), "name") for m in (first, message))
+                yield Finding(component, text, related=notes)
+
+
+def _siblings(subject: Subject) -> Iterator[list[Any]]:
+    for kind, features in _SIBLINGS:
+        for owner in subject.instances(kind):
+            yield [element for feature in features for element in getattr(owner, feature)]
+
+
+RULES = (identifiers, interface_names, package_collisions, sibling_names, message_names)

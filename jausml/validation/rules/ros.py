@@ -1,0 +1,259 @@
+"""Rules about ROS 2: names, topics, quality of service, parameters, interfaces."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Severity
+from jausml.validation.facts.names import is_package_name
+from jausml.validation.facts.paths import ros_name
+from jausml.validation.facts.topics import Endpoint, endpoints, namespace_fault, topic_fault
+from jausml.validation.facts.values import is_integer, is_real
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.validation.subject import Subject
+
+_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*")
+_FIELD_NAME = re.compile("[a-z](?:_?[a-z0-9]+)*")
+_CONSTANT_NAME = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+_NAMED = (
+    ("ros.TopicEndpoint", "topic", "topic"),
+    ("ros.ServiceEndpoint", "service", "service"),
+    ("bridge.Topic", "name", "topic"),
+)
+_DURATIONS = ("deadline", "lifespan", "leaseDuration")
+_ORDERED_POLICIES = {
+    "reliability": ("best_effort", "reliable"),
+    "durability": ("volatile", "transient_local"),
+}
+_DEFAULT_POLICIES = {"reliability": "reliable", "durability": "volatile"}
+_LONG = 2**63
+_HIGHEST_FREQUENCY = 1000.0
+
+
+@rule("JML401", Severity.ERROR, "illegal ROS name")
+def ros_names(subject: Subject) -> Iterator[Finding]:
+    """Topic and service names and namespaces obey the rules of ROS 2.
+
+    Parts of letters, digits and underscores are joined by '/'; no part is empty, starts with a
+    digit or has two underscores in a row; '~/' at the start means the node's own namespace.
+
+    Bad: `<topics name="/robot//odometry"/>`
+
+    Good: `<topics name="robot/odometry"/>`
+    """
+    for kind, feature, noun in _NAMED:
+        for element in subject.instances(kind):
+            name = getattr(element, feature)
+            fault = topic_fault(name) if name is not None else ""
+            if fault:
+                yield Finding(element, f"{noun} name {name!a} {fault}", feature)
+    for kind in ("ros.Node", "bridge.Bridge"):
+        for element in subject.instances(kind):
+            fault = namespace_fault(element.namespace or "")
+            if fault:
+                message = f"namespace {element.namespace!a} of '{element.name}' {fault}"
+                yield Finding(element, message, "namespace")
+
+
+@rule("JML402", Severity.ERROR, "topic of two types")
+def topic_types(subject: Subject) -> Iterator[Finding]:
+    """All publishers and subscriptions of a topic have one type, bridges included.
+
+    ROS 2 never connects endpoints of different types, and says nothing. Names are compared as
+    they resolve in the namespaces of their nodes.
+
+    Bad: a node that publishes Twist on cmd_vel, and a bridge that subscribes to TwistStamped there
+
+    Good: TwistStamped at both ends
+    """
+    for ends in _topics(subject):
+        first = ends[0]
+        for end in ends[1:]:
+            if end.type is not first.type and ros_name(end.type) != ros_name(first.type):
+                note = Note(first.element, f"{ros_name(first.type)} here", first.feature)
+                yield Finding(
+                    end.element,
+                    f"topic {end.topic} is of {ros_name(end.type)} here, but of"
+                    f" {ros_name(first.type)} in '{first.owner.name}'",
+                    end.feature,
+                    related=(note,),
+                )
+
+
+@rule("JML403", Severity.WARNING, "incompatible quality of service")
+def qos_compatible(subject: Subject) -> Iterator[Finding]:
+    """A subscription asks for no more than the publishers of its topic offer.
+
+    Otherwise ROS 2 does not connect the two. A subscription that is reliable needs a reliable
+    publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
+    that is no longer at the publisher.
+
+    Bad: a best_effort publisher and a subscription that is reliable (the default)
+
+    Good: `<qos reliability="best_effort"/>` at both ends
+    """
+    for ends in _topics(subject):
+        for subscription in (end for end in ends if not end.publishes):
+            for publisher in (end for end in ends if end.publishes):
+                reason = _incompatible(publisher.element.qos, subscription.element.qos)
+                if reason:
+                    note = Note(publisher.element, f"'{publisher.owner.name}' publishes", "qos")
+                    message = f"subscription to {subscription.topic} gets nothing from"
+                    yield Finding(
+                        subscription.element,
+                        f"{message} '{publisher.owner.name}': {reason}",
+                        "qos",
+                        related=(note,),
+                    )
+
+
+@rule("JML404", Severity.ERROR, "impossible quality of service")
+def qos_values(subject: Subject) -> Iterator[Finding]:
+    """The depth is 1 or more with keep_last; times are finite and not negative; 0 means none.
+
+    Bad: `<qos depth="0"/>`
+
+    Good: `<qos depth="1"/>`
+    """
+    for profile in subject.instances("ros.QoSProfile"):
+        lowest = 1 if profile.history.name == "keep_last" else 0
+        if profile.depth < lowest:
+            yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
+        for feature in _DURATIONS:
+            value = getattr(profile, feature)
+            if not (math.isfinite(value) and value >= 0):
+                yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
+
+
+@rule("JML405", Severity.ERROR, "impossible parameter value")
+def parameter_values(subject: Subject) -> Iterator[Finding]:
+    """The default of a parameter is of its type and within its range.
+
+    Bad: `<parameters name="gain" type="double" value="high"/>`
+
+    Good: `<parameters name="gain" type="double" value="0.5" maximum="1.0"/>`
+    """
+    for parameter in subject.instances("ros.Parameter"):
+        if parameter.value is None:
+            continue
+        fault = _parameter_fault(parameter)
+        if fault:
+            message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
+            yield Finding(parameter, message, "value")
+        for feature in ("minimum", "maximum"):
+            if not math.isfinite(getattr(parameter, feature)):
+                message = f"{feature} of parameter '{parameter.name}' is not finite"
+                yield Finding(parameter, message, feature)
+
+
+@rule("JML406", Severity.ERROR, "illegal ROS interface")
+def interfaces(subject: Subject) -> Iterator[Finding]:
+    """Interface packages, types, fields and constants are named as ROS 2 demands.
+
+    Packages and fields are of lower case with single underscores, types are in CamelCase,
+    constants of upper case. A fixed array and a bounded sequence have a size of 1 or more.
+
+    Bad: `<messages name="wheel_speeds">` with a field named frontLeft
+
+    Good: `<messages name="WheelSpeeds">` with a field named front_left
+    """
+    for package in subject.instances("ros.InterfacePackage"):
+        if package.name and not is_package_name(package.name):
+            yield Finding(package, f"{package.name!a} is no package name", "name")
+        for each in (*package.messages, *package.services, *package.actions):
+            if each.name and not _TYPE_NAME.fullmatch(each.name):
+                yield Finding(each, f"{each.name!a} is no type name", "name", "CamelCase")
+    for field in subject.instances("ros.Field"):
+        if field.name and not _FIELD_NAME.fullmatch(field.name):
+            hint = "lower case, words joined by one underscore"
+            yield Finding(field, f"{field.name!a} is no field name", "name", hint)
+        if field.arrayKind.name in ("fixedArray", "boundedSequence") and field.arraySize < 1:
+            message = f"'{field.name}' is a {field.arrayKind.name} of size {field.arraySize}"
+            yield Finding(field, message, "arraySize")
+    for constant in subject.instances("ros.Constant"):
+        if constant.name and not _CONSTANT_NAME.fullmatch(constant.name):
+            yield Finding(constant, f"{constant.name!a} is no constant name", "name", "UPPER_CASE")
+
+
+@rule("JML407", Severity.ERROR, "impossible frequency")
+def frequencies(subject: Subject) -> Iterator[Finding]:
+    """A frequency in calls each second is finite, not negative and at most 1000.
+
+    0 means no timer.
+
+    Bad: `<nodes name="controller" frequency="-1.0"/>`
+
+    Good: `<nodes name="controller" frequency="20.0"/>`
+    """
+    for kind in ("ros.Node", "bridge.Bridge"):
+        for element in subject.instances(kind):
+            if not 0 <= element.frequency <= _HIGHEST_FREQUENCY:
+                message = f"frequency {element.frequency:g} of '{element.name}'"
+                yield Finding(element, f"{message} is not in 0..1000", "frequency")
+
+
+def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
+    for group in subject.systems():
+        by_topic: dict[str, list[Endpoint]] = defaultdict(list)
+        for end in endpoints(group):
+            if not subject.is_broken(end.element):
+                by_topic[end.topic].append(end)
+        yield from by_topic.values()
+
+
+def _policy(profile: Any, feature: str) -> str:
+    if profile is None:
+        return _DEFAULT_POLICIES[feature]
+    return str(getattr(profile, feature).name)
+
+
+def _seconds(profile: Any, feature: str) -> float:
+    value = getattr(profile, feature) if profile is not None else 0.0
+    return value if value > 0 else math.inf
+
+
+def _incompatible(offered: Any, asked: Any) -> str:
+    for feature, (less, more) in _ORDERED_POLICIES.items():
+        if (_policy(offered, feature), _policy(asked, feature)) == (less, more):
+            return f"it is {less}, the subscription {more}"
+    for feature in ("deadline", "leaseDuration"):
+        if _seconds(offered, feature) > _seconds(asked, feature):
+            return f"its {feature} is longer than that of the subscription"
+    return ""
+
+
+def _parameter_fault(parameter: Any) -> str:
+    kind, text = parameter.type.name, parameter.value
+    if kind == "string":
+        return ""
+    if kind == "bool":
+        return "" if text in ("true", "false") else "is not true or false"
+    if kind == "integer" and not is_integer(text):
+        return "is not an integer"
+    if kind == "double" and not is_real(text):
+        return "is not a number"
+    value = int(text) if kind == "integer" else float(text)
+    if kind == "integer" and not -_LONG <= value < _LONG:
+        return "does not fit 64 bits"
+    is_limited = parameter.minimum < parameter.maximum
+    if is_limited and not parameter.minimum <= value <= parameter.maximum:
+        return f"is not in {parameter.minimum:g}..{parameter.maximum:g}"
+    return ""
+
+
+RULES = (
+    ros_names,
+    topic_types,
+    qos_compatible,
+    qos_values,
+    parameter_values,
+    interfaces,
+    frequencies,
+)

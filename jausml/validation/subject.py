@@ -1,0 +1,98 @@
+"""What rules look at: a model, and which of its elements were read without an error."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.model.model import Model
+
+
+class Subject:
+    """A model as rules see it.
+
+    Elements that the reader complained about stay out of sight, so that one cause is one error.
+    So does the shipped library, unless the user named one of its files.
+
+    Args:
+        model: The model.
+        diagnostics: What the reader found.
+    """
+
+    def __init__(self, model: Model, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        self.model = model
+        self._by_class: dict[Any, list[Any]] = defaultdict(list)
+        self._broken: set[Any] = set()
+        self._damaged: set[Any] = set()
+        errors = {
+            (each.location.path, each.fragment)
+            for each in diagnostics
+            if each.severity is Severity.ERROR and each.fragment
+        }
+        for document in model.documents:
+            is_checked = document.given or not document.is_library
+            files_errors = {fragment for path, fragment in errors if path == document.display}
+            if is_checked or files_errors:
+                self._index(document.roots, files_errors, is_checked=is_checked)
+
+    def _index(self, roots: list[Any], errors: set[str], *, is_checked: bool) -> None:
+        pending = list(reversed(roots))
+        while pending:
+            element = pending.pop()
+            if is_checked:
+                self._by_class[element.eClass].append(element)
+            if errors and self.model.fragment(element) in errors:
+                self._mark(element)
+            pending.extend(reversed(self.model.owned(element)))
+
+    def _mark(self, element: Any) -> None:
+        self._broken.add(element)
+        while element is not None:
+            self._damaged.add(element)
+            element = element.eContainer()
+
+    def instances(self, qualified_class: str) -> list[Any]:
+        """Returns the sound elements of a class and of the classes that specialise it.
+
+        Args:
+            qualified_class: Package and class, such as `jaus.Component`.
+        """
+        subtypes = self.model.metamodels.classes[qualified_class].subtypes
+        found = [
+            element
+            for table in sorted(subtypes, key=lambda table: table.qualified_name)
+            for element in self._by_class.get(table.eclass, ())
+        ]
+        return [element for element in found if element not in self._broken]
+
+    def is_kind_of(self, element: Any, qualified_class: str) -> bool:
+        """Tells whether an element is an instance of a class or of a subclass of it."""
+        return self.model.metamodels.is_kind_of(element, qualified_class)
+
+    def is_broken(self, element: Any) -> bool:
+        """Tells whether the reader found an error in the features of an element itself."""
+        return element in self._broken
+
+    def is_intact(self, *elements: Any) -> bool:
+        """Tells whether elements are there and were read without an error, contents included."""
+        return all(each is not None and each not in self._damaged for each in elements)
+
+    def path(self, element: Any) -> str:
+        """Returns how messages name an element that stands elsewhere."""
+        return self.model.element_path(element)
+
+    def systems(self) -> list[list[Any]]:
+        """Returns the components (bridges included) and nodes that live together.
+
+        They are those of one system; those without a system live together too.
+        """
+        groups: dict[Any, list[Any]] = defaultdict(list)
+        for name in ("jaus.Component", "ros.Node"):
+            for element in self.instances(name):
+                groups[element.eContainer()].append(element)
+        return list(groups.values())
