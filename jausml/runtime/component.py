@@ -104,6 +104,7 @@ class JausComponent:
         self.settings = ComponentSettings() if settings is None else settings
         self._running = False
         self._starters: list[Callable[[], None]] = []
+        self._enders: list[Callable[[], None]] = []
         self._router = Router(transport.counters, self.allows)
         provided = {service.urn.removeprefix(CORE) for service in self.services}
         self._events = EventsService(self, enabled="Events" in provided)
@@ -146,6 +147,9 @@ class JausComponent:
         query_class: type[Q],
         report_class: type[R],
         provider: Callable[[Q, JausAddress], R | None],
+        *,
+        periodic: bool = True,
+        every_change: bool = True,
     ) -> None:
         """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
 
@@ -154,12 +158,17 @@ class JausComponent:
             report_class: Generated codec of the report.
             provider: Returns the present report; None means that there is none now, the query
                 then stays unanswered and no event is sent.
+            periodic: Whether clients may have the report at a rate.
+            every_change: Whether clients may have the report at every change; the component
+                then calls ``report_changed`` when it may have changed.
 
         Raises:
             ValueError: The query has a handler or a provider already.
         """
         with self.loop.lock:
-            provision = Provision(query_class, report_class, provider)
+            provision = Provision(
+                query_class, report_class, provider, periodic, every_change
+            )
             self._router.set_provision(provision, self._answer)
 
     def report_changed(self, report_class: type[Message]) -> None:
@@ -441,6 +450,15 @@ class JausComponent:
             action()
         else:
             self._starters.append(action)
+
+    def when_shut_down(self, action: Callable[[], None]) -> None:
+        """Also run an action when the component enters Shutdown."""
+        self._enders.append(action)
+
+    def shut_down(self) -> None:
+        """Run the hook and the actions of Shutdown; called by the Management service."""
+        for action in (self.on_shutdown, *self._enders):
+            self.call(action)
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""

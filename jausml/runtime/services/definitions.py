@@ -83,7 +83,8 @@ class ComponentSettings:
         retry_max: Longest time in seconds between two requests that stay unanswered.
         refused_retry: Seconds between two requests after a refusal.
         watch_interval: Longest time in seconds between two checks of a controlled component.
-        renew_interval: Longest time in seconds between two renewals of an event.
+        check_interval: Longest time in seconds between two renewals of an every-change event,
+            whose provider may rightly be silent; finds a provider that was restarted.
 
     Raises:
         ValueError: A value is out of its range.
@@ -103,7 +104,7 @@ class ComponentSettings:
     retry_max: float = 5.0
     refused_retry: float = 5.0
     watch_interval: float = 1.0
-    renew_interval: float = 10.0
+    check_interval: float = 10.0
 
     def __post_init__(self) -> None:
         """Refuse values that the wire cannot carry or that would flood it."""
@@ -118,7 +119,7 @@ class ComponentSettings:
         _check("retry_max", self.retry_max, self.retry_min, 600)
         _check("refused_retry", self.refused_retry, 0.05, 600)
         _check("watch_interval", self.watch_interval, 0.05, 600)
-        _check("renew_interval", self.renew_interval, 0.05, 600)
+        _check("check_interval", self.check_interval, 0.05, 600)
 
 
 def _check(name: str, value: float, low: float, high: float) -> None:

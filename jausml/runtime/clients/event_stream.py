@@ -1,0 +1,334 @@
+"""One event of another component, kept alive for its subscribers."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from ..core_messages import CancelEvent, CreateEvent, UpdateEvent
+from ..message import DecodeError, Message
+from ..services.events import EVERY_CHANGE, PERIODIC, RejectCode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..core_messages import Event
+    from ..loop import Timer
+    from .event_subscription import EventClient, EventSubscription
+
+SILENT_PERIODS = 3
+"""Periods of a periodic event without a report after which it is created again."""
+
+MIN_SILENCE = 1.0
+"""Shortest silence in seconds that counts; reports of fast events may be late."""
+
+MAX_SILENCE = 30.0
+"""Longest wait in seconds for the reports of a provider that confirms but does not report."""
+
+MAX_RENEWALS = 3
+"""Unanswered renewals after which an event is created again."""
+
+HALF_SEQUENCE = 128
+"""Sequence numbers from here on are older than the last one."""
+
+
+class _State(Enum):
+    IDLE = "idle"
+    CREATING = "creating"
+    ACTIVE = "active"
+
+
+class EventStream:
+    """Creates an event, renews it, and creates it again when the provider lost it.
+
+    Attributes:
+        component: The component that subscribes.
+        provider: The component that provides the report.
+        payload: The encoded query.
+        request_id: Marks our requests in the provider's answers.
+        event_id: The provider's id of the event, once confirmed.
+    """
+
+    def __init__(
+        self,
+        client: EventClient,
+        component: JausComponent,
+        provider: JausAddress,
+        payload: bytes,
+    ) -> None:
+        """Prepare a stream without subscribers."""
+        self.component = component
+        self.provider = provider
+        self.payload = payload
+        self.request_id = 0
+        self.event_id: int | None = None
+        self._client = client
+        self._loop = component.loop
+        self._settings = component.settings
+        self._counters = component.counters
+        self._groups: dict[type[Message], list[EventSubscription]] = {}
+        self._state = _State.IDLE
+        self._rate: float | None = None
+        self._confirmed_rate = 0.0
+        self._delay = self._settings.retry_min
+        self._renewals = 0
+        self._asked_at = float("-inf")
+        self._timer: Timer | None = None
+        self._silence_timer: Timer | None = None
+        self._silence_wait = 0.0
+        self._heard = 0.0
+        self._expected: int | None = None
+        self._last: bytes | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether the provider has confirmed the event."""
+        return self._state is _State.ACTIVE
+
+    # ---- subscribers ------------------------------------------------------------------------
+
+    def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
+        """Add a subscriber; it gets the last report of an event that is under way."""
+        self._groups.setdefault(report_class, []).append(subscription)
+        self.component.when_started(subscription.start_watching)
+        if self._state is _State.IDLE:
+            if len(self._subscriptions()) == 1:
+                self.component.when_started(self._start)
+        elif self._last is not None:
+            last = self._last
+            self._loop.call_soon(lambda: self._deliver_to(subscription, report_class, last))
+        self._agree_on_rate()
+
+    def leave(self, subscription: EventSubscription) -> None:
+        """Remove a subscriber; the event is cancelled with the last one."""
+        for report_class, subscriptions in list(self._groups.items()):
+            if subscription in subscriptions:
+                subscriptions.remove(subscription)
+                if not subscriptions:
+                    del self._groups[report_class]
+        if self._groups:
+            self._agree_on_rate()
+        else:
+            self.stop()
+
+    def stop(self) -> None:
+        """Cancel the event and forget the subscribers."""
+        for subscription in self._subscriptions():
+            subscription.stop_watching()
+        self._groups.clear()
+        self._cancel_timers()
+        if self._state is not _State.IDLE and self.event_id is not None:
+            message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
+            self.component.send(message, self.provider)
+        self._client.forget(self)
+        self._state = _State.IDLE
+
+    def _subscriptions(self) -> list[EventSubscription]:
+        return [each for group in self._groups.values() for each in group]
+
+    def _agree_on_rate(self) -> None:
+        """Take the highest rate asked for; every change only when all want that."""
+        rates = [each.rate for each in self._subscriptions() if each.rate is not None]
+        rate = max(rates, default=None)
+        if rate != self._rate:
+            self._rate = rate
+            if self._state is _State.ACTIVE:
+                self._renew()
+
+    # ---- requests ---------------------------------------------------------------------------
+
+    def hurry(self) -> None:
+        """Ask again now, unless that was done a moment ago."""
+        if (
+            self._state is _State.CREATING
+            and self._loop.now() >= self._asked_at + self._settings.retry_min
+        ):
+            self._create()
+
+    def reschedule(self) -> None:
+        """Renew in time for the event timeout that the provider has reported."""
+        if self._state is _State.ACTIVE and not self._renewals:
+            self._schedule_renewal()
+
+    def confirmed(self, event_id: int, rate: float) -> None:
+        """Take the provider's confirmation of our last request."""
+        if self._state is _State.IDLE or not self._groups:
+            return
+        if self._state is _State.ACTIVE and not self._renewals:
+            # Nothing was asked: the provider says that the event has timed out, or answers twice.
+            self._renew()
+            return
+        if self._rate is not None and rate <= 0:
+            self._recreate()
+            return
+        is_new = self._state is _State.CREATING
+        changed, self._confirmed_rate = rate != self._confirmed_rate, rate
+        self._client.bind(self, event_id)
+        self.event_id = event_id
+        self._state = _State.ACTIVE
+        self._delay = self._settings.retry_min
+        self._renewals = 0
+        self._schedule_renewal()
+        if is_new:
+            self._expected = None
+        if is_new or changed:
+            self._heard = self._loop.now()
+            self._watch_silence()
+
+    def rejected(self, code: int | None, text: str) -> None:
+        """Take the provider's refusal of our last request."""
+        if self._state is _State.ACTIVE:
+            if self._renewals:
+                self.lost()
+                self._client.suspect(self.provider)
+        elif self._state is _State.CREATING:
+            if code == RejectCode.INVALID_EVENT_ID:
+                return  # the answer to a renewal of the event that is being created again
+            self._counters.count(
+                "event_client.refused", f"{self.provider} rejects with code {code}: {text}"
+            )
+            self._set_timer(self._settings.refused_retry, self._create)
+
+    def lost(self) -> None:
+        """Create the event again: the provider does not know it any more."""
+        self._counters.add("event_client.lost")
+        self._client.unbind(self)
+        self.event_id = None
+        self._recreate()
+
+    def verify(self) -> None:
+        """Renew the event now, to learn whether the provider still knows it."""
+        if self._state is _State.ACTIVE and not self._renewals:
+            self._renew()
+
+    def _start(self) -> None:
+        if self._groups and self._state is _State.IDLE:
+            self._create()
+
+    def _recreate(self) -> None:
+        """Create the event again, with growing pauses as long as that is of no use."""
+        self._state = _State.CREATING
+        if self._loop.now() >= self._asked_at + self._settings.retry_min:
+            self._create()
+        else:
+            self._set_timer(self._settings.retry_min, self._create)
+
+    def _create(self) -> None:
+        self._state = _State.CREATING
+        self._renewals = 0
+        self._cancel_timers()
+        self._asked_at = self._loop.now()
+        self._set_timer(self._delay, self._create)
+        self._delay = min(self._delay * 2, self._settings.retry_max)
+        message = CreateEvent(
+            request_id=self.request_id,
+            event_type=EVERY_CHANGE if self._rate is None else PERIODIC,
+            requested_periodic_rate=self._rate or 0.0,
+            query_message=self.payload,
+        )
+        self.component.send(message, self.provider)
+
+    def _renew(self) -> None:
+        if self._renewals == MAX_RENEWALS or self.event_id is None:
+            self._counters.add("event_client.lost")
+            self._create()
+            return
+        self._renewals += 1
+        self._asked_at = self._loop.now()
+        self._set_timer(self._settings.retry_min, self._renew)
+        message = UpdateEvent(
+            request_id=self.request_id,
+            event_type=EVERY_CHANGE if self._rate is None else PERIODIC,
+            requested_periodic_rate=self._rate or 0.0,
+            event_id=self.event_id,
+            query_message=self.payload,
+        )
+        self.component.send(message, self.provider)
+
+    def _schedule_renewal(self) -> None:
+        """Renew at half the provider's timeout, and an every-change event not much later.
+
+        The reports of an every-change event may rightly stay away; only a renewal tells that its
+        provider was restarted. A periodic event without timeout needs no renewal at all.
+        """
+        minutes = self._client.event_timeout(self.provider)
+        waits = [30.0 * minutes] if minutes else []
+        if self._rate is None:
+            waits.append(self._settings.check_interval)
+        if waits:
+            self._set_timer(min(waits), self._renew)
+        elif self._timer is not None:
+            self._timer.cancel()
+
+    # ---- reports ----------------------------------------------------------------------------
+
+    def receive(self, event: Event) -> None:
+        """Decode the report of an event and hand it to the subscribers."""
+        sequence = event.sequence_number
+        if self._expected is not None and sequence != self._expected:
+            missing = (sequence - self._expected) & 0xFF
+            if missing >= HALF_SEQUENCE:
+                self._counters.add("event_client.out_of_order")
+                return
+            self._counters.add("event_client.sequence_gap", missing)
+        self._expected = (sequence + 1) & 0xFF
+        self._last = payload = event.report_message
+        self._heard = now = self._loop.now()
+        self._silence_wait = 0.0
+        for report_class, subscriptions in tuple(self._groups.items()):
+            report = self._decode(report_class, payload)
+            if report is not None:
+                for subscription in tuple(subscriptions):
+                    subscription.deliver(report, now)
+
+    def _deliver_to(
+        self, subscription: EventSubscription, report_class: type[Message], payload: bytes
+    ) -> None:
+        if subscription in self._groups.get(report_class, ()):
+            report = self._decode(report_class, payload)
+            if report is not None:
+                subscription.deliver(report, self._loop.now())
+
+    def _decode(self, report_class: type[Message], payload: bytes) -> Message | None:
+        try:
+            return report_class.decode(payload)
+        except DecodeError as error:
+            self._counters.count("event_client.bad_report", f"{self.provider}: {error}")
+            return None
+
+    # ---- silence ----------------------------------------------------------------------------
+
+    def _watch_silence(self) -> None:
+        """Wait for the reports of a periodic event, longer each time that they stay away."""
+        if self._silence_timer is not None:
+            self._silence_timer.cancel()
+            self._silence_timer = None
+        if self._confirmed_rate > 0:
+            shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
+            self._silence_wait = max(self._silence_wait, shortest)
+            self._silence_timer = self._loop.call_later(self._silence_wait, self._look)
+
+    def _look(self) -> None:
+        shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
+        wait = max(self._silence_wait, shortest)
+        if self._loop.now() < self._heard + wait:
+            self._silence_timer = self._loop.call_at(self._heard + wait, self._look)
+            return
+        self._counters.add("event_client.stalled")
+        self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
+        self._create()
+
+    # ---- timers -----------------------------------------------------------------------------
+
+    def _set_timer(self, delay: float, action: Callable[[], None]) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_later(delay, action)
+
+    def _cancel_timers(self) -> None:
+        for timer in (self._timer, self._silence_timer):
+            if timer is not None:
+                timer.cancel()
+        self._timer = self._silence_timer = None

@@ -1,0 +1,246 @@
+"""Subscriptions to the events of other components (AS5710, Events, client side)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..core_messages import (
+    CancelEvent,
+    ConfirmEventRequest,
+    Event,
+    QueryEventTimeout,
+    RejectEventRequest,
+    ReportEventTimeout,
+)
+from ..services.definitions import MAX_EVENT_RATE
+from .event_stream import EventStream
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..loop import Timer
+    from ..message import Message
+
+STRAY_REQUEST = 255
+"""Request id with which events that nobody here wants are cancelled."""
+
+DEFAULT_EVENT_TIMEOUT = 1
+"""Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""
+
+
+class EventSubscription:
+    """One subscriber's share in an event; made by ``JausComponent.subscribe``.
+
+    Attributes:
+        provider: The component that provides the report.
+        rate: Reports each second that the subscriber asked for; None means every change.
+    """
+
+    def __init__(
+        self,
+        stream: EventStream,
+        on_report: Callable[[Any, JausAddress], None],
+        rate: float | None,
+        silence_timeout: float,
+        on_silence: Callable[[], None] | None,
+    ) -> None:
+        """Use ``JausComponent.subscribe`` instead."""
+        self.provider = stream.provider
+        self.rate = rate
+        self._stream = stream
+        self._component = stream.component
+        self._on_report = on_report
+        self._silence_timeout = silence_timeout
+        self._on_silence = on_silence
+        self._watch: Timer | None = None
+        self._heard = 0.0
+        self._silent = False
+
+    @property
+    def active(self) -> bool:
+        """Whether the provider has confirmed the event."""
+        return self._stream.active
+
+    @property
+    def silent(self) -> bool:
+        """Whether no report came for the silence timeout."""
+        return self._silent
+
+    def cancel(self) -> None:
+        """End the subscription; the event is cancelled with its last subscriber."""
+        with self._component.loop.lock:
+            self.stop_watching()
+            self._stream.leave(self)
+
+    def start_watching(self) -> None:
+        """Begin to wait for the first report."""
+        self._heard = self._component.loop.now()
+        if self._silence_timeout > 0:
+            self._watch_from(self._heard)
+
+    def stop_watching(self) -> None:
+        """Detect no silence any more."""
+        if self._watch is not None:
+            self._watch.cancel()
+            self._watch = None
+
+    def deliver(self, report: Message, now: float) -> None:
+        """Hand a report to the subscriber."""
+        self._heard = now
+        if self._silent:
+            self._silent = False
+            self._watch_from(now)
+        self._component.call(self._on_report, report, self.provider)
+
+    def _watch_from(self, heard: float) -> None:
+        loop = self._component.loop
+        self._watch = loop.call_at(heard + self._silence_timeout, self._look)
+
+    def _look(self) -> None:
+        """Re-arm for the last report instead of re-arming at every report."""
+        if self._component.loop.now() < self._heard + self._silence_timeout:
+            self._watch_from(self._heard)
+            return
+        self._silent = True
+        self._watch = None
+        self._component.counters.add("event_client.silent")
+        if self._on_silence is not None:
+            self._component.call(self._on_silence)
+
+
+class EventClient:
+    """All subscriptions of one component, and the messages of Events that concern them."""
+
+    def __init__(self, component: JausComponent) -> None:
+        """Listen to the answers of providers."""
+        self._component = component
+        self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}
+        self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
+        self._by_event: dict[tuple[JausAddress, int], EventStream] = {}
+        self._timeouts: dict[JausAddress, int] = {}
+        self._stray_cancelled = float("-inf")
+        component.on_message(Event, self._event)
+        component.on_message(ConfirmEventRequest, self._confirmed)
+        component.on_message(RejectEventRequest, self._rejected)
+        component.on_message(ReportEventTimeout, self._timeout_reported)
+
+    def subscribe(
+        self,
+        provider: JausAddress,
+        query: Message,
+        report_class: type[Message],
+        on_report: Callable[[Any, JausAddress], None],
+        rate: float | None,
+        silence_timeout: float,
+        on_silence: Callable[[], None] | None,
+    ) -> EventSubscription:
+        """Join the event on a query, which is created when it is the first subscription."""
+        if not provider.is_concrete:
+            raise ValueError(f"{provider} does not name one component")
+        if rate is not None and not 0 < rate <= MAX_EVENT_RATE:
+            raise ValueError(f"rate {rate} Hz is outside 0..{MAX_EVENT_RATE:g}")
+        payload = query.encode()
+        stream = self._streams.get((provider, payload))
+        if stream is None:
+            stream = EventStream(self, self._component, provider, payload)
+            self._by_request[provider, self._free_request(provider, stream)] = stream
+            self._streams[provider, payload] = stream
+        subscription = EventSubscription(stream, on_report, rate, silence_timeout, on_silence)
+        stream.join(subscription, report_class)
+        return subscription
+
+    def stop(self) -> None:
+        """Cancel all events."""
+        for stream in list(self._streams.values()):
+            stream.stop()
+
+    # ---- for the streams --------------------------------------------------------------------
+
+    def bind(self, stream: EventStream, event_id: int) -> None:
+        """Deliver the events of an id to a stream from now on."""
+        self.unbind(stream)
+        key = (stream.provider, event_id)
+        other = self._by_event.get(key)
+        self._by_event[key] = stream
+        if other is not None:
+            # The provider was restarted and has given the other stream's id to this one.
+            other.lost()
+
+    def unbind(self, stream: EventStream) -> None:
+        """Deliver no events to a stream any more."""
+        key = (stream.provider, -1 if stream.event_id is None else stream.event_id)
+        if self._by_event.get(key) is stream:
+            del self._by_event[key]
+
+    def suspect(self, provider: JausAddress) -> None:
+        """Verify all events of a provider that has lost one: it was probably restarted."""
+        for stream in list(self._streams.values()):
+            if stream.provider == provider:
+                stream.verify()
+
+    def forget(self, stream: EventStream) -> None:
+        """Drop a stream without subscribers."""
+        self.unbind(stream)
+        self._by_request.pop((stream.provider, stream.request_id), None)
+        self._streams.pop((stream.provider, stream.payload), None)
+
+    def event_timeout(self, provider: JausAddress) -> int:
+        """Return the event timeout of a provider in minutes, 0 for never; ask it if unknown."""
+        known = self._timeouts.get(provider)
+        if known is None:
+            self._component.send(QueryEventTimeout(), provider)
+            return DEFAULT_EVENT_TIMEOUT
+        return known
+
+    # ---- messages ---------------------------------------------------------------------------
+
+    def _event(self, event: Event, sender: JausAddress) -> None:
+        stream = self._by_event.get((sender, event.event_id))
+        if stream is None:
+            self._stray(event, sender)
+        else:
+            stream.receive(event)
+
+    def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
+        stream = self._by_request.get((sender, message.request_id))
+        if stream is not None:
+            stream.confirmed(message.event_id, message.confirmed_periodic_rate)
+
+    def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
+        stream = self._by_request.get((sender, message.request_id))
+        if stream is not None:
+            stream.rejected(message.response_code, message.error_message or "")
+
+    def _timeout_reported(self, message: ReportEventTimeout, sender: JausAddress) -> None:
+        if any(provider == sender for provider, _ in self._streams):
+            self._timeouts[sender] = message.timeout
+            for stream in self._streams.values():
+                if stream.provider == sender:
+                    stream.reschedule()
+
+    def _stray(self, event: Event, sender: JausAddress) -> None:
+        """Act on an event that is not ours: its creation is not confirmed yet, or is unwanted.
+
+        The event may be left from before a restart of this component, or its confirmation was
+        lost; creating it again yields its id. What nobody wants is cancelled.
+        """
+        self._component.counters.add("event_client.unknown_event")
+        expected = False
+        for stream in self._streams.values():
+            if stream.provider == sender and not stream.active:
+                expected = True
+                stream.hurry()
+        now = self._component.loop.now()
+        if not expected and now >= self._stray_cancelled + self._component.settings.retry_min:
+            self._stray_cancelled = now
+            message = CancelEvent(request_id=STRAY_REQUEST, event_id=event.event_id)
+            self._component.send(message, sender)
+
+    def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
+        for request_id in range(STRAY_REQUEST):
+            if (provider, request_id) not in self._by_request:
+                stream.request_id = request_id
+                return request_id
+        raise ValueError(f"more than {STRAY_REQUEST} events of {provider}")

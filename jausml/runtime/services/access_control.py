@@ -1,0 +1,193 @@
+"""The AccessControl service: one client at a time controls the component (AS5710)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from ..core_messages import (
+    ConfirmControl,
+    QueryAuthority,
+    QueryControl,
+    QueryTimeout,
+    RejectControl,
+    ReleaseControl,
+    ReportAuthority,
+    ReportControl,
+    ReportTimeout,
+    RequestControl,
+    SetAuthority,
+)
+from .definitions import Guard
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Set
+
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..loop import Timer
+    from ..message import Message
+
+
+class Confirm(IntEnum):
+    """Response codes of ConfirmControl."""
+
+    ACCEPTED = 0
+    NOT_AVAILABLE = 1
+    INSUFFICIENT_AUTHORITY = 2
+
+
+class Reject(IntEnum):
+    """Response codes of RejectControl."""
+
+    RELEASED = 0
+    NOT_AVAILABLE = 1
+
+
+class AccessControlService:
+    """Keeps who controls the component (AS5710 v1.1, AccessControl, protocol behaviour).
+
+    Attributes:
+        controller: The controlling component.
+        authority: Its authority code; the default authority without a controller.
+        offered: Whether the component offers control at all.
+        managed: Whether the state of the Management service permits control.
+        emergency_clients: Who has set an emergency.
+        on_lost: Called when control ends, before the controller is told.
+    """
+
+    def __init__(self, component: JausComponent, *, enabled: bool) -> None:
+        """Serve the messages of AccessControl if the component provides the service."""
+        self._component = component
+        self._timer: Timer | None = None
+        self._timeout = component.settings.control_timeout
+        self._default = component.settings.default_authority
+        self.controller: JausAddress | None = None
+        self.authority = self._default
+        self.offered = True
+        self.managed = True
+        self.emergency_clients: Set[JausAddress] = frozenset()
+        self.on_lost: Callable[[], None] = _nothing
+        if not enabled:
+            return
+        component.handle(RequestControl, self._request)
+        component.handle(ReleaseControl, self._release)
+        component.handle(SetAuthority, self._set_authority, when=Guard.CONTROLLED)
+        component.provide(QueryControl, ReportControl, self._report_control)
+        component.provide(QueryAuthority, ReportAuthority, self._report_authority)
+        component.provide(QueryTimeout, ReportTimeout, self._report_timeout)
+
+    @property
+    def available(self) -> bool:
+        """Whether control may be requested now."""
+        return self.offered and self.managed
+
+    def drop(self, reason: Reject) -> None:
+        """Take control away from the controller and tell it; no effect without one."""
+        former = self.controller
+        if former is None:
+            return
+        self._stop_timer()
+        self.controller = None
+        self.authority = self._default
+        self.on_lost()
+        self._component.send(RejectControl(response_code=reason), former)
+        self._controller_changed()
+
+    def _request(self, message: RequestControl, sender: JausAddress) -> None:
+        code = message.authority_code
+        if not self.available:
+            self._confirm(sender, Confirm.NOT_AVAILABLE)
+        elif sender == self.controller:
+            if code < self._default:
+                self.drop(Reject.RELEASED)
+            else:
+                self._grant(sender, code)
+        elif self.controller is None and code < self._default:
+            self._confirm(sender, Confirm.INSUFFICIENT_AUTHORITY)
+        elif self.controller is not None and code <= self.authority:
+            self._confirm(sender, Confirm.INSUFFICIENT_AUTHORITY)
+        else:
+            self._grant(sender, code)
+
+    def _grant(self, sender: JausAddress, code: int) -> None:
+        former, self.controller = self.controller, sender
+        raised, self.authority = self.authority != code, code
+        self._restart_timer()
+        if former is not None and former != sender:
+            self._component.send(RejectControl(response_code=Reject.RELEASED), former)
+        self._confirm(sender, Confirm.ACCEPTED)
+        if former != sender:
+            self._controller_changed()
+        elif raised:
+            self._authority_changed()
+
+    def _release(self, _message: ReleaseControl, sender: JausAddress) -> None:
+        if self.controller is None:
+            refused = not self.available and sender not in self.emergency_clients
+            reason = Reject.NOT_AVAILABLE if refused else Reject.RELEASED
+            self._component.send(RejectControl(response_code=reason), sender)
+        elif sender != self.controller:
+            self._component.counters.add("access_control.release_ignored")
+        elif self.available:
+            self.drop(Reject.RELEASED)
+        else:
+            self._component.send(RejectControl(response_code=Reject.NOT_AVAILABLE), sender)
+
+    def _set_authority(self, message: SetAuthority, _sender: JausAddress) -> None:
+        if self._default <= message.authority_code <= self.authority:
+            self.authority = message.authority_code
+            self._authority_changed()
+        else:
+            self._component.counters.add("access_control.authority_ignored")
+
+    def _timed_out(self) -> None:
+        if self.available:
+            self._component.counters.add("access_control.timed_out")
+            self.drop(Reject.RELEASED)
+        else:
+            self._restart_timer()
+
+    def _restart_timer(self) -> None:
+        self._stop_timer()
+        if self._timeout:
+            self._timer = self._component.loop.call_later(self._timeout, self._timed_out)
+
+    def _stop_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _confirm(self, client: JausAddress, code: Confirm) -> None:
+        self._component.send(ConfirmControl(response_code=code), client)
+
+    def _controller_changed(self) -> None:
+        self._component.call(self._component.on_controller_changed, self.controller)
+        self._authority_changed()
+
+    def _authority_changed(self) -> None:
+        self._component.report_changed(ReportControl)
+        self._component.report_changed(ReportAuthority)
+
+    def _report_control(self, _query: Message, _sender: JausAddress) -> ReportControl:
+        client = self.controller
+        if client is None:
+            return ReportControl(
+                subsystem_id=0, node_id=0, component_id=0, authority_code=self.authority
+            )
+        return ReportControl(
+            subsystem_id=client.subsystem,
+            node_id=client.node,
+            component_id=client.component,
+            authority_code=self.authority,
+        )
+
+    def _report_authority(self, _query: Message, _sender: JausAddress) -> ReportAuthority:
+        return ReportAuthority(authority_code=self.authority)
+
+    def _report_timeout(self, _query: Message, _sender: JausAddress) -> ReportTimeout:
+        return ReportTimeout(timeout=self._timeout)
+
+
+def _nothing() -> None:
+    """Stand in for a Management service that the component does not have."""

@@ -1,0 +1,160 @@
+"""The Discovery service: who is there, and what it provides (AS5710)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core_messages import (
+    QueryConfiguration,
+    QueryIdentification,
+    QueryServiceList,
+    QueryServices,
+    QuerySubsystemList,
+    RegisterServices,
+    ReportConfiguration,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+    ReportSubsystemList,
+)
+from .definitions import Scope, ServiceIdentity
+from .discovery_messages import (
+    registered_services,
+    report_configuration,
+    report_service_list,
+    report_services,
+    report_subsystem_list,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..message import Message
+
+OTHER_SUBSYSTEM = 30001
+"""Type of a subsystem that is neither a vehicle nor an operator control unit."""
+
+NODE = 40001
+"""Type of a node; the types below it are those of subsystems."""
+
+COMPONENT = 60001
+"""Type of a component."""
+
+FIRST_SUBCOMPONENT_TYPE = 50001
+"""Payloads and components have types from here on."""
+
+MAX_REGISTRATIONS = 1024
+"""Components that are remembered; a flood of registrations must not fill the memory."""
+
+MAX_SUBSYSTEMS = 255
+"""Subsystems that fit a ReportSubsystemList."""
+
+
+class DiscoveryService:
+    """Answers for the component, its node or its subsystem (AS5710 v1.1, Discovery).
+
+    A query whose scope is wider than the service's own stays unanswered.
+    """
+
+    def __init__(self, component: JausComponent) -> None:
+        """Serve the messages of Discovery."""
+        self._component = component
+        self._scope = component.settings.discovery_scope
+        self._registered: dict[JausAddress, tuple[ServiceIdentity, ...]] = {}
+        self._heard: dict[JausAddress, float] = {}
+        self._servers: dict[int, JausAddress] = {}
+        component.provide(QueryIdentification, ReportIdentification, self._identification)
+        component.provide(QueryConfiguration, ReportConfiguration, self._configuration)
+        component.provide(QuerySubsystemList, ReportSubsystemList, self._subsystem_list)
+        component.provide(QueryServices, ReportServices, self._services)
+        component.provide(QueryServiceList, ReportServiceList, self._service_list)
+        component.handle(RegisterServices, self._register)
+        component.on_message(ReportIdentification, self._server_found)
+
+    def _identification(
+        self, query: QueryIdentification, sender: JausAddress
+    ) -> ReportIdentification | None:
+        if sender in self._heard:
+            self._heard[sender] = self._component.loop.now()
+        if not self._scope <= query.query_type <= Scope.COMPONENT:
+            return None
+        scope = Scope(query.query_type)
+        name = self._component.name
+        if scope <= Scope.SUBSYSTEM:
+            name = self._component.settings.subsystem_name or name
+        return ReportIdentification(
+            query_type=scope, type=self._type(scope), identification=name[:255]
+        )
+
+    def _type(self, scope: Scope) -> int:
+        known = self._component.component_type
+        if scope is Scope.NODE:
+            return NODE
+        if scope is Scope.COMPONENT:
+            return known if known >= FIRST_SUBCOMPONENT_TYPE else COMPONENT
+        return known if known < NODE else OTHER_SUBSYSTEM
+
+    def _configuration(
+        self, query: QueryConfiguration, _sender: JausAddress
+    ) -> ReportConfiguration | None:
+        own = self._component.address
+        members = [each for each in self._catalog() if each.subsystem == own.subsystem]
+        if query.query_type == Scope.SUBSYSTEM and self._scope <= Scope.SUBSYSTEM:
+            return report_configuration(members)
+        if query.query_type == Scope.NODE and self._scope <= Scope.NODE:
+            return report_configuration(each for each in members if each.node == own.node)
+        return None
+
+    def _subsystem_list(
+        self, _query: Message, _sender: JausAddress
+    ) -> ReportSubsystemList | None:
+        if self._scope > Scope.SUBSYSTEM:
+            return None
+        own = self._component.address
+        return report_subsystem_list({**self._servers, own.subsystem: own}.values())
+
+    def _services(self, query: QueryServices, _sender: JausAddress) -> ReportServices:
+        own = self._component.address.subsystem
+        members = {
+            address: services
+            for address, services in self._catalog().items()
+            if address.subsystem == own
+        }
+        return report_services(query, members, own)
+
+    def _service_list(self, query: QueryServiceList, _sender: JausAddress) -> ReportServiceList:
+        return report_service_list(query, self._catalog())
+
+    def _register(self, message: RegisterServices, sender: JausAddress) -> None:
+        counters = self._component.counters
+        if not self._answers_for(sender):
+            counters.add("discovery.registration_ignored")
+        elif sender not in self._registered and len(self._registered) >= MAX_REGISTRATIONS:
+            counters.count("discovery.too_many_registrations", str(sender))
+        else:
+            self._registered[sender] = registered_services(message)
+            self._heard[sender] = self._component.loop.now()
+
+    def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:
+        if report.query_type == Scope.SUBSYSTEM and len(self._servers) < MAX_SUBSYSTEMS:
+            self._servers[sender.subsystem] = sender
+
+    def _answers_for(self, other: JausAddress) -> bool:
+        own = self._component.address
+        if self._scope is Scope.SYSTEM:
+            return True
+        if self._scope is Scope.SUBSYSTEM:
+            return other.subsystem == own.subsystem
+        if self._scope is Scope.NODE:
+            return (other.subsystem, other.node) == (own.subsystem, own.node)
+        return False
+
+    def _catalog(self) -> dict[JausAddress, Sequence[ServiceIdentity]]:
+        """Return the component and those that registered and were heard of lately."""
+        limit = self._component.loop.now() - self._component.settings.registration_lifetime
+        for address in [each for each, heard in self._heard.items() if heard < limit]:
+            del self._heard[address]
+            del self._registered[address]
+        return {**self._registered, self._component.address: self._component.services}

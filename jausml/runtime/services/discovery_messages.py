@@ -1,0 +1,230 @@
+"""Discovery's nested lists of subsystems, nodes, components and services, to and fro."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from ..core_messages import (
+    QueryServiceList,
+    QueryServices,
+    RegisterServices,
+    ReportConfiguration,
+    ReportServiceList,
+    ReportServices,
+    ReportSubsystemList,
+)
+from .definitions import ServiceIdentity
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
+
+INSTANCE_ID = 0
+"""Instance ids tell components of one kind apart in old systems; addresses do here."""
+
+
+def query_all_services() -> QueryServices:
+    """Return the query for all services of all components."""
+    component = QueryServices.ComponentRec(component_id=WILDCARD_COMPONENT)
+    node = QueryServices.NodeSeq(
+        node_rec=QueryServices.NodeRec(node_id=WILDCARD_NODE), component_list=[component]
+    )
+    return QueryServices(node_list=[node])
+
+
+def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
+    """Return the registration of a component's services."""
+    return RegisterServices(
+        service_list=[
+            RegisterServices.ServiceRec(
+                uri=service.urn,
+                major_version_number=service.major,
+                minor_version_number=service.minor,
+            )
+            for service in services
+        ]
+    )
+
+
+def registered_services(message: RegisterServices) -> tuple[ServiceIdentity, ...]:
+    """Return the services that a component registers."""
+    return tuple(
+        ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
+        for each in message.service_list
+    )
+
+
+def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
+    """Return what is known of the nodes and components that a QueryServices names.
+
+    Unknown nodes and components are left out, so that a query for one unknown node yields an
+    empty list.
+    """
+    wanted = {
+        JausAddress(subsystem, node.node_rec.node_id, component.component_id)
+        for node in query.node_list
+        for component in node.component_list
+    }
+    chosen = {
+        address: services
+        for address, services in catalog.items()
+        if not wanted.isdisjoint(_names(address))
+    }
+    return ReportServices(
+        node_list=[
+            ReportServices.NodeSeq(
+                node_rec=ReportServices.NodeRec(node_id=node),
+                component_list=[
+                    ReportServices.ComponentSeq(
+                        component_rec=ReportServices.ComponentRec(
+                            component_id=address.component, instance_id=INSTANCE_ID
+                        ),
+                        service_list=[
+                            ReportServices.ServiceRec(
+                                uri=service.urn,
+                                major_version_number=service.major,
+                                minor_version_number=service.minor,
+                            )
+                            for service in chosen[address]
+                        ],
+                    )
+                    for address in addresses
+                ],
+            )
+            for node, addresses in _by(chosen, lambda address: address.node)
+        ]
+    )
+
+
+def reported_services(
+    report: ReportServices, subsystem: int
+) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
+    """Yield the components of a ReportServices with their services."""
+    for node in report.node_list:
+        for component in node.component_list:
+            services = tuple(
+                ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
+                for each in component.service_list
+            )
+            address = JausAddress(
+                subsystem, node.node_rec.node_id, component.component_rec.component_id
+            )
+            yield address, services
+
+
+def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
+    """Return what is known of the subsystems, nodes and components that a query names.
+
+    A SearchFilter keeps the services whose identifier contains it.
+    """
+    # JAUS-DEVIATION: the meaning of SearchFilter is not known to us; a part of the URI is taken.
+    filters = {
+        JausAddress(
+            subsystem.subsystem_rec.subsystem_id, node.node_rec.node_id, component.component_id
+        ): component.search_filter or ""
+        for subsystem in query.subsystem_list
+        for node in subsystem.node_list
+        for component in node.component_list
+    }
+    chosen: dict[JausAddress, Sequence[ServiceIdentity]] = {}
+    for address, services in catalog.items():
+        texts = [filters[name] for name in _names(address) if name in filters]
+        found = [service for service in services if any(text in service.urn for text in texts)]
+        if found or "" in texts:
+            chosen[address] = found
+    return ReportServiceList(
+        subsystem_list=[
+            ReportServiceList.SubsystemSeq(
+                subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=subsystem),
+                node_list=[
+                    ReportServiceList.NodeSeq(
+                        node_rec=ReportServiceList.NodeRec(node_id=node),
+                        component_list=[
+                            _listed_component(address, chosen[address]) for address in addresses
+                        ],
+                    )
+                    for node, addresses in _by(members, lambda address: address.node)
+                ],
+            )
+            for subsystem, members in _by(chosen, lambda address: address.subsystem)
+        ]
+    )
+
+
+def report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguration:
+    """Return the nodes and components of a subsystem or node."""
+    return ReportConfiguration(
+        node_list=[
+            ReportConfiguration.NodeSeq(
+                node_rec=ReportConfiguration.NodeRec(node_id=node),
+                component_list=[
+                    ReportConfiguration.ComponentRec(
+                        component_id=address.component, instance_id=INSTANCE_ID
+                    )
+                    for address in members
+                ],
+            )
+            for node, members in _by(addresses, lambda address: address.node)
+        ]
+    )
+
+
+def report_subsystem_list(servers: Iterable[JausAddress]) -> ReportSubsystemList:
+    """Return the subsystems, each with the component that answers for it."""
+    return ReportSubsystemList(
+        subsystem_list=[
+            ReportSubsystemList.SubsystemRec(
+                subsystem_id=server.subsystem, node_id=server.node, component_id=server.component
+            )
+            for server in servers
+        ]
+    )
+
+
+def all_of(subsystem: int = WILDCARD_SUBSYSTEM) -> JausAddress:
+    """Return the wildcard address of a subsystem."""
+    return JausAddress(subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
+
+
+def _listed_component(
+    address: JausAddress, services: Sequence[ServiceIdentity]
+) -> ReportServiceList.ComponentSeq:
+    return ReportServiceList.ComponentSeq(
+        component_rec=ReportServiceList.ComponentRec(
+            component_id=address.component, instance_id=INSTANCE_ID
+        ),
+        service_list=[
+            ReportServiceList.ServiceRec(
+                uri=service.urn,
+                major_version_number=service.major,
+                minor_version_number=service.minor,
+            )
+            for service in services
+        ],
+    )
+
+
+def _names(address: JausAddress) -> list[JausAddress]:
+    """Return the address itself and all wildcard addresses that include it.
+
+    A query may name tens of thousands of addresses; looking these few up in it keeps the answer
+    cheap.
+    """
+    return [
+        JausAddress(subsystem, node, component)
+        for subsystem in (address.subsystem, WILDCARD_SUBSYSTEM)
+        for node in (address.node, WILDCARD_NODE)
+        for component in (address.component, WILDCARD_COMPONENT)
+    ]
+
+
+def _by(
+    addresses: Iterable[JausAddress], part: Callable[[JausAddress], int]
+) -> list[tuple[int, list[JausAddress]]]:
+    """Group addresses by one of their parts; a list on the wire holds 255 at most."""
+    groups: dict[int, list[JausAddress]] = {}
+    for address in sorted(addresses):
+        groups.setdefault(part(address), []).append(address)
+    return list(groups.items())

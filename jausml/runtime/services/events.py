@@ -1,0 +1,329 @@
+"""The Events service: reports sent periodically or at every change (AS5710)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+from ..core_messages import (
+    CancelEvent,
+    ConfirmEventRequest,
+    CreateCommandEvent,
+    CreateEvent,
+    Event,
+    QueryEvents,
+    QueryEventTimeout,
+    RejectEventRequest,
+    ReportEvents,
+    ReportEventTimeout,
+    UpdateEvent,
+)
+from ..message import DecodeError, Message
+
+if TYPE_CHECKING:
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..dispatch import Provision
+    from ..loop import Timer
+
+PERIODIC = 0
+"""EventType of a report at a fixed rate, the service connection of older JAUS."""
+
+EVERY_CHANGE = 1
+"""EventType of a report at every change."""
+
+EVENT_IDS = 255
+"""Event ids are 0 to 254; peers take 255 for "no event"."""
+
+
+class RejectCode(IntEnum):
+    """Response codes of RejectEventRequest."""
+
+    PERIODIC_UNSUPPORTED = 1
+    EVERY_CHANGE_UNSUPPORTED = 2
+    CONNECTION_REFUSED = 3
+    INVALID_SETUP = 4
+    MESSAGE_UNSUPPORTED = 5
+    INVALID_EVENT_ID = 6
+
+
+class _RequestError(Exception):
+    """The request cannot be met."""
+
+    def __init__(self, code: RejectCode, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass(frozen=True, slots=True)
+class _Setup:
+    """What a client asks for."""
+
+    provision: Provision[Any, Any]
+    query: Message
+    payload: bytes
+    periodic: bool
+    rate: float
+
+
+@dataclass(slots=True, eq=False)
+class _Event:
+    """One event of one client."""
+
+    event_id: int
+    client: JausAddress
+    request_id: int
+    setup: _Setup
+    sequence: int = 0
+    last_report: bytes | None = None
+    due: float = 0.0
+    timer: Timer | None = None
+    expiry: Timer | None = None
+
+
+class EventsService:
+    """Creates, serves and expires events (AS5710 v1.1, Events)."""
+
+    def __init__(self, component: JausComponent, *, enabled: bool) -> None:
+        """Serve the messages of Events if the component provides the service."""
+        self._component = component
+        self._loop = component.loop
+        self._settings = component.settings
+        self._events: dict[int, _Event] = {}
+        self._watchers: dict[int, list[_Event]] = {}
+        self._next_id = 0
+        if not enabled:
+            return
+        component.handle(CreateEvent, self._create)
+        component.handle(UpdateEvent, self._update)
+        component.handle(CancelEvent, self._cancel)
+        component.handle(CreateCommandEvent, self._create_command_event)
+        component.provide(
+            QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
+        )
+        component.provide(
+            QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
+        )
+
+    def report_changed(self, report_class: type[Message]) -> None:
+        """Send the report to every-change events whose report differs from the last one."""
+        for event in self._watchers.get(report_class.CODE, ()):
+            if self._events.get(event.event_id) is event:
+                self._send_if_changed(event)
+
+    def stop(self) -> None:
+        """Forget all events."""
+        for event in list(self._events.values()):
+            self._remove(event)
+
+    # ---- requests ---------------------------------------------------------------------------
+
+    def _create(self, message: CreateEvent, sender: JausAddress) -> None:
+        try:
+            setup = self._check(message)
+            event = self._find(sender, setup.payload)
+            if event is None:
+                event = self._add(sender, message.request_id, setup)
+        except _RequestError as error:
+            self._reject(sender, message.request_id, error)
+            return
+        event.request_id = message.request_id
+        self._apply(event, setup, report=True)
+
+    def _update(self, message: UpdateEvent, sender: JausAddress) -> None:
+        try:
+            event = self._own(sender, message.event_id)
+            setup = self._check(message)
+        except _RequestError as error:
+            self._reject(sender, message.request_id, error)
+            return
+        event.request_id = message.request_id
+        self._apply(event, setup, report=setup != event.setup)
+
+    def _cancel(self, message: CancelEvent, sender: JausAddress) -> None:
+        try:
+            event = self._own(sender, message.event_id)
+        except _RequestError as error:
+            self._reject(sender, message.request_id, error)
+            return
+        event.request_id = message.request_id
+        self._remove(event)
+        self._confirm(event, 0.0)
+
+    def _create_command_event(self, message: CreateCommandEvent, sender: JausAddress) -> None:
+        refusal = _RequestError(RejectCode.MESSAGE_UNSUPPORTED, "no command events")
+        self._reject(sender, message.request_id, refusal)
+
+    def _check(self, message: CreateEvent | UpdateEvent) -> _Setup:
+        payload = message.query_message
+        code = int.from_bytes(payload[:2], "little")
+        provision = self._component.provision(code)
+        if provision is None:
+            raise _RequestError(RejectCode.MESSAGE_UNSUPPORTED, f"no report for {code:04X}")
+        if message.event_type not in (PERIODIC, EVERY_CHANGE):
+            raise _RequestError(RejectCode.INVALID_SETUP, f"event type {message.event_type}")
+        periodic = message.event_type == PERIODIC
+        if periodic and not provision.periodic:
+            raise _RequestError(RejectCode.PERIODIC_UNSUPPORTED, "no periodic events")
+        if not periodic and not provision.every_change:
+            raise _RequestError(RejectCode.EVERY_CHANGE_UNSUPPORTED, "no every-change events")
+        if periodic and message.requested_periodic_rate <= 0:
+            raise _RequestError(RejectCode.INVALID_SETUP, "periodic rate of 0 Hz")
+        try:
+            query = provision.query_class.decode(payload)
+        except DecodeError as error:
+            raise _RequestError(RejectCode.INVALID_SETUP, f"bad query: {error}") from error
+        rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
+        return _Setup(provision, query, payload, periodic, rate)
+
+    def _nearest_rate(self, rate: float) -> float:
+        return min(max(rate, self._settings.event_rate_min), self._settings.event_rate_max)
+
+    def _find(self, client: JausAddress, payload: bytes) -> _Event | None:
+        for event in self._events.values():
+            if event.client == client and event.setup.payload == payload:
+                return event
+        return None
+
+    def _own(self, client: JausAddress, event_id: int) -> _Event:
+        event = self._events.get(event_id)
+        if event is None or event.client != client:
+            raise _RequestError(RejectCode.INVALID_EVENT_ID, f"no event {event_id}")
+        return event
+
+    def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
+        if len(self._events) >= self._settings.max_events:
+            raise _RequestError(RejectCode.CONNECTION_REFUSED, "too many events")
+        while self._next_id in self._events:
+            self._next_id = (self._next_id + 1) % EVENT_IDS
+        event = _Event(self._next_id, client, request_id, setup)
+        self._next_id = (self._next_id + 1) % EVENT_IDS
+        self._events[event.event_id] = event
+        return event
+
+    def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
+        """Confirm the request, then report and (re)start the timers."""
+        rephase = event.timer is None or setup != event.setup
+        event.setup = setup
+        self._index()
+        self._restart_expiry(event)
+        self._confirm(event, setup.rate)
+        if rephase:
+            self._stop_timer(event)
+            if setup.periodic:
+                event.due = self._loop.now()
+                self._schedule(event)
+        if report:
+            self._send_report(event)
+
+    def _remove(self, event: _Event) -> None:
+        del self._events[event.event_id]
+        self._stop_timer(event)
+        if event.expiry is not None:
+            event.expiry.cancel()
+        self._index()
+
+    def _index(self) -> None:
+        watchers: dict[int, list[_Event]] = {}
+        for event in self._events.values():
+            if not event.setup.periodic:
+                code = event.setup.provision.report_class.CODE
+                watchers.setdefault(code, []).append(event)
+        self._watchers = watchers
+
+    # ---- reports ----------------------------------------------------------------------------
+
+    def _schedule(self, event: _Event) -> None:
+        """Set the timer one period on; periods that were missed are skipped, not made up for."""
+        period = 1.0 / event.setup.rate
+        event.due = max(event.due + period, self._loop.now())
+        event.timer = self._loop.call_at(event.due, lambda: self._tick(event))
+
+    def _tick(self, event: _Event) -> None:
+        self._schedule(event)
+        self._send_report(event)
+
+    def _send_report(self, event: _Event) -> None:
+        report = self._component.report(event.setup.provision, event.setup.query, event.client)
+        if report is not None:
+            self._send(event, report)
+
+    def _send_if_changed(self, event: _Event) -> None:
+        report = self._component.report(event.setup.provision, event.setup.query, event.client)
+        if report is not None and report != event.last_report:
+            self._send(event, report)
+
+    def _send(self, event: _Event, report: bytes) -> None:
+        event.last_report = report
+        message = Event(
+            event_id=event.event_id, sequence_number=event.sequence, report_message=report
+        )
+        event.sequence = (event.sequence + 1) & 0xFF
+        self._component.send(message, event.client)
+
+    # ---- expiry -----------------------------------------------------------------------------
+
+    def _restart_expiry(self, event: _Event) -> None:
+        if event.expiry is not None:
+            event.expiry.cancel()
+        if self._settings.event_timeout:
+            delay = 60.0 * self._settings.event_timeout
+            event.expiry = self._loop.call_later(delay, lambda: self._expire(event))
+
+    def _expire(self, event: _Event) -> None:
+        self._component.counters.add("events.expired")
+        self._remove(event)
+        self._confirm(event, 0.0)
+
+    @staticmethod
+    def _stop_timer(event: _Event) -> None:
+        if event.timer is not None:
+            event.timer.cancel()
+            event.timer = None
+
+    # ---- answers ----------------------------------------------------------------------------
+
+    def _confirm(self, event: _Event, rate: float) -> None:
+        message = ConfirmEventRequest(
+            request_id=event.request_id, event_id=event.event_id, confirmed_periodic_rate=rate
+        )
+        self._component.send(message, event.client)
+
+    def _reject(self, client: JausAddress, request_id: int, error: _RequestError) -> None:
+        self._component.counters.add("events.rejected")
+        message = RejectEventRequest(
+            request_id=request_id, response_code=error.code, error_message=str(error)[:80]
+        )
+        self._component.send(message, client)
+
+    def _report_events(self, query: QueryEvents, _sender: JausAddress) -> ReportEvents:
+        return ReportEvents(
+            event_list=[
+                ReportEvents.ReportEventRec(
+                    event_type=PERIODIC if event.setup.periodic else EVERY_CHANGE,
+                    event_id=event.event_id,
+                    query_message=event.setup.payload,
+                )
+                for event in self._events.values()
+                if _selects(query, event)
+            ]
+        )
+
+    def _report_timeout(
+        self, _query: QueryEventTimeout, _sender: JausAddress
+    ) -> ReportEventTimeout:
+        return ReportEventTimeout(timeout=self._settings.event_timeout)
+
+
+def _selects(query: QueryEvents, event: _Event) -> bool:
+    """Whether a QueryEvents asks for an event: by message, by type, by id, or for all."""
+    choice = query.query_events_var
+    if isinstance(choice, QueryEvents.MessageIDRec):
+        provision = event.setup.provision
+        return choice.message_code in (provision.query_class.CODE, provision.report_class.CODE)
+    if isinstance(choice, QueryEvents.EventTypeRec):
+        return (choice.event_type == PERIODIC) is event.setup.periodic
+    if isinstance(choice, QueryEvents.EventIDRec):
+        return choice.event_id == event.event_id
+    return True

@@ -1,0 +1,145 @@
+"""The Management service: Standby, Ready, Emergency, Failure and Shutdown (AS5710)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core_messages import (
+    ClearEmergency,
+    QueryStatus,
+    ReportStatus,
+    Reset,
+    Resume,
+    SetEmergency,
+    Shutdown,
+    Standby,
+)
+from ..counters import LOGGER
+from .access_control import Reject
+from .definitions import Guard, Status
+
+if TYPE_CHECKING:
+    from ..address import JausAddress
+    from ..component import JausComponent
+    from ..message import Message
+    from .access_control import AccessControlService
+
+EMERGENCY_CODES = (0, 1)
+"""Codes taken for STOP: AS5710 says 1, components made with the JAUS Tool Set send 0."""
+
+MAX_EMERGENCY_CLIENTS = 1024
+"""Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
+
+
+class ManagementService:
+    """Keeps the state of the component (AS5710 v1.1, Management, protocol behaviour).
+
+    Attributes:
+        status: The present state.
+    """
+
+    def __init__(
+        self, component: JausComponent, access: AccessControlService, *, enabled: bool
+    ) -> None:
+        """Serve the messages of Management if the component provides the service."""
+        self._component = component
+        self._access = access
+        self._emergencies: set[JausAddress] = set()
+        self.status = Status.INITIALIZE
+        access.managed = False
+        access.emergency_clients = self._emergencies
+        access.on_lost = self._control_lost
+        if not enabled:
+            return
+        component.handle(Resume, self._resume, when=Guard.CONTROLLED)
+        component.handle(Standby, self._standby, when=Guard.CONTROLLED)
+        component.handle(Shutdown, self._shutdown, when=Guard.CONTROLLED)
+        component.handle(Reset, self._reset, when=Guard.CONTROLLED)
+        component.handle(SetEmergency, self._set_emergency)
+        component.handle(ClearEmergency, self._clear_emergency)
+        component.provide(QueryStatus, ReportStatus, self._report_status)
+
+    def initialize(self) -> None:
+        """Pass through Init to Standby."""
+        self._emergencies.clear()
+        self._enter(Status.INITIALIZE)
+        self._component.call(self._component.on_initialize)
+        if self.status is Status.INITIALIZE:
+            self._enter(Status.STANDBY)
+
+    def fail(self, reason: str) -> None:
+        """Enter Failure from any state and let go of the controller."""
+        self._component.counters.count("component.failed", reason)
+        self._enter(Status.FAILURE)
+        self._access.drop(Reject.RELEASED)
+
+    def shut_down(self, reject: Reject = Reject.RELEASED) -> None:
+        """Enter Shutdown and let go of the controller."""
+        if self.status is Status.SHUTDOWN:
+            return
+        self._enter(Status.SHUTDOWN)
+        self._access.drop(reject)
+        self._component.shut_down()
+
+    def _resume(self, _message: Resume, _sender: JausAddress) -> None:
+        if self.status is Status.STANDBY:
+            self._enter(Status.READY)
+
+    def _standby(self, _message: Standby, _sender: JausAddress) -> None:
+        if self.status is Status.READY:
+            self._enter(Status.STANDBY)
+
+    def _shutdown(self, _message: Shutdown, sender: JausAddress) -> None:
+        if self.status is Status.READY:
+            LOGGER.info("%s is shut down by %s", self._component.address, sender)
+            self.shut_down(Reject.NOT_AVAILABLE)
+
+    def _reset(self, _message: Reset, _sender: JausAddress) -> None:
+        # Emergency has no controller, so that Reset and Shutdown have no effect before the last
+        # emergency is cleared.
+        if self.status in (Status.STANDBY, Status.READY):
+            self._enter(Status.INITIALIZE)
+            self._access.drop(Reject.RELEASED)
+            self.initialize()
+
+    def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
+        if message.emergency_code not in EMERGENCY_CODES:
+            self._component.counters.count(
+                "management.bad_emergency_code", f"{message.emergency_code} of {sender}"
+            )
+            return
+        if len(self._emergencies) < MAX_EMERGENCY_CLIENTS:
+            self._emergencies.add(sender)
+        if self.status is not Status.EMERGENCY:
+            LOGGER.warning("%s: emergency set by %s", self._component.address, sender)
+            self._enter(Status.EMERGENCY)
+            self._access.drop(Reject.NOT_AVAILABLE)
+            self._component.call(self._component.on_emergency, True)  # noqa: FBT003
+
+    def _clear_emergency(self, message: ClearEmergency, sender: JausAddress) -> None:
+        if message.emergency_code not in EMERGENCY_CODES or sender not in self._emergencies:
+            self._component.counters.add("management.clear_ignored")
+            return
+        self._emergencies.discard(sender)
+        if self.status is Status.EMERGENCY and not self._emergencies:
+            LOGGER.warning("%s: emergency cleared", self._component.address)
+            self._enter(Status.STANDBY)
+            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+
+    def _control_lost(self) -> None:
+        if self.status is Status.READY:
+            self._enter(Status.STANDBY)
+
+    def _enter(self, status: Status) -> None:
+        former, self.status = self.status, status
+        if former is status:
+            return
+        self._access.managed = status in (Status.STANDBY, Status.READY)
+        if former is Status.READY:
+            self._component.call(self._component.on_not_ready)
+        elif status is Status.READY:
+            self._component.call(self._component.on_ready)
+        self._component.report_changed(ReportStatus)
+
+    def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:
+        return ReportStatus(status=self.status, reserved=0)

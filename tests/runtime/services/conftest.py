@@ -1,0 +1,185 @@
+"""A world with a clock of its own, in which components exchange messages without a network."""
+
+from __future__ import annotations
+
+import socket
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from jausml.runtime import core_messages
+from jausml.runtime.address import JausAddress
+from jausml.runtime.component import ComponentSettings, JausComponent, ServiceIdentity
+from jausml.runtime.loop import Loop
+from jausml.runtime.message import Message
+from jausml.runtime.packet import Priority
+from jausml.runtime.transport import ReceivedMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.runtime.counters import Counters
+    from jausml.runtime.transport import Receive
+
+CORE_SERVICES = tuple(
+    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+    for name in (
+        "Transport",
+        "Events",
+        "AccessControl",
+        "Management",
+        "Liveness",
+        "Discovery",
+    )
+)
+
+CLASSES = {
+    each.CODE: each
+    for each in vars(core_messages).values()
+    if isinstance(each, type) and issubclass(each, Message) and each is not Message
+}
+
+
+class World:
+    """Delivers messages between components in the order of sending, on a clock that tests turn.
+
+    Attributes:
+        time: Present time in seconds.
+        log: Every message sent: (source, destination, message code).
+        lost: Tells whether a message is lost on its way.
+    """
+
+    def __init__(self) -> None:
+        self.time = 1000.0
+        self.loop = Loop(clock=lambda: self.time)
+        self.log: list[tuple[JausAddress, JausAddress, int]] = []
+        self.lost: Callable[[JausAddress, JausAddress, int], bool] = lambda *_: False
+        self._receivers: dict[JausAddress, Receive] = {}
+
+    @property
+    def counters(self) -> Counters:
+        return self.loop.counters
+
+    def attach(self, address: JausAddress, receive: Receive) -> None:
+        assert address not in self._receivers
+        self._receivers[address] = receive
+
+    def detach(self, address: JausAddress) -> None:
+        self._receivers.pop(address, None)
+
+    def send(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        on_result: Callable[[bool], None] | None = None,
+    ) -> None:
+        code = int.from_bytes(payload[:2], "little")
+        self.log.append((source, destination, code))
+        if self.lost(source, destination, code):
+            return
+        received = ReceivedMessage(source, destination, payload, priority, 0)
+        for address in list(self._receivers):
+            if destination.matches(address) and address != source:
+                self.loop.call_soon(lambda to=address: self._deliver(to, received))
+
+    def _deliver(self, address: JausAddress, received: ReceivedMessage) -> None:
+        receive = self._receivers.get(address)
+        if receive is not None:
+            receive(received)
+
+    def settle(self) -> None:
+        """Let everything happen that is due now."""
+        while self.loop.run_once(0):
+            pass
+
+    def run(self, seconds: float, step: float = 0.01) -> None:
+        """Let time pass."""
+        end = self.time + seconds
+        self.settle()
+        while self.time < end - 1e-9:
+            self.time = min(self.time + step, end)
+            self.settle()
+
+    def component(
+        self,
+        address: str,
+        *,
+        kind: type[JausComponent] = JausComponent,
+        services: tuple[ServiceIdentity, ...] = CORE_SERVICES,
+        name: str = "tested",
+        component_type: int = 60001,
+        **settings: Any,
+    ) -> Any:
+        """Make a component that does not register; it is not started."""
+        settings.setdefault("register_services", False)
+        return kind(
+            self,
+            JausAddress.parse(address),
+            name=name,
+            services=services,
+            component_type=component_type,
+            settings=ComponentSettings(**settings),
+        )
+
+    def probe(self, address: str) -> Probe:
+        """Make a peer that does nothing by itself."""
+        return Probe(self, JausAddress.parse(address))
+
+    def count(self, code: int) -> int:
+        """Return how often a message was sent."""
+        return sum(1 for _, _, sent in self.log if sent == code)
+
+
+class Probe:
+    """A peer that sends what a test says and keeps what it receives."""
+
+    def __init__(self, world: World, address: JausAddress) -> None:
+        self.address = address
+        self._world = world
+        self._received: list[Message] = []
+        world.attach(address, self._receive)
+
+    def _receive(self, received: ReceivedMessage) -> None:
+        code = int.from_bytes(received.payload[:2], "little")
+        self._received.append(CLASSES[code].decode(received.payload))
+
+    def send(self, message: Message, destination: Any) -> None:
+        """Send without waiting for an answer."""
+        self.send_bytes(message.encode(), destination)
+
+    def send_bytes(self, payload: bytes, destination: Any) -> None:
+        """Send any bytes."""
+        target = getattr(destination, "address", destination)
+        self._world.send(self.address, target, payload)
+
+    def ask(self, message: Message, destination: Any) -> list[Message]:
+        """Send a message and return what comes back at once."""
+        self.take()
+        self.send(message, destination)
+        return self.take()
+
+    def take(self) -> list[Message]:
+        """Return and forget what was received."""
+        self._world.settle()
+        received, self._received = self._received, []
+        return received
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    made = World()
+    with made.loop:
+        yield made
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A UDP port that nobody uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        port: int = sock.getsockname()[1]
+        return port
