@@ -1,0 +1,174 @@
+"""Real sockets on loopback for the tests of the runtime."""
+
+from __future__ import annotations
+
+import socket
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime.counters import Counters
+from jausml.runtime.loop import Loop
+from jausml.runtime.packet import Packet, parse_datagram
+from jausml.runtime.settings import TransportSettings
+from jausml.runtime.transport import JudpTransport, ReceivedMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.runtime.address import JausAddress
+
+GROUP = "239.255.0.1"
+LOOPBACK = "127.0.0.1"
+
+
+def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> None:
+    """Return when the condition holds; fail when it does not in time."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "the condition did not come true in time"
+        time.sleep(0.002)
+
+
+class Station:
+    """A transport on its own loop that records what each of its components receives."""
+
+    def __init__(self, settings: TransportSettings) -> None:
+        self.loop = Loop()
+        self.transport = JudpTransport(settings, self.loop)
+        self.received: list[tuple[JausAddress, ReceivedMessage]] = []
+        self.transport.open()
+        self.loop.start()
+
+    def attach(self, *addresses: JausAddress) -> Station:
+        for address in addresses:
+            self.transport.attach(
+                address, lambda message, own=address: self.received.append((own, message))
+            )
+        return self
+
+    @property
+    def payloads(self) -> list[bytes]:
+        return [message.payload for _, message in list(self.received)]
+
+    def counter(self, name: str) -> int:
+        return self.loop.counters.snapshot().get(name, 0)
+
+    def close(self) -> None:
+        self.transport.close()
+        self.loop.stop()
+
+
+class Peer:
+    """A foreign stack: bare sockets, datagrams made and read by hand."""
+
+    def __init__(self, port: int) -> None:
+        self.port = port
+        self.unicast = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.unicast.bind((LOOPBACK, 0))
+        interface = socket.inet_aton(LOOPBACK)
+        self.unicast.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+        self.multicast = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.multicast.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.multicast.bind((GROUP, port))
+        self.multicast.setsockopt(
+            socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + interface
+        )
+        self.counters = Counters()
+
+    @property
+    def endpoint(self) -> tuple[str, int]:
+        return self.unicast.getsockname()
+
+    def send(self, packet: Packet | bytes, endpoint: tuple[str, int] | None = None) -> None:
+        data = packet if isinstance(packet, bytes) else packet.encode()
+        self.unicast.sendto(data, endpoint or (LOOPBACK, self.port))
+
+    def multicast_out(self, packet: Packet) -> None:
+        self.send(packet, (GROUP, self.port))
+
+    def receive(self, seconds: float = 5.0) -> Packet:
+        """Return the next unicast packet; fails after the time."""
+        return self._next(self.unicast, seconds)
+
+    def overhear(self, seconds: float = 5.0) -> Packet:
+        """Return the next multicast packet of someone else."""
+        return self._next(self.multicast, seconds)
+
+    def _next(self, sock: socket.socket, seconds: float) -> Packet:
+        sock.settimeout(seconds)
+        data, sender = sock.recvfrom(65535)
+        while sender == self.endpoint:
+            data, sender = sock.recvfrom(65535)
+        (packet,) = parse_datagram(data, self.counters)
+        return packet
+
+    def is_quiet(self, seconds: float = 0.05) -> bool:
+        """Return whether nothing arrives by unicast for a moment."""
+        self.unicast.settimeout(seconds)
+        try:
+            self.unicast.recvfrom(65535)
+        except TimeoutError:
+            return True
+        return False
+
+    def close(self) -> None:
+        self.unicast.close()
+        self.multicast.close()
+
+
+def find_free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind((LOOPBACK, 0))
+        return sock.getsockname()[1]
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A UDP port of loopback that nobody uses."""
+    return find_free_port()
+
+
+@pytest.fixture
+def station(free_port: int) -> Iterator[Callable[..., Station]]:
+    """Make running transports on one free port, with settings by keyword."""
+    stations: list[Station] = []
+
+    def make(**settings: object) -> Station:
+        stations.append(Station(TransportSettings(**{"port": free_port, **settings})))
+        return stations[-1]
+
+    yield make
+    for made in stations:
+        made.close()
+
+
+@pytest.fixture
+def peer(free_port: int) -> Iterator[Peer]:
+    """A foreign stack on the same port."""
+    made = Peer(free_port)
+    yield made
+    made.close()
+
+
+class FakeClock:
+    """A clock that only moves when told."""
+
+    def __init__(self) -> None:
+        self.time = 1000.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+@pytest.fixture
+def clock() -> FakeClock:
+    """A clock that only moves when told."""
+    return FakeClock()
+
+
+@pytest.fixture(name="wait_until")
+def wait_until_fixture() -> Callable[..., None]:
+    """Wait for a condition, with a bound."""
+    return wait_until

@@ -1,0 +1,51 @@
+"""A process of its own with one component that answers whatever it receives.
+
+Arguments: port, address. Reads commands from standard input: ``send ADDRESS HEX``, ``quit``.
+Writes ``open HOST:PORT``, then one line for each message and for each change of endpoint.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.loop import Loop
+from jausml.runtime.settings import TransportSettings
+from jausml.runtime.transport import JudpTransport, ReceivedMessage
+
+ECHO = b"\x00\xd0"
+
+
+def main(port: int, address: JausAddress) -> None:
+    loop = Loop()
+    transport = JudpTransport(TransportSettings(port=port, takeover_interval=0.1), loop)
+
+    def say(text: str) -> None:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+
+    def receive(message: ReceivedMessage) -> None:
+        say(f"got {message.source} {message.destination} {message.payload.hex()}")
+        if message.destination == address and not message.payload.startswith(ECHO):
+            transport.send(address, message.source, ECHO + message.payload[2:])
+
+    def watch(known: object) -> None:
+        if transport.endpoint != known:
+            say(f"open {transport.endpoint[0]}:{transport.endpoint[1]}")
+        loop.call_later(0.02, lambda endpoint=transport.endpoint: watch(endpoint))
+
+    transport.attach(address, receive)
+    transport.open()
+    watch(None)
+    loop.start()
+    for line in sys.stdin:
+        words = line.split()
+        if words[0] == "quit":
+            break
+        transport.send(address, JausAddress.parse(words[1]), bytes.fromhex(words[2]))
+    transport.close()
+    loop.stop()
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), JausAddress.parse(sys.argv[2]))

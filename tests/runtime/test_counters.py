@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from jausml.runtime.counters import Counters
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def test_a_flood_of_one_name_is_one_line_each_interval(
+    caplog: pytest.LogCaptureFixture, clock
+) -> None:
+    counters = Counters(clock, log_interval=5.0)
+    for _ in range(100):
+        counters.count("judp.bad_version", "from a stranger")
+    counters.count("judp.truncated")
+    assert [record.getMessage() for record in caplog.records] == [
+        "judp.bad_version (1 times): from a stranger",
+        "judp.truncated (1 times): ",
+    ]
+    clock.time += 5.0
+    counters.count("judp.bad_version", "again")
+    assert caplog.records[-1].getMessage() == "judp.bad_version (100 times): again"
+    assert counters.snapshot() == {"judp.bad_version": 101, "judp.truncated": 1}
+
+
+def test_ordinary_traffic_is_not_logged(caplog: pytest.LogCaptureFixture) -> None:
+    counters = Counters()
+    counters.add("judp.sent")
+    counters.add("judp.sent", 4)
+    assert counters.snapshot() == {"judp.sent": 5}
+    assert not caplog.records
+
+
+def test_an_error_is_logged_with_its_traceback(caplog: pytest.LogCaptureFixture) -> None:
+    Counters().count("loop.callback_failed", error=RuntimeError("boom"))
+    assert caplog.records[0].exc_info is not None
+    assert "boom" in str(caplog.records[0].exc_info[1])
+
+
+def test_no_count_is_lost_between_threads() -> None:
+    counters = Counters()
+
+    def work() -> None:
+        for _ in range(2000):
+            counters.add("n")
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert counters.snapshot() == {"n": 8000}
+
+
+def test_a_snapshot_is_a_sorted_copy() -> None:
+    counters = Counters()
+    counters.add("b")
+    counters.add("a")
+    snapshot = counters.snapshot()
+    snapshot["a"] = 99
+    assert list(counters.snapshot().items()) == [("a", 1), ("b", 1)]

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.duplicates import DuplicateWindow
+
+A, B = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
+
+
+def test_a_number_is_a_duplicate_of_its_own_source_only() -> None:
+    window = DuplicateWindow()
+    assert not window.is_duplicate(A, 5, 0.0)
+    assert not window.is_duplicate(B, 5, 0.0)
+    assert window.is_duplicate(A, 5, 0.1)
+    assert window.is_duplicate(A, 5, 2.9)
+
+
+def test_a_number_may_come_back_after_the_window() -> None:
+    window = DuplicateWindow(seconds=3.0)
+    window.is_duplicate(A, 5, 0.0)
+    assert not window.is_duplicate(A, 5, 3.0)
+    assert window.is_duplicate(A, 5, 5.9)
+
+
+def test_only_the_latest_numbers_of_a_source_are_remembered() -> None:
+    window = DuplicateWindow(history=3)
+    for number in range(4):
+        window.is_duplicate(A, number, 0.0)
+    assert window.is_duplicate(A, 1, 0.0)
+    assert not window.is_duplicate(A, 0, 0.0)
+
+
+def test_the_source_silent_longest_is_forgotten_first() -> None:
+    window = DuplicateWindow(sources=2)
+    window.is_duplicate(A, 1, 0.0)
+    window.is_duplicate(B, 1, 0.1)
+    window.is_duplicate(A, 2, 0.2)
+    window.is_duplicate(JausAddress(3, 1, 1), 1, 0.3)
+    assert window.is_duplicate(A, 1, 0.4)
+    assert not window.is_duplicate(B, 1, 0.4)
+
+
+@given(st.lists(st.tuples(st.integers(1, 20), st.integers(0, 65535)), max_size=300))
+def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, int]]) -> None:
+    window = DuplicateWindow(history=8, sources=4)
+    for subsystem, number in arrivals:
+        source = JausAddress(subsystem, 1, 1)
+        window.is_duplicate(source, number, 1.0)
+        assert window.is_duplicate(source, number, 1.0)
+        assert len(window) <= 8 * 4

@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import gc
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime.loop import Loop
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture
+def loop(clock) -> Iterator[Loop]:
+    """A loop that the test drives, on a clock that stands still."""
+    with Loop(clock) as made:
+        yield made
+
+
+@pytest.fixture
+def running() -> Iterator[Loop]:
+    """A loop on its own thread."""
+    with Loop() as made:
+        made.start()
+        yield made
+
+
+@pytest.fixture
+def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
+    ends = socket.socketpair()
+    for end in ends:
+        end.settimeout(5)
+    yield ends
+    for end in ends:
+        end.close()
+
+
+def test_timers_run_in_order_when_they_are_due(loop: Loop, clock) -> None:
+    ran: list[str] = []
+    loop.call_later(2.0, lambda: ran.append("late"))
+    loop.call_later(1.0, lambda: ran.append("first"))
+    loop.call_at(clock.time + 1.0, lambda: ran.append("second"))
+    assert loop.run_once(0) == 0
+    clock.time += 1.0
+    assert loop.run_once(0) == 2
+    clock.time += 1.0
+    loop.run_once(0)
+    assert ran == ["first", "second", "late"]
+
+
+def test_a_cancelled_timer_does_not_run(loop: Loop, clock) -> None:
+    ran: list[str] = []
+    first = loop.call_later(1.0, lambda: (second.cancel(), ran.append("first")))
+    second = loop.call_later(1.0, lambda: ran.append("second"))
+    third = loop.call_later(1.0, lambda: ran.append("third"))
+    third.cancel()
+    third.cancel()
+    clock.time += 1.0
+    loop.run_once(0)
+    first.cancel()
+    assert ran == ["first"]
+
+
+def test_cancelled_timers_do_not_pile_up(loop: Loop) -> None:
+    class Watched:
+        def run(self) -> None:
+            """Never runs."""
+
+    alive = 0
+    for _ in range(10_000):
+        loop.call_later(3600.0, Watched().run).cancel()
+    gc.collect()
+    alive = sum(isinstance(thing, Watched) for thing in gc.get_objects())
+    assert alive == 0
+    assert len(loop._timers) < 200
+
+
+def test_call_soon_runs_in_order_and_not_in_the_same_round(loop: Loop) -> None:
+    ran: list[int] = []
+    loop.call_soon(lambda: (ran.append(1), loop.call_soon(lambda: ran.append(3))))
+    loop.call_soon(lambda: ran.append(2))
+    loop.run_once(0)
+    assert ran == [1, 2]
+    loop.run_once(0)
+    assert ran == [1, 2, 3]
+
+
+def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
+    near, far = pair
+    seen: list[bytes] = []
+    loop.register(near, lambda: seen.append(near.recv(1)))
+    far.sendall(b"ab")
+    loop.run_once(5)
+    loop.run_once(5)
+    assert seen == [b"a", b"b"]
+    loop.unregister(near)
+    loop.unregister(near)
+    far.sendall(b"c")
+    assert loop.run_once(0) == 0
+
+
+def test_a_socket_unregistered_by_an_earlier_callback_is_left_alone(loop: Loop) -> None:
+    pairs = [socket.socketpair() for _ in range(2)]
+    called: list[int] = []
+
+    def on_readable(index: int) -> None:
+        called.append(index)
+        for near, _ in pairs:
+            loop.unregister(near)
+            near.close()
+
+    for index, (near, far) in enumerate(pairs):
+        loop.register(near, lambda index=index: on_readable(index))
+        far.sendall(b"x")
+    loop.run_once(5)
+    assert len(called) == 1
+    for _, far in pairs:
+        far.close()
+
+
+def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop: Loop, clock, pair) -> None:
+    near, far = pair
+
+    def fail() -> None:
+        raise RuntimeError("boom")
+
+    ran: list[str] = []
+    loop.call_soon(fail)
+    loop.call_soon(lambda: ran.append("soon"))
+    loop.call_later(1.0, fail)
+    loop.call_later(1.0, lambda: ran.append("timer"))
+    loop.register(near, fail)
+    far.sendall(b"x")
+    clock.time += 1.0
+    loop.run_once(5)
+    assert sorted(ran) == ["soon", "timer"]
+    assert loop.counters.snapshot() == {"loop.callback_failed": 3}
+
+
+@pytest.mark.parametrize("how", ["call_soon", "call_later", "register"])
+def test_another_thread_wakes_a_waiting_loop(running: Loop, pair, how: str) -> None:
+    near, far = pair
+    done = threading.Event()
+    running.call_soon(done.set)
+    assert done.wait(5)
+    done.clear()
+    if how == "call_soon":
+        running.call_soon(done.set)
+    elif how == "call_later":
+        running.call_later(0.0, done.set)
+    else:
+        far.sendall(b"x")
+        running.register(near, lambda: (near.recv(1), done.set()))
+    assert done.wait(5)
+
+
+def test_callbacks_hold_the_lock(running: Loop) -> None:
+    outcome: list[bool] = []
+    done = threading.Event()
+
+    def look_from_elsewhere() -> None:
+        def look() -> None:
+            outcome.append(running.lock.acquire(blocking=False))
+
+        thread = threading.Thread(target=look)
+        thread.start()
+        thread.join()
+        done.set()
+
+    running.call_soon(look_from_elsewhere)
+    assert done.wait(5)
+    assert outcome == [False]
+
+
+def test_a_timer_waits_while_another_thread_holds_the_lock(running: Loop) -> None:
+    done = threading.Event()
+    with running.lock:
+        timer = running.call_later(0.0, done.set)
+        assert not done.wait(0.05)
+        timer.cancel()
+    later = threading.Event()
+    running.call_later(0.0, later.set)
+    assert later.wait(5)
+    assert not done.is_set()
+
+
+def test_stop_on_the_own_thread_ends_the_loop() -> None:
+    loop = Loop()
+    loop.start()
+    loop.call_soon(loop.stop)
+    loop._thread.join(5)
+    assert not loop._thread.is_alive()
+    loop.stop()
+    with pytest.raises(RuntimeError, match="starts once"):
+        loop.start()
+
+
+def test_a_stopped_loop_accepts_late_requests() -> None:
+    loop = Loop()
+    loop.start()
+    loop.stop()
+    loop.call_soon(lambda: None)
+    loop.call_later(1.0, lambda: None).cancel()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        loop.unregister(sock)

@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.counters import Counters
+from jausml.runtime.packet import (
+    MAX_PAYLOAD,
+    AckNak,
+    Broadcast,
+    DataFlags,
+    Packet,
+    Priority,
+    parse_datagram,
+)
+
+GOLDEN = Path(__file__).parents[2].parent / "shared" / "golden" / "judp_datagrams.jsonl"
+
+ROBOT = JausAddress(100, 1, 2)
+OCU = JausAddress(200, 1, 2)
+ADDRESSES = st.builds(JausAddress, st.integers(0, 65535), st.integers(0, 255), st.integers(0, 255))
+PACKETS = st.builds(
+    Packet,
+    ADDRESSES,
+    ADDRESSES,
+    st.binary(max_size=64),
+    st.integers(0, 0xFFFF),
+    st.sampled_from(Priority),
+    st.sampled_from(Broadcast),
+    st.sampled_from(AckNak),
+    st.sampled_from(DataFlags),
+    st.just(0),
+)
+
+
+def message(sequence: int = 7, payload: bytes = b"\x02\x40hi") -> Packet:
+    return Packet(ROBOT, OCU, payload, sequence)
+
+
+def parse(data: bytes) -> tuple[list[Packet], dict[str, int]]:
+    counters = Counters()
+    return parse_datagram(data, counters), counters.snapshot()
+
+
+@pytest.mark.skipif(not GOLDEN.exists(), reason="captured datagrams are not at hand")
+def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes() -> None:
+    lines = [json.loads(line) for line in GOLDEN.read_text().splitlines()]
+    assert len(lines) > 50
+    for line in lines:
+        data, header = bytes.fromhex(line["hex"]), line["header"]
+        packets, counts = parse(data)
+        if data[0] != 2:
+            assert (packets, counts) == ([], {"judp.bad_version": 1})
+            continue
+        (packet,) = packets
+        assert counts == {}
+        assert packet == Packet(
+            JausAddress(**header["destination"]),
+            JausAddress(**header["source"]),
+            bytes.fromhex(header["payload"]),
+            header["sequence"],
+            Priority(header["priority"]),
+            Broadcast(header["broadcast"]),
+            AckNak(header["ack_nak"]),
+            DataFlags(header["data_flags"]),
+            header["message_type"],
+        )
+        assert packet.encode() == data
+
+
+def test_the_layout_of_an_acknowledgement() -> None:
+    packet = Packet(JausAddress(101, 1, 1), OCU, b"", 1, acknowledge=AckNak.ACK)
+    assert packet.encode().hex() == "02000e0031010165000201c8000100"
+
+
+@given(st.lists(PACKETS, min_size=1, max_size=5))
+def test_every_message_of_a_datagram_is_read(packets: list[Packet]) -> None:
+    data = b"\x02" + b"".join(packet.encode()[1:] for packet in packets)
+    assert parse(data) == (packets, {})
+
+
+@pytest.mark.parametrize(
+    ("data", "counter"),
+    [
+        (b"", "judp.truncated"),
+        (b"\x02", "judp.truncated"),
+        (b"\x03" + message().encode()[1:], "judp.bad_version"),
+        (b"\x01" + message().encode()[1:], "judp.bad_version"),
+        (message().encode()[:-1], "judp.truncated"),
+        (message().encode()[:14], "judp.truncated"),
+        (message().encode()[:5], "judp.truncated"),
+        (b"\x02\x00\x0d\x00" + message().encode()[4:], "judp.bad_size"),
+        (b"\x02\x00\x00\x00" + message().encode()[4:], "judp.bad_size"),
+        (message()._replace(message_type=1).encode(), "judp.bad_message_type"),
+        (message()._replace(message_type=32).encode(), "judp.bad_message_type"),
+        (b"\x02\xc0" + message().encode()[2:], "judp.compressed"),
+        (b"\x02\x40\x0e\x00" + bytes(11), "judp.bad_size"),
+    ],
+)
+def test_an_unreadable_datagram_is_dropped_and_counted(data: bytes, counter: str) -> None:
+    assert parse(data) == ([], {counter: 1})
+
+
+@pytest.mark.parametrize("tail", [b"\x00", b"garbage", bytes(40), message(8).encode()])
+def test_bytes_after_a_good_message_are_ignored(tail: bytes) -> None:
+    assert parse(message().encode() + tail) == ([message()], {"judp.trailing_bytes": 1})
+
+
+def test_a_reserved_message_type_does_not_hide_the_next_message() -> None:
+    reserved = message()._replace(message_type=5)
+    data = reserved.encode() + message(8).encode()[1:]
+    assert parse(data) == ([message(8)], {"judp.bad_message_type": 1})
+
+
+@pytest.mark.parametrize("flags", [0x40, 0x80])
+def test_the_fields_of_a_compression_request_are_skipped(flags: int) -> None:
+    plain = message().encode()
+    size = (len(plain) - 1 + 2).to_bytes(2, "little")
+    data = b"\x02" + bytes([flags]) + size + b"\x01\x0c" + plain[4:]
+    assert parse(data) == ([message()], {})
+
+
+@given(st.binary(max_size=200))
+def test_arbitrary_bytes_never_raise(data: bytes) -> None:
+    for candidate in (data, b"\x02" + data):
+        packets, counts = parse(candidate)
+        assert sum(len(packet.payload) + 14 for packet in packets) <= len(candidate)
+        assert packets or counts
+
+
+@given(st.lists(PACKETS, min_size=1, max_size=3), st.data())
+def test_damaged_datagrams_never_raise(packets: list[Packet], data: st.DataObject) -> None:
+    wire = bytearray(b"\x02" + b"".join(packet.encode()[1:] for packet in packets))
+    for _ in range(data.draw(st.integers(1, 4))):
+        wire[data.draw(st.integers(0, len(wire) - 1))] = data.draw(st.integers(0, 255))
+    cut = data.draw(st.integers(0, len(wire)))
+    parse(bytes(wire))
+    parse(bytes(wire[:cut]))
+
+
+def test_what_the_wire_cannot_carry_is_refused() -> None:
+    with pytest.raises(ValueError, match="one datagram"):
+        message(payload=bytes(MAX_PAYLOAD + 1)).encode()
+    with pytest.raises(ValueError, match="out of range"):
+        message(sequence=65536).encode()
+    with pytest.raises(ValueError, match="out of range"):
+        message()._replace(message_type=64).encode()
+    (read,), _ = parse(message(payload=bytes(MAX_PAYLOAD)).encode())
+    assert len(read.payload) == MAX_PAYLOAD

@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.counters import Counters
+from jausml.runtime.packet import DataFlags, Packet, Priority
+from jausml.runtime.reassembly import Reassembly
+
+ROBOT = JausAddress(100, 1, 1)
+OCU = JausAddress(200, 1, 1)
+
+
+def fragments(
+    count: int, first: int, fill: int = 0, source: JausAddress = OCU, size: int = 3
+) -> list[Packet]:
+    flags = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (count - 2), DataFlags.LAST]
+    return [
+        Packet(
+            ROBOT,
+            source,
+            bytes([fill, index & 0xFF, *([0] * (size - 2))]),
+            first + index & 0xFFFF,
+            Priority.HIGH,
+            data_flags=flag,
+        )
+        for index, flag in enumerate(flags)
+    ]
+
+
+def whole(packets: list[Packet]) -> Packet:
+    payload = b"".join(packet.payload for packet in packets)
+    return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
+
+
+@pytest.fixture
+def counters() -> Counters:
+    return Counters()
+
+
+@pytest.fixture
+def reassembly(counters: Counters) -> Reassembly:
+    return Reassembly(3.0, 1 << 16, counters)
+
+
+@given(
+    st.lists(st.tuples(st.integers(2, 6), st.sampled_from([OCU, ROBOT])), min_size=1, max_size=4),
+    st.integers(0, 65535),
+    st.data(),
+)
+def test_messages_are_whole_in_whatever_order_their_fragments_come(
+    shapes: list[tuple[int, JausAddress]], start: int, data: st.DataObject
+) -> None:
+    reassembly = Reassembly(3.0, 1 << 16, Counters())
+    streams = []
+    for fill, (count, source) in enumerate(shapes):
+        streams.append(fragments(count, start, fill, source))
+        start += count
+    arrivals = data.draw(st.permutations([packet for stream in streams for packet in stream]))
+    results = [reassembly.add(packet, 0.0) for packet in arrivals]
+    completed = [result for result in results if result is not None]
+    assert sorted(completed) == sorted(whole(stream) for stream in streams)
+    assert reassembly.size == 0
+
+
+def test_numbers_wrap_from_65535_to_0(reassembly: Reassembly) -> None:
+    stream = fragments(3, 65535)
+    assert [packet.sequence for packet in stream] == [65535, 0, 1]
+    assert [reassembly.add(packet, 0.0) for packet in stream] == [None, None, whole(stream)]
+
+
+def test_neighbouring_messages_are_not_joined(reassembly: Reassembly) -> None:
+    one, two = fragments(3, 10, fill=1), fragments(3, 13, fill=2)
+    for packet in (one[0], one[2], two[0], two[2], two[1]):
+        result = reassembly.add(packet, 0.0)
+    assert result == whole(two)
+    assert reassembly.add(one[1], 0.0) == whole(one)
+
+
+def test_a_repeated_fragment_changes_nothing(reassembly: Reassembly) -> None:
+    stream = fragments(3, 10)
+    for packet in (stream[0], stream[0], stream[1], stream[1]):
+        assert reassembly.add(packet, 0.0) is None
+    assert reassembly.add(stream[2], 0.0) == whole(stream)
+
+
+def test_fragments_without_progress_are_discarded(
+    reassembly: Reassembly, counters: Counters
+) -> None:
+    lost, slow = fragments(3, 10), fragments(3, 50)
+    reassembly.add(lost[0], 0.0)
+    reassembly.add(slow[0], 0.0)
+    reassembly.add(slow[1], 2.0)
+    reassembly.expire(3.0)
+    assert counters.snapshot() == {"judp.reassembly_timeout": 1}
+    assert reassembly.add(slow[2], 3.0) == whole(slow)
+    assert reassembly.add(lost[1], 3.0) is None
+    assert reassembly.add(lost[2], 3.0) is None
+    reassembly.expire(6.0)
+    assert reassembly.size == 0
+
+
+def test_one_source_cannot_take_all_memory(reassembly: Reassembly, counters: Counters) -> None:
+    other = fragments(2, 0, source=ROBOT)
+    reassembly.add(other[0], 0.0)
+    for packet in fragments(40, 0, size=4000)[:-1]:
+        reassembly.add(packet, 0.0)
+        assert reassembly.size < (1 << 16) + 5000
+    assert counters.snapshot()["judp.reassembly_overflow"] >= 1
+    assert reassembly.add(other[1], 0.0) == whole(other)
+
+
+def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
+    reassembly = Reassembly(3.0, 1 << 16, counters)
+    for subsystem in range(1, 2000):
+        source = JausAddress(subsystem, 1, 1)
+        reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
+        assert reassembly.size <= 4 << 16
+        assert len(reassembly._sources) <= 256
+    assert counters.snapshot()["judp.reassembly_overflow"] > 1900
+
+
+@given(
+    st.lists(
+        st.builds(
+            Packet,
+            st.just(ROBOT),
+            st.sampled_from([OCU, ROBOT]),
+            st.binary(max_size=4),
+            st.integers(0, 12).map(lambda number: number - 6 & 0xFFFF),
+            data_flags=st.sampled_from([DataFlags.FIRST, DataFlags.MIDDLE, DataFlags.LAST]),
+        ),
+        max_size=60,
+    )
+)
+def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
+    packets: list[Packet],
+) -> None:
+    reassembly = Reassembly(3.0, 4096, Counters())
+    for index, packet in enumerate(packets):
+        reassembly.add(packet, index * 0.2)
+        if index % 5 == 0:
+            reassembly.expire(index * 0.2)
+    reassembly.expire(1000.0)
+    assert reassembly.size == 0
+    assert not reassembly._sources
+
+
+def test_a_full_circle_of_numbers_does_not_close(counters: Counters) -> None:
+    reassembly = Reassembly(3.0, 1 << 30, counters)
+    for number in range(65536):
+        packet = Packet(ROBOT, OCU, b"", number, data_flags=DataFlags.MIDDLE)
+        assert reassembly.add(packet, 0.0) is None
+    assert counters.snapshot()["judp.reassembly_overflow"] == 1
+    reassembly.expire(9.0)
+    assert reassembly.size == 0

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import argparse
+
+import pytest
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.settings import TransportSettings, add_arguments, from_arguments
+
+
+def parse(*words: str, defaults: TransportSettings | None = None) -> TransportSettings:
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    add_arguments(parser, defaults)
+    return from_arguments(parser.parse_args(words), defaults)
+
+
+def test_without_options_the_standard_applies() -> None:
+    assert parse() == TransportSettings()
+    settings = TransportSettings()
+    assert (settings.port, settings.multicast_group, settings.multicast_ttl) == (
+        3794,
+        "239.255.0.1",
+        16,
+    )
+
+
+def test_options_override_modelled_settings_and_extend_the_address_book() -> None:
+    modelled = TransportSettings(
+        port=4000, fragment_size=1000, address_book={JausAddress(1, 1, 1): ("robot", 4000)}
+    )
+    settings = parse(
+        "--jaus-interface=192.0.2.7",
+        "--jaus-multicast-ttl=1",
+        "--jaus-peer=2.1.1=192.0.2.8:3794",
+        "--jaus-peer=3.1.1=driver.local:4001",
+        defaults=modelled,
+    )
+    assert settings.interface == "192.0.2.7"
+    assert (settings.port, settings.fragment_size, settings.multicast_ttl) == (4000, 1000, 1)
+    assert settings.address_book == {
+        JausAddress(1, 1, 1): ("robot", 4000),
+        JausAddress(2, 1, 1): ("192.0.2.8", 3794),
+        JausAddress(3, 1, 1): ("driver.local", 4001),
+    }
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1.1.1", "1.1.1=host", "1.1.1=:5", "1.1.1=host:x", "1.1=host:5", "=host:5"]
+)
+def test_a_bad_peer_is_a_usage_error(text: str) -> None:
+    with pytest.raises(argparse.ArgumentError, match="jaus-peer"):
+        parse(f"--jaus-peer={text}")
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"interface": "0.0.0.0"},  # noqa: S104
+        {"interface": "239.255.0.1"},
+        {"interface": "eth0"},
+        {"multicast_group": "10.0.0.1"},
+        {"port": 0},
+        {"port": 65536},
+        {"multicast_ttl": 256},
+        {"multicast_ttl": -1},
+        {"fragment_size": 1},
+        {"fragment_size": 4080},
+        {"acknowledge_retries": -1},
+        {"acknowledge_timeout": 0.0},
+        {"address_book": {JausAddress(1, 1, 255): ("127.0.0.1", 3794)}},
+        {"address_book": {JausAddress(1, 1, 1): ("127.0.0.1", 0)}},
+    ],
+)
+def test_values_out_of_range_are_refused(values: dict) -> None:
+    with pytest.raises(ValueError, match=r"\S"):
+        TransportSettings(**values)

@@ -1,0 +1,582 @@
+from __future__ import annotations
+
+import random
+import socket
+import threading
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.loop import Loop
+from jausml.runtime.packet import (
+    AckNak,
+    Broadcast,
+    DataFlags,
+    Packet,
+    Priority,
+)
+from jausml.runtime.settings import TransportSettings
+from jausml.runtime.transport import JudpTransport, ReceivedMessage
+
+DRIVER = JausAddress(100, 1, 1)
+SENSOR = JausAddress(100, 1, 2)
+OCU = JausAddress(200, 1, 1)
+PEER = JausAddress(300, 1, 1)
+STATUS = b"\x02\x40" + bytes(5)
+
+
+def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
+    return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields)
+
+
+def join(peer, at, wait_until) -> None:
+    """Let a station learn where the peer is."""
+    before = at.counter("judp.nak")
+    peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)
+    wait_until(lambda: at.counter("judp.nak") > before)
+
+
+class TestUnicast:
+    def test_a_known_destination_gets_one_plain_datagram(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        join(peer, driver, wait_until)
+        driver.transport.send(DRIVER, PEER, STATUS, priority=Priority.HIGH)
+        packet = peer.receive()
+        assert packet == Packet(PEER, DRIVER, STATUS, packet.sequence, Priority.HIGH)
+        assert peer.is_quiet()
+
+    def test_numbers_count_per_source_and_wrap(self, station, peer, wait_until, monkeypatch):
+        monkeypatch.setattr(random, "randrange", lambda _: 65534)
+        driver = station().attach(DRIVER, SENSOR)
+        join(peer, driver, wait_until)
+        for source in (DRIVER, DRIVER, SENSOR, DRIVER):
+            driver.transport.send(source, PEER, STATUS)
+        received = [peer.receive() for _ in range(4)]
+        assert [(packet.source, packet.sequence) for packet in received] == [
+            (DRIVER, 65534),
+            (DRIVER, 65535),
+            (SENSOR, 65534),
+            (DRIVER, 0),
+        ]
+
+    def test_a_restarted_component_does_not_begin_at_the_same_number(self, station, peer):
+        numbers = set()
+        for _ in range(4):
+            made = station()
+            made.transport.send(DRIVER, PEER, STATUS)
+            numbers.add(peer.overhear().sequence)
+        assert len(numbers) > 1
+
+    def test_a_received_message_says_all_that_a_component_needs(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        peer.send(from_peer(sequence=77, priority=Priority.SAFETY_CRITICAL))
+        wait_until(lambda: driver.received)
+        message = ReceivedMessage(PEER, DRIVER, STATUS, Priority.SAFETY_CRITICAL, 77)
+        assert driver.received == [(DRIVER, message)]
+
+    def test_a_configured_peer_is_reached_without_discovery(self, station, peer):
+        driver = station(address_book={PEER: peer.endpoint})
+        driver.transport.send(DRIVER, PEER, STATUS)
+        packet = peer.receive()
+        assert packet.payload == STATUS
+        assert packet.acknowledge is AckNak.REQUESTED  # never heard, hence asked
+
+    def test_the_newest_endpoint_of_a_component_is_used(self, station, peer, wait_until):
+        driver = station(address_book={PEER: ("127.0.0.1", 9)}).attach(DRIVER)
+        join(peer, driver, wait_until)
+        driver.transport.send(DRIVER, PEER, STATUS)
+        assert peer.receive().payload == STATUS
+
+
+class TestWildcards:
+    def test_a_broadcast_is_multicast_and_marked_global(self, station, peer):
+        driver = station()
+        driver.transport.send(DRIVER, BROADCAST, STATUS)
+        packet = peer.overhear()
+        assert (packet.destination, packet.broadcast) == (BROADCAST, Broadcast.GLOBAL)
+        assert packet.acknowledge is AckNak.NONE
+
+    def test_every_matching_component_of_all_processes_but_not_the_sender(
+        self, station, wait_until
+    ):
+        here, there = station().attach(DRIVER, SENSOR), station().attach(OCU)
+        here.transport.send(DRIVER, BROADCAST, STATUS)
+        here.transport.send(DRIVER, JausAddress(100, 255, 255), STATUS + b"own subsystem")
+        here.transport.send(DRIVER, JausAddress(200, 255, 255), STATUS + b"other subsystem")
+        wait_until(lambda: len(here.received) + len(there.received) == 4)
+        assert [(own, message.payload) for own, message in here.received] == [
+            (SENSOR, STATUS),
+            (SENSOR, STATUS + b"own subsystem"),
+        ]
+        assert there.payloads == [STATUS, STATUS + b"other subsystem"]
+
+    def test_the_destination_decides_and_not_the_broadcast_flag(self, station, peer, wait_until):
+        driver = station().attach(DRIVER, SENSOR)
+        peer.multicast_out(from_peer(destination=JausAddress(100, 1, 255)))
+        wait_until(lambda: len(driver.received) == 2)
+        assert {own for own, _ in driver.received} == {DRIVER, SENSOR}
+
+    def test_each_matching_component_acknowledges(self, station, peer, wait_until):
+        driver = station().attach(DRIVER, SENSOR)
+        peer.multicast_out(from_peer(destination=BROADCAST, acknowledge=AckNak.REQUESTED))
+        answers = [peer.receive(), peer.receive()]
+        assert {answer.source for answer in answers} == {DRIVER, SENSOR}
+        wait_until(lambda: len(driver.received) == 2)
+
+    def test_a_broadcast_is_not_fragmented(self, station, wait_until):
+        driver = station(fragment_size=100).attach(DRIVER)
+        results: list[bool] = []
+        driver.transport.send(DRIVER, BROADCAST, bytes(101), on_result=results.append)
+        wait_until(lambda: results)
+        assert results == [False]
+        assert driver.counter("judp.broadcast_too_large") == 1
+        assert driver.counter("judp.sent") == 0
+
+
+class TestSameProcess:
+    def test_components_reach_each_other_without_the_network(self, station, wait_until):
+        driver = station().attach(DRIVER, SENSOR)
+        results: list[bool] = []
+        big = bytes(20_000)
+        driver.transport.send(DRIVER, SENSOR, big, acknowledge=True, on_result=results.append)
+        wait_until(lambda: results)
+        ((own, message),) = driver.received
+        assert (own, message.source, message.payload) == (SENSOR, DRIVER, big)
+        assert results == [True]
+        assert driver.counter("judp.sent") == 0
+
+    def test_an_answer_within_a_callback_is_not_recursion(self, station, wait_until):
+        here = station()
+        depths: list[int] = []
+        active = 0
+
+        def answer(own, other):
+            def receive(message):
+                nonlocal active
+                active += 1
+                depths.append(active)
+                if len(depths) < 200:
+                    here.transport.send(own, other, message.payload)
+                active -= 1
+
+            return receive
+
+        here.transport.attach(DRIVER, answer(DRIVER, SENSOR))
+        here.transport.attach(SENSOR, answer(SENSOR, DRIVER))
+        here.transport.send(DRIVER, SENSOR, STATUS)
+        wait_until(lambda: len(depths) == 200)
+        assert set(depths) == {1}
+
+    def test_a_component_detached_meanwhile_gets_nothing(self, station, wait_until):
+        here = station().attach(SENSOR)
+        results: list[bool] = []
+        with here.loop.lock:
+            here.transport.send(DRIVER, SENSOR, STATUS, on_result=results.append)
+            here.transport.detach(SENSOR)
+        wait_until(lambda: results)
+        assert results == [False]
+        assert not here.received
+
+    def test_one_failing_component_does_not_silence_the_others(self, station, peer, wait_until):
+        here = station()
+
+        def fail(_message):
+            raise RuntimeError("boom")
+
+        here.transport.attach(DRIVER, fail)
+        here.attach(SENSOR)
+        peer.multicast_out(from_peer(destination=BROADCAST))
+        wait_until(lambda: here.received)
+        assert here.counter("judp.receiver_failed") == 1
+
+
+class TestAttach:
+    def test_only_one_component_may_have_an_address(self, station):
+        here = station().attach(DRIVER)
+        with pytest.raises(ValueError, match="attached already"):
+            here.transport.attach(DRIVER, print)
+        here.transport.detach(DRIVER)
+        here.transport.detach(DRIVER)
+        here.transport.attach(DRIVER, print)
+
+    @pytest.mark.parametrize("address", [BROADCAST, JausAddress(0, 1, 1)])
+    def test_an_address_must_be_one_component(self, station, address):
+        here = station()
+        with pytest.raises(ValueError, match="one component"):
+            here.transport.attach(address, print)
+        with pytest.raises(ValueError, match="one component"):
+            here.transport.send(address, DRIVER, STATUS)
+
+    def test_a_payload_needs_a_message_code(self, station):
+        with pytest.raises(ValueError, match="message code"):
+            station().transport.send(DRIVER, PEER, b"\x00")
+
+    def test_a_reserved_destination_is_counted(self, station, wait_until):
+        here = station()
+        results: list[bool] = []
+        here.transport.send(DRIVER, JausAddress(0, 0, 0), STATUS, on_result=results.append)
+        wait_until(lambda: results)
+        assert results == [False]
+        assert here.counter("judp.bad_destination") == 1
+
+
+class TestAcknowledge:
+    def test_the_answer_is_an_empty_message_with_swapped_ids(self, station, peer):
+        station().attach(DRIVER)
+        peer.send(from_peer(sequence=9, priority=Priority.HIGH, acknowledge=AckNak.REQUESTED))
+        expected = Packet(PEER, DRIVER, b"", 9, Priority.HIGH, acknowledge=AckNak.ACK)
+        assert peer.receive() == expected
+
+    def test_a_duplicate_is_dropped_and_acknowledged_again(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        for _ in range(3):
+            peer.send(from_peer(acknowledge=AckNak.REQUESTED))
+            peer.receive()
+        assert len(driver.received) == 1
+        wait_until(lambda: driver.counter("judp.duplicate") == 2)
+
+    def test_a_multicast_to_a_unicast_id_is_received_and_acknowledged(
+        self, station, peer, wait_until
+    ):
+        driver = station().attach(DRIVER)
+        peer.multicast_out(
+            from_peer(acknowledge=AckNak.REQUESTED, broadcast=Broadcast.GLOBAL),
+        )
+        assert peer.receive().source == DRIVER
+        wait_until(lambda: driver.payloads == [STATUS])
+
+    def test_a_message_for_someone_else_is_not_acknowledged(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        peer.send(from_peer(destination=SENSOR, acknowledge=AckNak.REQUESTED))
+        wait_until(lambda: driver.counter("judp.not_for_us") == 1)
+        assert peer.is_quiet()
+
+    def test_success_is_reported_once(self, station, wait_until):
+        here, there = station().attach(DRIVER), station().attach(OCU)
+        results: list[bool] = []
+        here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
+        wait_until(lambda: results and there.received)
+        assert results == [True]
+        assert there.payloads == [STATUS]
+        assert not here.transport._outbox
+
+    def test_four_transmissions_then_failure(self, station, peer, wait_until):
+        here = station(acknowledge_timeout=0.02).attach(DRIVER)
+        join(peer, here, wait_until)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        packets = [peer.receive() for _ in range(4)]
+        wait_until(lambda: results)
+        assert results == [False]
+        assert len(set(packets)) == 1
+        assert packets[0].acknowledge is AckNak.REQUESTED
+        assert peer.is_quiet()
+        assert here.counter("judp.unacknowledged") == 1
+
+    def test_a_late_acknowledgement_ends_the_repetition(self, station, peer, wait_until):
+        here = station(acknowledge_timeout=0.02, acknowledge_retries=50).attach(DRIVER)
+        join(peer, here, wait_until)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        peer.receive()
+        packet = peer.receive()
+        stranger = Packet(DRIVER, OCU, b"", packet.sequence, acknowledge=AckNak.ACK)
+        peer.send(stranger, here.transport.endpoint)
+        peer.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK), here.transport.endpoint)
+        wait_until(lambda: results)
+        assert results == [True]
+        assert here.counter("judp.unmatched_acknowledgement") == 1
+
+    def test_an_acknowledgement_is_never_delivered(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        for kind in (AckNak.ACK, AckNak.NAK):
+            peer.send(from_peer(STATUS, 5, acknowledge=kind))
+        peer.send(from_peer(sequence=6))
+        wait_until(lambda: driver.received)
+        assert [message.sequence for _, message in driver.received] == [6]
+        assert driver.counter("judp.unmatched_acknowledgement") == 1
+        assert driver.counter("judp.nak") == 1
+
+    def test_closing_reports_what_still_waits(self, station, wait_until):
+        here = station(acknowledge_timeout=30.0)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        here.transport.close()
+        wait_until(lambda: results)
+        assert results == [False]
+
+
+class TestUnknownDestination:
+    def test_it_is_multicast_and_the_acknowledgement_teaches(self, station, peer, wait_until):
+        here = station().attach(DRIVER)
+        here.transport.send(DRIVER, PEER, STATUS)
+        packet = peer.overhear()
+        assert packet.destination == PEER
+        assert (packet.acknowledge, packet.broadcast) == (AckNak.REQUESTED, Broadcast.GLOBAL)
+        answer = from_peer(b"", packet.sequence, acknowledge=AckNak.ACK)
+        peer.send(answer, here.transport.endpoint)
+        wait_until(lambda: here.counter("judp.unmatched_acknowledgement") == 1)
+        here.transport.send(DRIVER, PEER, STATUS)
+        assert peer.receive().acknowledge is AckNak.NONE
+
+    def test_two_transports_find_each_other(self, station, wait_until):
+        here, there = station().attach(DRIVER), station().attach(OCU)
+        here.transport.send(DRIVER, OCU, STATUS)
+        wait_until(lambda: there.received)
+        there.transport.send(OCU, DRIVER, STATUS)
+        wait_until(lambda: here.received)
+        assert here.transport._book.find(OCU) == there.transport.endpoint
+        assert there.transport._book.find(DRIVER) == here.transport.endpoint
+
+    def test_a_component_that_moved_is_found_again(self, station, wait_until):
+        here, there = station().attach(DRIVER), station().attach(OCU)
+        results: list[bool] = []
+
+        def send():
+            here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
+
+        send()
+        wait_until(lambda: results == [True])
+        there.transport.close()
+        elsewhere = station().attach(OCU)
+        assert elsewhere.transport.endpoint != here.transport._book.find(OCU)
+        send()
+        wait_until(lambda: len(results) == 2)
+        send()
+        wait_until(lambda: len(results) == 3)
+        assert results[2] is True
+        assert here.transport._book.find(OCU) == elsewhere.transport.endpoint
+
+    def test_a_silent_peer_is_asked_and_then_searched(self, station, peer, wait_until):
+        here = station(address_lifetime=0.1).attach(DRIVER)
+        join(peer, here, wait_until)
+        seen: list[Packet] = []
+
+        def sends_until(wanted) -> None:
+            def attempt() -> bool:
+                here.transport.send(DRIVER, PEER, STATUS)
+                seen.append(peer.receive())
+                return wanted()
+
+            wait_until(attempt)
+
+        sends_until(lambda: seen[-1].acknowledge is AckNak.REQUESTED)
+        assert seen[0].acknowledge is AckNak.NONE
+        assert seen[-1].broadcast is Broadcast.NONE
+        count = len(seen)
+        sends_until(lambda: seen[-1].acknowledge is AckNak.REQUESTED and len(seen) > count)
+        searched = peer.overhear()
+        assert searched.sequence == seen[-1].sequence
+        assert searched.broadcast is Broadcast.GLOBAL
+
+
+class TestFragments:
+    @pytest.mark.parametrize("acknowledge", [False, True])
+    @pytest.mark.parametrize("size", [4079, 4080, 4079 * 3, 100_001])
+    def test_large_messages_arrive_whole(self, station, wait_until, size, acknowledge):
+        here, there = station().attach(DRIVER), station().attach(OCU)
+        payload = random.Random(size).randbytes(size)
+        results: list[bool] = []
+        here.transport.send(DRIVER, OCU, payload, acknowledge=acknowledge, on_result=results.append)
+        wait_until(lambda: there.received and results)
+        assert there.payloads == [payload]
+        assert results == [True]
+
+    def test_the_chunks_of_a_message(self, station, peer, wait_until, monkeypatch):
+        monkeypatch.setattr(random, "randrange", lambda _: 65535)
+        here = station(fragment_size=4).attach(DRIVER)
+        join(peer, here, wait_until)
+        here.transport.send(DRIVER, PEER, b"\x02\x40abcdefg")
+        packets = [peer.receive() for _ in range(3)]
+        assert [(p.sequence, p.data_flags, p.payload) for p in packets] == [
+            (65535, DataFlags.FIRST, b"\x02\x40ab"),
+            (0, DataFlags.MIDDLE, b"cdef"),
+            (1, DataFlags.LAST, b"g"),
+        ]
+
+    def test_acknowledged_chunks_go_one_by_one(self, station, peer, wait_until):
+        here = station(fragment_size=4, acknowledge_timeout=0.05, acknowledge_retries=100)
+        here.attach(DRIVER)
+        join(peer, here, wait_until)
+        results: list[bool] = []
+        here.transport.send(
+            DRIVER, PEER, b"\x02\x40abcdef", acknowledge=True, on_result=results.append
+        )
+        first = peer.receive()
+        assert peer.receive() == first
+        peer.send(from_peer(b"", first.sequence, acknowledge=AckNak.ACK), here.transport.endpoint)
+        second = peer.receive()
+        while second == first:
+            second = peer.receive()
+        assert (second.sequence, second.payload) == (first.sequence + 1 & 0xFFFF, b"cdef")
+        peer.send(from_peer(b"", second.sequence, acknowledge=AckNak.ACK), here.transport.endpoint)
+        wait_until(lambda: results)
+        assert results == [True]
+
+    def test_reversed_and_wrapping_fragments_are_put_together(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        parts = [
+            from_peer(b"\x02\x40a", 65535, data_flags=DataFlags.FIRST),
+            from_peer(b"bc", 0, data_flags=DataFlags.MIDDLE),
+            from_peer(b"d", 1, data_flags=DataFlags.LAST),
+        ]
+        for part in reversed(parts):
+            peer.send(part)
+        wait_until(lambda: driver.received)
+        ((_, message),) = driver.received
+        assert (message.payload, message.sequence) == (b"\x02\x40abcd", 65535)
+
+    def test_a_partial_message_is_discarded(self, station, peer, wait_until):
+        driver = station(reassembly_timeout=0.05).attach(DRIVER)
+        peer.send(from_peer(b"\x02\x40a", 1, data_flags=DataFlags.FIRST))
+        wait_until(lambda: driver.counter("judp.reassembly_timeout") == 1)
+        assert driver.transport._reassembly.size == 0
+        peer.send(from_peer(b"b", 2, data_flags=DataFlags.LAST))
+        peer.send(from_peer(sequence=3))
+        wait_until(lambda: driver.received)
+        assert driver.payloads == [STATUS]
+
+
+class TestBadDatagrams:
+    @pytest.mark.parametrize(
+        ("data", "counter"),
+        [
+            (b"", "judp.truncated"),
+            (b"\x01" + bytes(30), "judp.bad_version"),
+            (b"\x00" + bytes(30), "judp.bad_version"),
+            (b"\x00F" + bytes(30), "judp.bad_version"),
+            (from_peer().encode()[:-3], "judp.truncated"),
+            (from_peer(b"").encode(), "judp.no_message_code"),
+            (from_peer(b"\x02").encode(), "judp.no_message_code"),
+            (from_peer()._replace(source=BROADCAST).encode(), "judp.bad_source"),
+            (from_peer()._replace(source=JausAddress(0, 1, 1)).encode(), "judp.bad_source"),
+            (from_peer()._replace(source=DRIVER).encode(), "judp.own_source"),
+        ],
+    )
+    def test_each_is_counted_and_the_next_one_arrives(
+        self, station, peer, wait_until, data, counter
+    ):
+        driver = station().attach(DRIVER)
+        peer.send(data)
+        peer.send(from_peer(sequence=2))
+        wait_until(lambda: driver.received)
+        assert driver.counter(counter) == 1
+        assert driver.payloads == [STATUS]
+
+    def test_two_messages_in_one_datagram_are_both_delivered(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        peer.send(from_peer(sequence=1).encode() + from_peer(b"\x01\x00", 2).encode()[1:])
+        wait_until(lambda: len(driver.received) == 2)
+        assert driver.payloads == [STATUS, b"\x01\x00"]
+
+    @pytest.fixture
+    def quiet(self):
+        """A transport with closed sockets, for datagrams by the thousand."""
+        with Loop() as loop:
+            transport = JudpTransport(
+                TransportSettings(reassembly_limit=1 << 16, duplicate_history=16), loop
+            )
+            transport.attach(DRIVER, lambda _message: None)
+            yield transport
+
+    @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+    @given(
+        st.lists(
+            st.one_of(
+                st.binary(max_size=60),
+                st.binary(max_size=60).map(lambda data: b"\x02" + data),
+                st.binary(max_size=60).map(lambda data: b"\x00" + data),
+                st.builds(
+                    lambda source, payload, sequence, flags, broadcast: Packet(
+                        broadcast,
+                        JausAddress(source, 1, 1),
+                        payload,
+                        sequence,
+                        data_flags=flags,
+                    ).encode(),
+                    st.integers(0, 65535),
+                    st.binary(max_size=50),
+                    st.integers(0, 65535),
+                    st.sampled_from(DataFlags),
+                    st.sampled_from([BROADCAST, DRIVER]),
+                ),
+            ),
+            max_size=30,
+        ),
+        st.sampled_from([("127.0.0.1", 3794), ("127.0.0.1", 5), ("192.0.2.1", 3794)]),
+        st.integers(0, 255),
+        st.booleans(),
+    )
+    def test_nothing_that_arrives_raises_or_piles_up(
+        self, quiet, datagrams, sender, noise, by_multicast
+    ):
+        for data in datagrams:
+            damaged = bytearray(data)
+            if damaged:
+                damaged[noise % len(damaged)] ^= noise
+            quiet._on_datagram(data, sender, by_multicast=by_multicast)
+            quiet._on_datagram(bytes(damaged), sender, by_multicast=by_multicast)
+        assert len(quiet._book) <= 1024
+        assert len(quiet._duplicates) <= 256 * 16
+        assert quiet._reassembly.size <= 4 << 16
+
+
+class TestThreads:
+    def test_messages_of_many_threads_all_arrive_with_their_own_number(self, station, wait_until):
+        here, there = station().attach(DRIVER), station().attach(OCU)
+        here.transport.send(DRIVER, OCU, STATUS)
+        wait_until(lambda: there.received)
+
+        def work(index: int) -> None:
+            for count in range(50):
+                here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
+
+        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        wait_until(lambda: len(there.received) == 201)
+        assert len({message.sequence for _, message in there.received}) == 201
+
+    def test_sending_does_not_wait_for_the_loop(self, station, peer):
+        here = station()
+        with here.loop.lock:
+            thread = threading.Thread(target=here.transport.send, args=(DRIVER, PEER, STATUS))
+            thread.start()
+            assert peer.overhear().payload == STATUS
+            thread.join()
+
+
+class TestNetworkFailure:
+    def test_a_transport_that_is_not_open_counts(self):
+        with Loop() as loop:
+            transport = JudpTransport(TransportSettings(), loop)
+            results: list[bool] = []
+            transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+            loop.run_once(0)
+            assert results == [False]
+            assert loop.counters.snapshot() == {"judp.send_failed": 1}
+            assert transport.endpoint is None
+            transport.close()
+
+    def test_an_endpoint_that_cannot_be_reached_is_counted(self, station):
+        here = station(address_book={PEER: ("255.255.255.255", 9)})
+        here.transport.send(DRIVER, PEER, STATUS)
+        assert here.counter("judp.send_failed") == 1
+
+    def test_an_unusable_interface_is_an_error_of_open(self):
+        with Loop() as loop:
+            transport = JudpTransport(TransportSettings(interface="192.0.2.200"), loop)
+            with pytest.raises(OSError, match=r"192\.0\.2\.200"):
+                transport.open()
+
+    def test_a_port_taken_by_another_program_is_left_to_it(self, station, free_port, wait_until):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as foreign:
+            foreign.bind(("127.0.0.1", free_port))
+            here = station(takeover_interval=0.05).attach(DRIVER)
+            assert here.transport.endpoint[1] != free_port
+        wait_until(lambda: here.transport.endpoint == ("127.0.0.1", free_port))
+        assert here.counter("judp.port_taken_over") == 1

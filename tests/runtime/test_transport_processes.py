@@ -1,0 +1,142 @@
+"""Several processes of one host on one JUDP port."""
+
+from __future__ import annotations
+
+import queue
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.packet import AckNak, Packet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = Path(__file__).with_name("judp_process.py")
+
+A, B, C = (JausAddress(100, 1, component) for component in (1, 2, 3))
+PEER = JausAddress(300, 1, 1)
+
+
+class Process:
+    """A running judp_process.py and the lines that it wrote."""
+
+    def __init__(self, port: int, address: JausAddress) -> None:
+        self.address = address
+        self.running = subprocess.Popen(
+            [sys.executable, str(SCRIPT), str(port), str(address)],
+            cwd=ROOT,
+            env={"PYTHONPATH": str(ROOT)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.lines: queue.Queue[str] = queue.Queue()
+        self.reader = threading.Thread(target=self._read)
+        self.reader.start()
+        self.port = int(self.expect("open").rpartition(":")[2])
+
+    def _read(self) -> None:
+        for line in self.running.stdout:
+            self.lines.put(line.strip())
+
+    def expect(self, start: str, seconds: float = 20.0) -> str:
+        """Return the next line that starts so; fails after the time."""
+        while True:
+            line = self.lines.get(timeout=seconds)
+            if line.startswith(start):
+                return line
+
+    def send(self, destination: JausAddress, payload: bytes) -> None:
+        self.running.stdin.write(f"send {destination} {payload.hex()}\n")
+        self.running.stdin.flush()
+
+    def kill(self) -> None:
+        self.running.kill()
+        self.running.wait()
+
+    def close(self) -> None:
+        self.kill()
+        self.reader.join()
+        self.running.stdin.close()
+        self.running.stdout.close()
+
+
+@pytest.fixture
+def process(free_port: int) -> Iterator[Callable[[JausAddress], Process]]:
+    """Start processes on one free port."""
+    started: list[Process] = []
+
+    def start(address: JausAddress) -> Process:
+        started.append(Process(free_port, address))
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.close()
+
+
+def ask(peer, address: JausAddress, sequence: int) -> Packet:
+    """Send to a component at the well-known port, acknowledged; return its echo."""
+    wanted = AckNak.REQUESTED
+    peer.send(Packet(address, PEER, b"\x02\x40hi", sequence, acknowledge=wanted))
+    answers = [peer.receive(), peer.receive()]
+    kinds = {answer.acknowledge for answer in answers}
+    assert {answer.source for answer in answers} == {address}
+    assert AckNak.ACK in kinds
+    return next(answer for answer in answers if answer.acknowledge is not AckNak.ACK)
+
+
+def test_processes_share_the_port_and_reach_each_other(process, free_port: int) -> None:
+    a, b, c = process(A), process(B), process(C)
+    assert a.port == free_port
+    assert len({a.port, b.port, c.port}) == 3
+    b.send(BROADCAST, b"\x02\x40hello")
+    for other in (a, c):
+        assert other.expect("got") == f"got {B} {BROADCAST} 024068656c6c6f"
+    c.send(B, b"\x02\x40hi")
+    assert b.expect("got") == f"got {C} {B} 02406869"
+    assert c.expect("got") == f"got {B} {C} 00d06869"
+
+
+def test_the_owner_forwards_to_the_process_that_is_meant(process, peer) -> None:
+    process(A)
+    b = process(B)
+    assert ask(peer, A, 1).payload == b"\x00\xd0hi"
+    assert ask(peer, B, 2).payload == b"\x00\xd0hi"
+    assert b.expect("got") == f"got {PEER} {B} 02406869"
+
+
+def test_another_process_takes_over_the_port_of_a_dead_owner(process, peer, free_port: int) -> None:
+    a, b, c = process(A), process(B), process(C)
+    a.kill()
+    assert any(takes_over(one, free_port) for one in (b, c))
+    for one, sequence in ((b, 1000), (c, 2000)):
+        assert eventually_answers(peer, one.address, sequence)
+
+
+def takes_over(one: Process, port: int) -> bool:
+    """Return whether the process comes to own the port in time."""
+    try:
+        return one.expect("open", seconds=3.0).endswith(f":{port}")
+    except queue.Empty:
+        return False
+
+
+def eventually_answers(peer, address: JausAddress, sequence: int) -> bool:
+    """Ask until the new owner has learnt where the component is."""
+    for attempt in range(50):
+        peer.send(Packet(address, PEER, b"\x02\x40hi", sequence + attempt))
+        try:
+            answer = peer.receive(seconds=0.2)
+        except TimeoutError:
+            continue
+        if answer.source == address:
+            return True
+    return False
