@@ -33,19 +33,19 @@ def sentence(text: str) -> str:
 
 def docstring(
     summary: str,
-    indent: int,
+    column: int,
     paragraphs: Sequence[str] = (),
     attributes: Sequence[tuple[str, str]] = (),
 ) -> str:
-    """Returns a docstring with its quotes; the first line is not indented.
+    """Returns a docstring with its quotes.
 
     Args:
         summary: Clean text of the first line.
-        indent: Columns before the docstring.
+        column: Column at which it will stand; the lines themselves begin at 0.
         paragraphs: Clean texts that follow.
         attributes: Names and clean descriptions for a section `Attributes`.
     """
-    width = LINE_WIDTH - indent
+    width = LINE_WIDTH - column
     if not paragraphs and not attributes and len(summary) + 6 <= width:
         return f'"""{summary}"""'
     lines = _wrap(f'"""{summary}', width)
@@ -55,9 +55,7 @@ def docstring(
         lines += ["", "Attributes:"]
     for name, description in attributes:
         lines += _wrap(f"    {name}: {description}", width, "        ")
-    first, *others = [*lines, '"""']
-    margin = " " * indent
-    return "\n".join([first, *(margin + line if line else "" for line in others)])
+    return "\n".join([*lines, '"""'])
 
 
 def _wrap(text: str, width: int, continued: str = "") -> list[str]:

@@ -6,11 +6,15 @@ type, a default, and the expressions that turn the value into its wire form and 
 
 from __future__ import annotations
 
+import math
 import struct
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from jausml.generators.common.layout import Call, Expression
+from jausml.generators.common.layout import Call
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 FORMATS = {
     "uint8": "B",
@@ -24,6 +28,7 @@ FORMATS = {
     "float32": "f",
     "float64": "d",
 }
+_TYPES = {letter: name for name, letter in FORMATS.items()}
 _FLOAT_LIMITS = {"float32": 3.4028234663852886e38, "float64": 1.7976931348623157e308}
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
 
@@ -61,6 +66,18 @@ def length_format(numeric_type: str) -> str:
     return FORMATS[numeric_type]
 
 
+_WORDS = {"uint": "U", "int": "I", "float": "F"}
+_STRUCT_NAMES = {
+    letter: f"_{_WORDS[name.rstrip('0123456789')]}{name.lstrip('uintfloa')}"
+    for name, letter in FORMATS.items()
+}
+
+
+def struct_name(struct_format: str) -> str:
+    """Returns the name of the constant for a struct of one item, e.g. `_U16`."""
+    return _STRUCT_NAMES.get(struct_format) or f"_CHAR{struct_format[:-1]}"
+
+
 @dataclass(frozen=True)
 class Fixed:
     """A value of a fixed number of bytes, one item of a struct format.
@@ -91,7 +108,20 @@ class Fixed:
         """Bytes on the wire."""
         return struct.calcsize(f"<{self.format}")
 
-    min_size = size
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.size
+
+    @property
+    def struct(self) -> str:
+        """Name of the constant for the value alone."""
+        return struct_name(self.format)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the wire item is the value."""
+        return self.back == "{}"
 
     def pack(self, value: str, field: str) -> Call:
         """Returns the expression that makes the wire item.
@@ -157,6 +187,11 @@ class Blob:
         return f"{shortest}{self.upper} bytes"
 
     @property
+    def count_struct(self) -> str:
+        """Name of the constant for the count."""
+        return struct_name(self.count_format)
+
+    @property
     def count_size(self) -> int:
         """Bytes of the count."""
         return struct.calcsize(f"<{self.count_format}")
@@ -170,7 +205,7 @@ class Blob:
         """Returns the expression that reads the bytes after the count, which is in `size`."""
         at = f"offset + {self.count_size}"
         limits = (str(self.lower), str(self.upper), f'"{field}"')
-        return Call("take", ("buffer", at, "size", *limits))
+        return Call("take_text" if self.is_text else "take", ("buffer", at, "size", *limits))
 
     def sized(self, value: str, field: str) -> Call:
         """Returns the expression for the checked length of a value."""
@@ -178,7 +213,7 @@ class Blob:
 
 
 def value_ranges(value_set: Any, lower: int, upper: int) -> Ranges:
-    """Returns the legal integers of a value set, merged into as few ranges as possible.
+    """Returns the legal integers of a value set.
 
     Args:
         value_set: The ValueSet, or None.
@@ -188,20 +223,47 @@ def value_ranges(value_set: Any, lower: int, upper: int) -> Ranges:
     found = []
     for value in value_set.values if value_set is not None else ():
         if value.eClass.name == "EnumeratedValue":
-            found.append((value.value, value.value))
+            found.append((int(value.value), int(value.value)))
         else:
-            first = int(value.lower) if value.lowerInclusive else int(value.lower) + 1
-            last = int(value.upper) if value.upperInclusive else int(value.upper) - 1
+            first = math.ceil(value.lower) if value.lowerInclusive else math.floor(value.lower) + 1
+            last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
             found.append((first, last))
+    legal = merge((max(first, lower), min(last, upper)) for first, last in found)
+    return legal or ((lower, upper),)
+
+
+def merge(ranges: Iterable[tuple[int, int]]) -> Ranges:
+    """Returns as few ranges as hold the same integers.
+
+    Args:
+        ranges: Smallest and largest integer of each; one with none in it is left out.
+    """
     merged: list[tuple[int, int]] = []
-    for first, last in sorted((max(a, lower), min(b, upper)) for a, b in found):
+    for first, last in sorted(ranges):
         if first > last:
             continue
         if merged and first <= merged[-1][1] + 1:
             merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
         else:
             merged.append((first, last))
-    return tuple(merged) or ((lower, upper),)
+    return tuple(merged)
+
+
+def as_real(value: Fixed) -> Fixed:
+    """Describes a number whose Python type is float because another choice of it is.
+
+    Args:
+        value: The number.
+    """
+    if value.python_type == "float":
+        return value
+    limits = integer_limits(_TYPES[value.format])
+    return replace(value, python_type="float", check="whole", limits=tuple(map(str, limits)))
+
+
+def size_of(struct_format: str) -> int:
+    """Returns the bytes of a struct format."""
+    return struct.calcsize(f"<{struct_format}")
 
 
 def number(numeric_type: str, scale: Any, value_set: Any) -> Fixed:
@@ -295,16 +357,3 @@ def fixed_text(length: int) -> Fixed:
         "unpadded({})",
         f"up to {length} characters",
     )
-
-
-def expression_names(*expressions: Expression) -> set[str]:
-    """Returns the names of all functions that some expressions call.
-
-    Args:
-        expressions: Calls, or text.
-    """
-    names: set[str] = set()
-    for expression in expressions:
-        if isinstance(expression, Call):
-            names |= {expression.function, *expression_names(*expression.arguments)}
-    return names

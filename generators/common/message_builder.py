@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from jausml.generation.errors import GenerationError
 from jausml.generators.common import docs, fields, names
 from jausml.generators.common.layout import Call
 from jausml.generators.common.messages import (
@@ -23,6 +21,11 @@ from jausml.generators.common.messages import (
     VariantAlias,
 )
 from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
+
+from jausml.generation.errors import GenerationError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
 
 Value = fields.Fixed | fields.Blob | PartValue | VariantValue | ListValue | ArrayValue
 Element = fields.Fixed | fields.Blob | PartValue | VariantValue
@@ -271,14 +274,12 @@ class MessageBuilder:
         formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
         items = [presence_format, *formats] if presence_format else formats
         size = sum(fields.size_of(item) for item in items)
-        if len(items) == 1:
-            name = self._use(items[0])
-        else:
-            name = self._own_struct(path, "".join(items))
+        shared = len(items) == 1
+        name = self._use(items[0]) if shared else self._own_struct(path, "".join(items))
         return Run(name, tuple(members), bool(presence_format), size)
 
     def _class(self, field: Resolved, tag: int | None = None) -> PartValue:
-        """Returns the class of a field as a part; a class of its own for each option of a variant."""
+        """Returns the class of a field as a part; each option of a variant has its own."""
         key = (id(field.type), field.name, tag)
         if tag is not None or key not in self._known:
             name = self._scope.claim(names.class_name(field.name))
@@ -346,7 +347,8 @@ class MessageBuilder:
 
     def _sub_field(self, element: Any, scope: names.Scope) -> SubField:
         low, mask = int(element.lowBit), 2 ** (int(element.highBit) - int(element.lowBit) + 1) - 1
-        resolved = Resolved(str(element.name), False, docs.clean(element.documentation), element)
+        text = docs.clean(element.documentation)
+        resolved = Resolved(str(element.name), optional=False, documentation=text, type=element)
         return SubField(
             jaus_name=resolved.name,
             attribute=scope.claim(names.snake_case(resolved.name)),
@@ -443,9 +445,8 @@ class MessageBuilder:
 
     def _item(self, field: Resolved, path: str) -> Element:
         """Returns an element of a list or array; a list in a list gets a class around it."""
-        value = self._class(field) if field.kind in ("List", "Array") else self._value(field, path)
-        assert not isinstance(value, ListValue | ArrayValue)
-        return value
+        value = self._value(field, path)
+        return self._class(field) if isinstance(value, ListValue | ArrayValue) else value
 
     def _variant(self, field: Resolved, path: str) -> fields.Fixed | VariantValue:
         del path
@@ -473,7 +474,7 @@ class MessageBuilder:
     def _factory(self, class_path: str, path: str) -> Call:
         # A class inside a class is not in sight of its neighbours until the outer one is made.
         if path == self._class_name:
-            return Call("field", (f"default_factory={class_path.split('.')[-1]}",))
+            return Call("field", (f"default_factory={class_path.rpartition('.')[2]}",))
         return Call("field", (f"default_factory=lambda: {class_path}()",))
 
     def _elements(self, array: ArrayValue) -> str:

@@ -67,7 +67,8 @@ _FOREIGN_PACKAGES = _names(
 # What generated code calls its own: imports, parameters and locals of the codecs' methods.
 RESERVED_ATTRIBUTES = _names(
     """
-    annotations buffer check_count cls dataclass decode encode exactly field integer item latin1
+    annotations buffer check_count check_presence raw take_text
+    cls dataclass decode encode exactly field integer item latin1
     offset one_of out padded part presence read_from real scaled scaled_down scaled_up self size
     sized start struct tag take text to_integer from_integer unpadded whole write_to
     """

@@ -60,6 +60,11 @@ class VariantValue:
         return self.tag_size + min(o.min_size for o in self.options)
 
     @property
+    def refusal(self) -> Call:
+        """The error for a tag that names no option."""
+        return Call("DecodeError", (f'"{self.python_type}"', 'f"tag {tag} names no option"'))
+
+    @property
     def tag_struct(self) -> str:
         """Name of the constant for the tag."""
         return struct_name(self.tag_format)

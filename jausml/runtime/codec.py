@@ -267,6 +267,38 @@ def take(buffer: bytes, offset: int, size: int, lower: int, upper: int, field: s
     return part
 
 
+def take_text(buffer: bytes, offset: int, size: int, lower: int, upper: int, field: str) -> str:
+    """Returns a counted string of the payload.
+
+    Args:
+        buffer: The whole payload.
+        offset: Where the string begins.
+        size: The count on the wire.
+        lower: Smallest legal count.
+        upper: Largest legal count.
+        field: Attribute that an error names.
+
+    Raises:
+        DecodeError: The count is not legal or the payload ends before it.
+    """
+    return take(buffer, offset, size, lower, upper, field).decode("latin-1")
+
+
+def check_presence(presence: int, known: int, part: str) -> None:
+    """Refuses a presence vector with bits of unknown fields, whose size nobody knows.
+
+    Args:
+        presence: The presence vector on the wire.
+        known: The bits that fields use, from bit 0 upwards.
+        part: Message or container that an error names.
+
+    Raises:
+        DecodeError: Another bit is set.
+    """
+    if presence > known:
+        raise DecodeError(part, f"unknown bits in presence vector 0x{presence:X}")
+
+
 def check_count(size: int, lower: int, upper: int, room: int, element: int, field: str) -> None:
     """Checks the count of a list before memory is taken for its elements.
 

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Writes jausml/runtime/core_messages.py from the library's core service set by our own generator.
+
+Usage: python tools/build_core_messages.py [OUTPUT.py]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.generators.common.message_builder import build_messages
+from jausml.generators.common.messages import MessagesModule
+
+from jausml.generation.engine import FileTask, Renderer
+from jausml.model import Model, read_models
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
+OUTPUT = ROOT / "jausml" / "runtime" / "core_messages.py"
+
+
+class CoreMessages:
+    """The target of this tool: one module with every message of the core services."""
+
+    name = "core_messages"
+    description = "codecs of the core messages, for the runtime itself"
+    template_folders = (ROOT / "generators" / "common" / "templates",)
+
+    def tasks(self, model: Model) -> list[FileTask[MessagesModule]]:
+        """Returns the one task.
+
+        Args:
+            model: The core service set.
+        """
+        services = list(model.instances("jaus.Service"))
+        messages = [m for service in services for m in [*service.inputs, *service.outputs]]
+        module = MessagesModule(
+            summary="The messages of the JAUS core services (AS5710A) and their codecs.",
+            runtime="",
+            messages=build_messages(messages),
+            source=SOURCE.name,
+            element_id="core_messages",
+        )
+        return [FileTask("messages.py.j2", [module], lambda _: OUTPUT.name)]
+
+
+def build() -> str:
+    """Returns the text of the module."""
+    result = read_models([SOURCE])
+    if result.diagnostics:
+        raise ValueError("\n".join(map(str, result.diagnostics)))
+    (artifact,) = Renderer(CoreMessages(), result.model).render()
+    return artifact.text
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs the tool.
+
+    Args:
+        arguments: The output file, when it is another than the runtime's.
+
+    Returns:
+        The exit code.
+    """
+    path = Path(arguments[0]) if arguments else OUTPUT
+    path.write_text(build(), encoding="utf-8", newline="\n")
+    print(path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
