@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from .component import COMPONENT_TYPE, ComponentSettings, Guard, JausComponent, ServiceIdentity
 from .conversions import Time
-from .judp import JudpTransport
 from .loop import Loop
 from .services.definitions import MAX_EVENT_RATE
 from .settings import TransportSettings
+from .transport import JudpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

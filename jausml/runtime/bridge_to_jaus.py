@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .bridge_connection import NOT_READY, Connection
-from .component import ControlState
+from .component import ControlState, Guard
 from .packet import Priority
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         translate: Callable[[SourceT], TargetT | None],
         *,
         peers: Sequence[JausAddress],
-        control: bool = False,
+        control: Guard = Guard.ANY,
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
         **options: Any,
@@ -86,8 +86,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on.
             peers: JAUS components that receive it.
-            control: Whether control of the peers is acquired and kept, and they are resumed. The
-                message is sent to a peer only while that holds.
+            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+                of them is acquired and kept, they are resumed for READY, and the message is sent
+                to a peer only while it obeys.
             priority: Priority of the message (AS5669A).
             acknowledge: Whether each peer shall acknowledge it.
             options: The other parameters of `FromTopics`.
@@ -102,11 +103,15 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def open(self, bridge: Bridge) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(bridge)
-        if self._control:
-            for peer in self.peers:
-                self._sessions[peer] = bridge.component.control(
-                    peer, authority=bridge.settings.authority, on_change=self._control_changed
-                )
+        if self._control is Guard.ANY:
+            return
+        for peer in self.peers:
+            self._sessions[peer] = bridge.component.control(
+                peer,
+                authority=bridge.settings.authority,
+                resume=self._control is Guard.READY,
+                on_change=self._control_changed,
+            )
 
     def deliver(self, target: TargetT) -> bool:
         """Encodes once and sends to each peer that obeys; False when none does."""
@@ -116,7 +121,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         with component.loop.lock:
             for peer in self.peers:
                 session = self._sessions.get(peer)
-                if session is not None and session.state is not ControlState.READY:
+                if session is not None and not self._obeys(session.state):
                     self.drop(NOT_READY, str(peer))
                     continue
                 component.transport.send(
@@ -136,8 +141,13 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _control_changed(self, state: ControlState) -> None:
         # A peer that was away when the topics fell silent has missed the safe value.
-        if state is ControlState.READY and self.is_silent:
+        if self._obeys(state) and self.is_silent:
             self.send_safe_value()
+
+    def _obeys(self, state: ControlState) -> bool:
+        if state is ControlState.CONTROLLED:
+            return self._control is Guard.CONTROLLED
+        return state is ControlState.READY
 
 
 class TopicsToReport(FromTopics[SourceT, TargetT]):

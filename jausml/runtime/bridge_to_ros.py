@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from .address import JausAddress
     from .bridge import Bridge
+    from .component import EventSubscription
     from .message import Message
     from .topics import Topic
 
@@ -105,6 +106,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
+        self._events: list[EventSubscription] = []
 
     @property
     def declared_rate(self) -> float:
@@ -116,10 +118,19 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().open(bridge)
         if self.rate is not None:
             self.rate = bridge.rate_parameter(self.name, self.rate)
-        for peer in self.peers:
+        self._events = [
             bridge.component.subscribe(
                 peer, self._query, self._message, self._take_report, rate=self.rate
             )
+            for peer in self.peers
+        ]
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and whether they confirmed the event."""
+        return [
+            (f"peer {event.provider}", "confirmed" if event.active else "asked")
+            for event in self._events
+        ]
 
     def _take_report(self, report: SourceT, _: JausAddress) -> None:
         self.take(report)

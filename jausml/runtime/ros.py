@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import (
@@ -26,7 +27,7 @@ from rclpy.qos import (
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args
+from rclpy.utilities import remove_ros_args, try_shutdown
 
 from .conversions import Time
 from .settings import add_arguments, from_arguments
@@ -34,7 +35,8 @@ from .settings import add_arguments, from_arguments
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .bridge import Bridge, ConnectionStatus
+    from .bridge import Bridge
+    from .bridge_connection import ConnectionStatus
     from .topics import Topic
 
 _LEVELS = {
@@ -55,7 +57,7 @@ class RosNode:
             namespace: Namespace; empty means the root.
             arguments: Command line with `--ros-args`; None means none.
         """
-        self._context = rclpy.Context()
+        self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
         rclpy.init(
             args=list(arguments or ()),
@@ -145,7 +147,7 @@ class RosNode:
         if self._thread.is_alive():
             self._thread.join()
         self._node.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        try_shutdown(context=self._context)
 
     def _spin(self) -> None:
         try:

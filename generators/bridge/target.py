@@ -1,0 +1,83 @@
+"""One package for each modelled bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.bridge.views import BridgeView
+from jausml.generators.common.messages import MessagesModule
+from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generators.common.system import source_of, system_of
+
+from jausml.generation.artifact import Kind
+from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
+
+
+class BridgeTarget:
+    """Messages, base, skeleton, entry point and tests of each bridge."""
+
+    name = "bridge"
+    description = "ROS 2 <-> JAUS bridges with skeletons, one ament_python package each."
+    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
+
+    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
+        """Returns the files of every bridge."""
+        system, source = system_of(model), source_of(model)
+        bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
+        packages = [
+            package_view(
+                system,
+                bridge.package,
+                element_id=bridge.element_id,
+                source=source,
+                description=bridge.documentation,
+                dependencies=bridge.dependencies,
+                executables=((bridge.package, f"{bridge.package}.main"),),
+            )
+            for bridge in bridges
+        ]
+        messages = {bridge.element_id: bridge for bridge in bridges}
+        return [
+            *package_tasks(packages),
+            FileTask(
+                "messages.py.j2",
+                [_messages(bridge) for bridge in bridges],
+                lambda module: _module(messages[module.element_id], "messages"),
+            ),
+            FileTask("base.py.j2", bridges, lambda view: _module(view, f"{view.package}_base")),
+            FileTask(
+                "skeleton.py.j2",
+                bridges,
+                lambda view: _module(view, view.package),
+                kind=Kind.SKELETON,
+                contract=BridgeView.contract,
+            ),
+            FileTask("main.py.j2", bridges, lambda view: _module(view, "main")),
+            FileTask(
+                "test_translations.py.j2",
+                bridges,
+                lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+            ),
+        ]
+
+
+def _messages(bridge: BridgeView) -> MessagesModule:
+    return MessagesModule(
+        summary=f"The JAUS messages of the bridge {bridge.name}.",
+        runtime="jausml_runtime",
+        messages=bridge.messages,
+        source=bridge.source,
+        element_id=bridge.element_id,
+    )
+
+
+def _module(view: BridgeView, name: str) -> str:
+    return f"{view.package}/{view.package}/{name}.py"
+
+
+TARGET = BridgeTarget()

@@ -1,0 +1,279 @@
+"""What the templates of a bridge package may ask."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from textwrap import indent
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.bridge.connections import ConnectionView, argument, query_of
+from jausml.generators.bridge.examples import Example, example_of
+from jausml.generators.common.layout import Call, statement
+from jausml.generators.common.message_builder import build_message, build_messages
+from jausml.generators.common.names import Scope, class_name, package_name, snake_case
+from jausml.generators.common.ros import import_lines
+
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.literals import python_literal, python_string
+
+if TYPE_CHECKING:
+    from jausml.generators.common.messages import MessageView
+
+_ARGUMENT = 16
+SUBSYSTEM_TYPES = {
+    "vehicle": 10001,
+    "ocu": 20001,
+    "other": 30001,
+    "node": 40001,
+    "payload": 50001,
+    "component": 60001,
+}
+# Names that the base class has anyway.
+_TAKEN = frozenset(
+    ["settings", "connections", "ros", "component", "loop", "now", "open", "close", "running"]
+)
+
+
+@dataclass(frozen=True)
+class BridgeView:
+    """A modelled bridge.
+
+    Args:
+        bridge: The `bridge.Bridge`.
+        system: The `system.System` that owns it.
+        source: Model file.
+    """
+
+    bridge: Any
+    system: Any
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"bridge:{self.bridge.name}"
+
+    @property
+    def name(self) -> str:
+        """Name of the bridge, of its node and of its JAUS identification."""
+        return str(self.bridge.name)
+
+    @property
+    def package(self) -> str:
+        """Package, module of the skeleton and executable."""
+        return package_name(self.name)
+
+    @property
+    def class_name(self) -> str:
+        """Class of the user's skeleton."""
+        return class_name("".join(word.capitalize() for word in self.package.split("_")))
+
+    @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    def documentation(self) -> str:
+        """What the model says that the bridge is for."""
+        return self.bridge.documentation or f"Bridge {self.name} of the system {self.system.name}."
+
+    @functools.cached_property
+    def connections(self) -> tuple[ConnectionView, ...]:
+        """The connections in model order, under names that are unique in Python."""
+        scope = Scope(_TAKEN)
+        return tuple(
+            ConnectionView(
+                connection,
+                scope.claim(snake_case(connection.name)),
+                self.message_of,
+                self._requested(connection.map.message),
+            )
+            for connection in self.bridge.bridgeConnections
+        )
+
+    @functools.cached_property
+    def messages(self) -> tuple[MessageView, ...]:
+        """The classes of the JAUS messages that the bridge takes, makes and asks for."""
+        return build_messages(
+            element
+            for connection in self.bridge.bridgeConnections
+            for element in (connection.map.message, query_of(connection))
+            if element is not None
+        )
+
+    def message_of(self, element: Any) -> MessageView:
+        """Returns the class of a JAUS message of the bridge."""
+        return next(
+            view
+            for view in self.messages
+            if view.jaus_name == element.name and view == build_message(element, view.class_name)
+        )
+
+    @property
+    def settings(self) -> tuple[tuple[str, str | Call], ...]:
+        """Arguments of BridgeSettings, as names and expressions."""
+        bridge = self.bridge
+        component = Call(
+            "ComponentSettings",
+            (
+                f"default_authority={bridge.defaultAuthority}",
+                f"control_timeout={bridge.controlTimeout}",
+                f"event_timeout={bridge.eventTimeout}",
+            ),
+        )
+        return (
+            ("name", python_string(self.name)),
+            ("address", address(bridge)),
+            ("description", python_string(" ".join(self.documentation.split()))),
+            ("namespace", python_string(bridge.namespace or "")),
+            ("frequency", python_literal(float(bridge.frequency))),
+            ("component_type", str(SUBSYSTEM_TYPES[bridge.type.name])),
+            ("authority", str(bridge.authority)),
+            ("component", component),
+            ("transport", self._transport()),
+        )
+
+    @functools.cached_property
+    def services(self) -> tuple[Call, ...]:
+        """The services that the bridge provides, inherited ones before those that inherit."""
+        return tuple(
+            Call("ServiceIdentity", (python_string(urn), str(major), str(minor)))
+            for urn, (major, minor) in provided(self.bridge).items()
+        )
+
+    @property
+    def settings_lines(self) -> tuple[str, ...]:
+        """Arguments of BridgeSettings, laid out."""
+        lines = [argument(key, value, _ARGUMENT) for key, value in self.settings]
+        if self.services:
+            inner = [indent(f"{statement(each, '', 21)},", "    ") for each in self.services]
+            lines.append("\n".join(["services=(", *inner, ")"]))
+        return tuple(lines)
+
+    # ------------------------------------------------------------------ imports
+
+    @property
+    def base_import_lines(self) -> tuple[str, ...]:
+        """Import lines of the base: ROS and the runtime, then the messages."""
+        runtime = {
+            ("jausml_runtime.address", "JausAddress"),
+            ("jausml_runtime.bridge", "Bridge"),
+            ("jausml_runtime.bridge", "BridgeSettings"),
+            ("jausml_runtime.component", "ComponentSettings"),
+            ("jausml_runtime.settings", "TransportSettings"),
+            ("jausml_runtime.topics", "Topic"),
+        }
+        if self.services:
+            runtime.add(("jausml_runtime.component", "ServiceIdentity"))
+        for view in self.connections:
+            runtime |= view.runtime_names
+        own = import_lines((".messages", name) for name in self.message_names)
+        return (*import_lines(runtime | self._ros_names()), "", *own)
+
+    @functools.cached_property
+    def examples(self) -> tuple[Example, ...]:
+        """One example for each translation, for the generated tests."""
+        return tuple(example_of(view) for view in self.connections)
+
+    @property
+    def test_import_lines(self) -> tuple[str, ...]:
+        """Import lines of the generated tests."""
+        package = self.package
+        third = set(self._ros_names())
+        if any(example.refuses_absent for example in self.examples):
+            third.add(("jausml_runtime.bridge_statistics", "AbsentFieldError"))
+        own = {(f"{package}.{package}", self.class_name)}
+        own |= {(f"{package}.messages", view.message_name) for view in self.connections}
+        return ("import pytest", *import_lines(third), "", *import_lines(own))
+
+    @property
+    def message_names(self) -> tuple[str, ...]:
+        """JAUS message classes that the base imports."""
+        return tuple(sorted({name for view in self.connections for name in view.message_names}))
+
+    @property
+    def dependencies(self) -> tuple[str, ...]:
+        """ROS packages that the package needs at run time, sorted."""
+        used = {view.ros_type.package for view in self.connections}
+        return tuple(
+            sorted(used | {"diagnostic_msgs", "jausml_runtime", "rcl_interfaces", "rclpy"})
+        )
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+        methods = tuple(
+            MethodContract(
+                f"translate_{view.name}",
+                ("source",),
+                f"connection:{view.connection.name}",
+                _stub(view),
+                optional=True,
+            )
+            for view in self.connections
+        )
+        return SkeletonContract(self.class_name, self.base_name, methods)
+
+    def _ros_names(self) -> set[tuple[str, str]]:
+        return {(view.ros_type.module, view.ros_type.name) for view in self.connections}
+
+    def _requested(self, message: Any) -> frozenset[str]:
+        """Fields of a report that some connection of the bridge reads."""
+        return frozenset(
+            path.strip().split(".")[0]
+            for connection in self.bridge.bridgeConnections
+            if connection.direction.name == "jausToRos" and connection.map.message is message
+            for assignment in connection.map.toRos
+            if assignment.eClass.name == "FieldAssignment"
+            for path in assignment.source.split(",")
+        )
+
+    def _transport(self) -> Call:
+        host = _host_of(self.system, self.bridge)
+        if host is None:
+            return Call("TransportSettings", ())
+        arguments = (
+            f"interface={python_string(host.interface)}",
+            f"port={host.port}",
+            f"multicast_group={python_string(host.multicastGroup)}",
+            f"multicast_ttl={host.multicastTtl}",
+        )
+        return Call("TransportSettings", arguments)
+
+
+def address(component: Any) -> Call:
+    """Returns the address of a component as a Python expression."""
+    return Call("JausAddress", tuple(str(int(part)) for part in component.address.split(".")))
+
+
+def provided(component: Any) -> dict[str, tuple[int, int]]:
+    """Returns the services of a component with those that they inherit: URN -> version.
+
+    Service sets of different age may inherit different versions of a core service; the component
+    speaks the newest of them.
+    """
+    found: dict[str, tuple[int, int]] = {}
+    for service in component.provides:
+        chain = [service]
+        while chain[-1].inherits is not None:
+            chain.append(chain[-1].inherits)
+        for each in reversed(chain):
+            major, minor = (int(part) for part in each.version.split("."))
+            found[each.urn] = max(found.get(each.urn, (0, 0)), (major, minor))
+    return found
+
+
+def _host_of(system: Any, element: Any) -> Any:
+    for placement in system.placements:
+        if element in placement.components:
+            return placement.host
+    return system.hosts[0] if system.hosts else None
+
+
+def _stub(view: ConnectionView) -> str:
+    return (
+        f"    def translate_{view.name}(self, source: {view.source_name})"
+        f" -> {view.target_name} | None:\n"
+        f"        return super().translate_{view.name}(source)\n"
+    )
