@@ -1,0 +1,78 @@
+"""The command line: one module for each verb, loaded when the verb is used.
+
+Exit status of all verbs: 0 done and no errors, 1 problems of the models or of generated files,
+2 usage or environment, 3 internal error.
+"""
+
+from __future__ import annotations
+
+import errno
+import sys
+import traceback
+from importlib import import_module
+from typing import Any
+
+import click
+
+from jausml import __version__
+
+VERBS = {
+    "validate": "Check models.",
+    "generate": "Generate a workspace from the system in a model.",
+    "run": "Start the processes of a generated workspace.",
+    "rules": "List the rules.",
+    "explain": "Explain a rule.",
+}
+"""The verbs in the order of use, with what `--help` says of them before their module is loaded."""
+
+INTERNAL_ERROR = 3
+
+
+class Verbs(click.Group):
+    """The group of verbs: imports a verb's module on demand and guards against our own faults."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Returns the verbs in the order of use."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Returns a verb, or None when there is none of the name."""
+        if cmd_name not in VERBS:
+            return None
+        command: click.Command = import_module(f"jausml.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Writes the list of verbs, without loading them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Runs the command line; characters that a terminal cannot show are escaped."""
+        for stream in (sys.stdout, sys.stderr):
+            if hasattr(stream, "reconfigure"):
+                stream.reconfigure(errors="backslashreplace")
+        return super().main(*args, **kwargs)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Runs a verb; whatever it does not expect is an internal error."""
+        try:
+            return super().invoke(ctx)
+        except (click.exceptions.Exit, click.ClickException, click.Abort):
+            raise
+        except Exception as error:
+            if isinstance(error, OSError) and error.errno == errno.EPIPE:
+                raise  # the reader of our output has gone, which click knows
+            if ctx.params["debug"]:
+                traceback.print_exc()
+            hint = "" if ctx.params["debug"] else " (jausml --debug shows where)"
+            what = f"{type(error).__name__}: {error}"
+            click.echo(f"jausml: internal error: {what}{hint}", err=True)
+            ctx.exit(INTERNAL_ERROR)
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="jausml")
+@click.option("--debug", is_flag=True, help="Show tracebacks of internal errors.")
+def main(debug: bool) -> None:
+    """Generates ROS 2 <-> JAUS bridges and JAUS components from models."""

@@ -1,0 +1,61 @@
+"""What several verbs share: finding models, refusing what cannot be done, writing reports."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+PROBLEMS = 1
+SUFFIX = ".xmi"
+
+
+class EnvironmentFault(click.ClickException):
+    """Something outside the models is wrong: a path, a permission, a missing package."""
+
+    exit_code = 2
+
+
+def find_models(paths: Iterable[str]) -> list[str]:
+    """Returns model files: files as they are, and the *.xmi files below folders.
+
+    Hidden folders are left out.
+
+    Args:
+        paths: Files and folders.
+
+    Raises:
+        EnvironmentFault: A path does not exist or cannot be read, or a folder holds no model.
+    """
+    return [file for path in paths for file in _models_at(path)]
+
+
+def _models_at(path: str) -> Sequence[str]:
+    try:
+        if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
+            found = sorted(_walk(path))
+            if not found:
+                raise EnvironmentFault(f"no {SUFFIX} files in {click.format_filename(path)}")
+            return found
+        with Path(path).open("rb"):
+            return [path]
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
+
+
+def _walk(path: str) -> Iterator[str]:
+    for folder, subfolders, names in os.walk(path, onerror=_raise):
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        for name in names:
+            if name.endswith(SUFFIX) and not name.startswith("."):
+                yield os.path.normpath(os.path.join(folder, name))  # noqa: PTH118
+
+
+def _raise(error: OSError) -> None:
+    raise error

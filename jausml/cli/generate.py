@@ -1,0 +1,184 @@
+"""`jausml generate`: validates a model and writes a workspace from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.generation import (
+    ActionKind,
+    Finding,
+    GenerationError,
+    Plan,
+    RefusedError,
+    Target,
+    WriteError,
+    apply,
+    drift,
+    load_targets,
+    make_plan,
+    read_manifest,
+    render,
+    unified_diff,
+)
+from jausml.validation.engine import validate
+from jausml.validation.formats import text
+from jausml.validation.formats.text import one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.model.model import Model
+
+_MODES = ("check", "diff", "dry_run")
+
+
+@runtime_checkable
+class LaunchingTarget(Protocol):
+    """A target that knows which processes a workspace has."""
+
+    def processes(self, model: Any) -> Sequence[Mapping[str, Any]]:
+        """Returns what `jausml run` starts, as the manifest records it."""
+
+
+@click.command("generate")
+@click.argument("model", metavar="MODEL")
+@click.option(
+    "-o",
+    "--out",
+    metavar="OUT",
+    help="Output folder; by default <name of the model file>_ws/src, a colcon workspace.",
+)
+@click.option("--target", "names", multiple=True, metavar="NAME", help="Only this target.")
+@click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
+@click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
+@click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
+@click.option("--force", is_flag=True, help="Overwrite generated files that were edited.")
+@click.option("--project-root", metavar="DIR", type=click.Path(exists=True, file_okay=False))
+@click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not list files that stay as they are.")
+def command(
+    model: str,
+    out: str | None,
+    names: tuple[str, ...],
+    force: bool,
+    project_root: str | None,
+    allow_outside: bool,
+    quiet: bool,
+    **modes: bool,
+) -> None:
+    """Generate a workspace from the system in MODEL.
+
+    The model is validated first. Files of yours (skeletons) are written once and never again.
+
+    Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file (--check: or
+    something would change), 2 usage or environment, 3 internal error.
+    """
+    chosen = [mode for mode in _MODES if modes[mode]]
+    if len(chosen) > 1:
+        raise click.UsageError("--check, --diff and --dry-run exclude each other")
+    folder = _out_folder(model, out)
+    valid = _valid_model(model, project_root, allow_outside=allow_outside)
+    targets = _targets(names)
+    artifacts = render(valid, targets)
+    manifest = read_manifest(folder)
+    plan = make_plan(
+        artifacts,
+        folder,
+        manifest,
+        targets={target.name for target in targets} if names else None,
+        force=force,
+        extra=_extra(valid, targets),
+    )
+    findings = drift(artifacts, folder, manifest)
+    _report_drift(findings, folder)
+    _act(plan, chosen[0] if chosen else "write", quiet=quiet)
+
+
+def _out_folder(model: str, out: str | None) -> Path:
+    folder = Path(out) if out is not None else Path(f"{Path(model).stem}_ws", "src")
+    if folder.exists() and not folder.is_dir():
+        raise EnvironmentFault(f"{click.format_filename(folder)} is no folder")
+    return folder
+
+
+def _valid_model(path: str, project_root: str | None, *, allow_outside: bool) -> Model:
+    if Path(path).is_dir():
+        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
+    report = validate(find_models([path]), project_root=project_root, allow_outside=allow_outside)
+    click.echo(text.render(report), nl=False, err=True)
+    if report.has_errors:
+        click.echo(f"{text.summary(report)}; nothing generated", err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+    systems = [root for root in report.model.documents[0].roots if root.eClass.name == "System"]
+    if len(systems) != 1 or len(report.model.instances("system.System")) != 1:
+        name = click.format_filename(path)
+        raise EnvironmentFault(f"{name} holds no system, or refers to another; generate needs one")
+    return report.model
+
+
+def _targets(names: tuple[str, ...]) -> list[Target[Any]]:
+    try:
+        installed = load_targets()
+    except GenerationError as error:
+        raise EnvironmentFault(str(error)) from error
+    unknown = [name for name in names if name not in installed]
+    if unknown:
+        known = ", ".join(installed) or "none"
+        raise click.UsageError(f"no target '{unknown[0]}'; installed: {known}")
+    return [installed[name] for name in sorted(set(names) or installed)]
+
+
+def _extra(model: Model, targets: Sequence[Target[Any]]) -> dict[str, Any]:
+    launching = [target for target in targets if isinstance(target, LaunchingTarget)]
+    if not launching:
+        return {}
+    return {"processes": [dict(each) for target in launching for each in target.processes(model)]}
+
+
+def _report_drift(findings: Sequence[Finding], folder: Path) -> None:
+    for finding in findings:
+        place = f"{folder / finding.path}:{finding.line}"
+        click.echo(one_line(f"{place}: {finding.severity}: {finding.message}"), err=True)
+        if finding.stub:
+            click.echo(finding.stub, err=True, nl=not finding.stub.endswith("\n"))
+
+
+def _act(plan: Plan, mode: str, *, quiet: bool) -> None:
+    if mode == "diff":
+        click.echo(unified_diff(plan), nl=False)
+    else:
+        _list(plan, quiet=quiet)
+    for action in plan.refused:
+        click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
+    if mode == "write" and not plan.refused:
+        try:
+            apply(plan)
+        except (RefusedError, WriteError) as error:
+            raise EnvironmentFault(f"cannot write into {plan.out}: {error}") from error
+    click.echo(_summary(plan, mode), err=True)
+    if plan.refused or (mode == "check" and not plan.is_up_to_date):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _list(plan: Plan, *, quiet: bool) -> None:
+    for action in plan.actions:
+        if not (quiet and action.kind is ActionKind.KEEP):
+            click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
+
+
+def _summary(plan: Plan, mode: str) -> str:
+    words = {
+        ActionKind.CREATE: "to create" if mode != "write" or plan.refused else "created",
+        ActionKind.UPDATE: "to update" if mode != "write" or plan.refused else "updated",
+        ActionKind.DELETE: "to delete" if mode != "write" or plan.refused else "deleted",
+        ActionKind.KEEP: "kept",
+        ActionKind.ORPHAN: "no longer of the model",
+        ActionKind.REFUSE: "refused",
+    }
+    counts = [f"{len(plan.of(kind))} {word}" for kind, word in words.items() if plan.of(kind)]
+    end = "; nothing written" if plan.refused else ""
+    return f"{', '.join(counts)} in {click.format_filename(plan.out)}{end}"

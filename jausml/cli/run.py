@@ -1,0 +1,127 @@
+"""`jausml run`: starts the processes of a generated workspace."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.supervisor import Command, Supervisor
+from jausml.generation import MANIFEST_PATH, read_manifest
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+_MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
+_ROS_KINDS = frozenset({"bridge", "node"})
+
+
+@click.command("run")
+@click.argument("out", metavar="OUT")
+@click.option("--only", multiple=True, metavar="NAME", help="Only this process.")
+@click.option(
+    "--for",
+    "duration",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Stop all after this time.",
+)
+def command(out: str, only: tuple[str, ...], duration: float | None) -> None:
+    """Start the processes of the generated workspace OUT, with each line marked by its process.
+
+    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on as it is. All
+    processes stop when one ends with an error, on Ctrl-C and on SIGTERM.
+
+    Exit status: 0 all ended well or were stopped, 1 a process failed, 2 OUT is no generated
+    workspace or rclpy is missing, 3 internal error.
+    """
+    folder = _workspace(out)
+    entries = _chosen(_entries(folder), only)
+    if any(entry["kind"] in _ROS_KINDS for entry in entries):
+        _require_rclpy()
+    supervisor = Supervisor(
+        [_command(entry, folder) for entry in entries],
+        environment=_environment(folder),
+        emit=click.echo,
+    )
+    if not supervisor.run(duration):
+        for name, reason in supervisor.failures:
+            click.echo(f"jausml: {name} {reason}", err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _workspace(out: str) -> Path:
+    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
+    for folder in (Path(out), Path(out, "src")):
+        if (folder / MANIFEST_PATH).is_file():
+            return folder.resolve()
+    name = click.format_filename(out)
+    raise EnvironmentFault(f"{name} is no generated workspace: it has no {MANIFEST_PATH}")
+
+
+def _entries(folder: Path) -> list[Mapping[str, Any]]:
+    manifest = read_manifest(folder)
+    if manifest.problem:
+        raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
+    entries = manifest.extra.get("processes")
+    if not isinstance(entries, list) or not all(_is_entry(each) for each in entries):
+        raise EnvironmentFault(f"{folder}: the manifest lists no processes; generate it again")
+    return entries
+
+
+def _is_entry(entry: Any) -> bool:
+    if not isinstance(entry, dict):
+        return False
+    texts = (entry.get("name"), entry.get("kind"), entry.get("module"))
+    arguments = entry.get("arguments", [])
+    return (
+        all(isinstance(text, str) for text in texts)
+        and _MODULE.fullmatch(entry["module"]) is not None
+        and isinstance(arguments, list)
+        and all(isinstance(argument, str) for argument in arguments)
+        and isinstance(entry.get("parameters", ""), str)
+    )
+
+
+def _chosen(
+    entries: Sequence[Mapping[str, Any]], only: tuple[str, ...]
+) -> Sequence[Mapping[str, Any]]:
+    names = [entry["name"] for entry in entries]
+    unknown = [name for name in only if name not in names]
+    if unknown:
+        raise click.UsageError(f"no process '{unknown[0]}'; there are {', '.join(names) or 'none'}")
+    chosen = [entry for entry in entries if not only or entry["name"] in only]
+    if not chosen:
+        raise EnvironmentFault("the workspace has no processes")
+    return chosen
+
+
+def _require_rclpy() -> None:
+    if importlib.util.find_spec("rclpy") is None:
+        raise EnvironmentFault(
+            "rclpy is missing: source a ROS 2 installation, or pip install 'jausml[ros]'"
+        )
+
+
+def _command(entry: Mapping[str, Any], folder: Path) -> Command:
+    arguments = list(entry.get("arguments", ()))
+    parameters = entry.get("parameters", "")
+    if parameters:
+        arguments += ["--ros-args", "--params-file", str(folder / parameters)]
+    return Command(entry["name"], (sys.executable, "-u", "-m", entry["module"], *arguments))
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    """Returns our environment with the packages of the workspace on Python's path."""
+    packages = sorted(
+        str(package) for package in folder.iterdir() if (package / package.name).is_dir()
+    )
+    inherited = os.environ.get("PYTHONPATH", "")
+    path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
+    return {**os.environ, "PYTHONPATH": path}

@@ -1,0 +1,45 @@
+"""All rules with their documentation, those of the reader included."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.model.rules import READER_RULES
+from jausml.validation.rules import all_rules
+
+if TYPE_CHECKING:
+    from jausml.model.diagnostics import Severity
+
+_WIDTH = 100
+
+
+@dataclass(frozen=True, slots=True)
+class CatalogueEntry:
+    """A rule as lists and documentation show it.
+
+    Attributes:
+        id: Stable id.
+        severity: How grave its findings are.
+        title: A few words.
+        documentation: What it demands and why.
+    """
+
+    id: str
+    severity: Severity
+    title: str
+    documentation: str
+
+
+def catalogue() -> list[CatalogueEntry]:
+    """Returns all rules, ordered by id."""
+    entries = [
+        CatalogueEntry(id_, info.severity, info.title, textwrap.fill(info.explanation, _WIDTH))
+        for id_, info in READER_RULES.items()
+    ]
+    entries += [
+        CatalogueEntry(each.id, each.severity, each.title, each.documentation)
+        for each in all_rules()
+    ]
+    return sorted(entries, key=lambda entry: entry.id)
