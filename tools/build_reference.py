@@ -1,16 +1,19 @@
-"""Writes docs/reference/ from the metamodels, the rules and the command line, so that they cannot drift apart."""
+"""Writes docs/reference/ from metamodels, rules and command line: it cannot drift from them."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from jausml.cli import main as command_line
 from jausml.metamodel import ClassTable, FeatureTable, PackageTable, documentation, load_metamodels
 from jausml.validation import rule_catalogue
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
 LANGUAGES = ("jaus", "ros", "bridge", "system")
@@ -45,7 +48,13 @@ def _feature(feature: FeatureTable) -> str:
     upper = "*" if feature.upper < 0 else str(feature.upper)
     number = str(feature.lower) if str(feature.lower) == upper else f"{feature.lower}..{upper}"
     default = feature.feature.defaultValueLiteral or ""
-    cells = (f"`{feature.name}`", feature.type_name, number, default, documentation(feature.feature))
+    cells = (
+        f"`{feature.name}`",
+        feature.type_name,
+        number,
+        default,
+        documentation(feature.feature),
+    )
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
@@ -76,7 +85,10 @@ def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = ["# Command line", ""]
     root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
-    commands = [command_line, *(command_line.commands[name] for name in sorted(command_line.commands))]
+    commands = [
+        command_line,
+        *(command_line.commands[name] for name in sorted(command_line.commands)),
+    ]
     for command in commands:
         context = root
         if command is not command_line:

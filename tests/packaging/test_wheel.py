@@ -20,7 +20,12 @@ def run(*command: str | Path, cwd: Path) -> str:
     """Runs a command outside the checkout; returns what it printed."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     result = subprocess.run(
-        list(map(str, command)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=300
+        list(map(str, command)),
+        cwd=cwd,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
     return result.stdout
@@ -28,16 +33,16 @@ def run(*command: str | Path, cwd: Path) -> str:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Builds the wheel from a copy of the tracked files and installs it alone; returns the bin folder."""
+    """Builds the wheel from the tracked files, installs it alone; returns the bin folder."""
     work = tmp_path_factory.mktemp("wheel")
     source = work / "source"
     names = subprocess.run(
         ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split("\0")
     for name in filter(None, names):
-        if (ROOT / name).is_file() and not name.startswith("tests/"):
+        if (ROOT / name).exists() and not name.startswith("tests/"):
             (source / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, source / name)
+            shutil.copy2(ROOT / name, source / name, follow_symlinks=False)
     run(sys.executable, "-m", "build", "--wheel", "--outdir", work, source, cwd=work)
     (wheel,) = work.glob("jausml-*.whl")
     environment = work / "environment"
@@ -53,7 +58,9 @@ def shipped(installed: Path, tmp_path: Path) -> Path:
 
 
 def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
-    result = subprocess.run([installed / "python", "-c", "import rclpy"], cwd=tmp_path, capture_output=True)
+    result = subprocess.run(
+        [installed / "python", "-c", "import rclpy"], cwd=tmp_path, capture_output=True
+    )
     assert result.returncode != 0
 
 
@@ -74,5 +81,7 @@ def test_own_model_by_library_address(installed: Path, tmp_path: Path) -> None:
     model = tmp_path / "own" / "model.xmi"
     model.parent.mkdir()
     text = (shipped(installed, tmp_path) / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
-    model.write_text(text.replace("../library/", "http://www.jausml.org/library/"), encoding="utf-8")
+    model.write_text(
+        text.replace("../library/", "http://www.jausml.org/library/"), encoding="utf-8"
+    )
     run(installed / "jausml", "validate", model, cwd=tmp_path)

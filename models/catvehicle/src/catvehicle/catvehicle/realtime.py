@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 class RealTimePlant:
     """Advances a plant to the present whenever it is asked.
 
-    When no speed was commanded for the dead-man time, the speed command becomes 0 from that instant on; the tyre
-    angle keeps its command.
+    When no speed was commanded for the dead-man time, the speed command becomes 0 from that
+    instant on; the tyre angle keeps its command.
     """
 
     def __init__(self, parameters: VehicleParameters, clock: Callable[[], float]) -> None:

@@ -13,7 +13,7 @@ from .logger_base import LoggerBase
 
 
 class Logger(LoggerBase):
-    """One row for each message: topic, time of arrival (monotonic, s) and the values that matter."""
+    """One row for each message: topic, time of arrival (monotonic, s) and its values."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -56,7 +56,11 @@ class OperatorControlUnit(OperatorControlUnitBase):
         self._moved = self._moved or math.hypot(*self._position) > 1.0
         self._reports += 1
         if self._reports % PROGRESS_EVERY == 0:
-            gap = math.dist(self._position, self._estimate) if self._estimate is not None else math.nan
+            gap = (
+                math.dist(self._position, self._estimate)
+                if self._estimate is not None
+                else math.nan
+            )
             _log.info(
                 "vehicle at x %6.2f m, y %6.2f m (JAUS axes), %4.1f m/s; estimate off by %.2f m",
                 report.x,

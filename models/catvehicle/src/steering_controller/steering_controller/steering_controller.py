@@ -1,4 +1,4 @@
-"""Follows the path by dead reckoning: integrates reported velocity and tyre angle, commands a tyre angle."""
+"""Follows the path by dead reckoning, from reported velocity and tyre angle."""
 
 from __future__ import annotations
 

@@ -48,7 +48,10 @@ class Vehicle(VehicleBase):
 
     def on_set_wrench_effort(self, message: SetWrenchEffort, sender: JausAddress) -> None:
         """Takes the efforts that are present; an absent one keeps its last value."""
-        linear, rotational = message.propulsive_linear_effort_x, message.propulsive_rotational_effort_z
+        linear, rotational = (
+            message.propulsive_linear_effort_x,
+            message.propulsive_rotational_effort_z,
+        )
         if linear is not None:
             self._plant.command_speed(linear / 100 * self._parameters.speed_max)
         if rotational is not None:
