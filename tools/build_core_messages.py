@@ -10,10 +10,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jausml.generation.engine import FileTask, Renderer
 from jausml.generators.common.message_builder import build_messages
 from jausml.generators.common.messages import MessagesModule
-
-from jausml.generation.engine import FileTask, Renderer
 from jausml.model import Model, read_models
 
 if TYPE_CHECKING:

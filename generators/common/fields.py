@@ -7,6 +7,7 @@ type, a default, and the expressions that turn the value into its wire form and 
 from __future__ import annotations
 
 import math
+import re
 import struct
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -15,6 +16,8 @@ from jausml.generators.common.layout import Call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from jausml.generators.common.layout import Expression
 
 FORMATS = {
     "uint8": "B",
@@ -66,16 +69,27 @@ def length_format(numeric_type: str) -> str:
     return FORMATS[numeric_type]
 
 
-_WORDS = {"uint": "U", "int": "I", "float": "F"}
-_STRUCT_NAMES = {
-    letter: f"_{_WORDS[name.rstrip('0123456789')]}{name.lstrip('uintfloa')}"
+_WORDS = {
+    letter: name.upper().replace("UINT", "U").replace("INT", "I").replace("FLOAT", "F")
     for name, letter in FORMATS.items()
 }
 
 
 def struct_name(struct_format: str) -> str:
-    """Returns the name of the constant for a struct of one item, e.g. `_U16`."""
-    return _STRUCT_NAMES.get(struct_format) or f"_CHAR{struct_format[:-1]}"
+    """Returns the name of the constant for a struct, e.g. `_U16_U8X2` for `HBB`.
+
+    Args:
+        struct_format: Its format without the byte order.
+    """
+    items: list[tuple[str, int]] = []
+    for count, letter in re.findall("([0-9]*)([A-Za-z])", struct_format):
+        if letter == "s":
+            items.append((f"CHAR{count}", 1))
+        elif items and items[-1][0] == _WORDS[letter]:
+            items[-1] = (items[-1][0], items[-1][1] + int(count or 1))
+        else:
+            items.append((_WORDS[letter], int(count or 1)))
+    return "".join(f"_{word}X{count}" if count > 1 else f"_{word}" for word, count in items)
 
 
 @dataclass(frozen=True)
@@ -89,6 +103,7 @@ class Fixed:
         check: Function that checks and converts a value for the wire.
         limits: Arguments of that function between the value and the attribute name.
         back: What turns the integer on the wire (`{}`) into the value.
+        reader: Function that turns the wire item into the value, instead of `back`.
         range_text: Its legal values in words.
         scale: Lower and upper limit of a scaled field.
     """
@@ -100,6 +115,7 @@ class Fixed:
     check: str
     limits: tuple[str, ...]
     back: str = "{}"
+    reader: str = ""
     range_text: str = ""
     scale: tuple[float, float] | None = None
 
@@ -121,7 +137,7 @@ class Fixed:
     @property
     def is_plain(self) -> bool:
         """Whether the wire item is the value."""
-        return self.back == "{}"
+        return self.back == "{}" and not self.reader
 
     def pack(self, value: str, field: str) -> Call:
         """Returns the expression that makes the wire item.
@@ -132,13 +148,13 @@ class Fixed:
         """
         return Call(self.check, (value, *self.limits, f'"{field}"'))
 
-    def unpack(self, raw: str) -> str:
+    def unpack(self, raw: str) -> Expression:
         """Returns the expression that makes the value.
 
         Args:
             raw: The wire item, as Python text.
         """
-        return self.back.format(raw)
+        return Call(self.reader, (raw,)) if self.reader else self.back.format(raw)
 
 
 @dataclass(frozen=True)
@@ -309,9 +325,13 @@ def _real(numeric_type: str, value_set: Any) -> Fixed:
             # A limit that is not a single is met by the single next to it.
             lower, upper = min(lower, _single(lower)), max(upper, _single(upper))
     text = "" if upper == limit else f"{lower!r} .. {upper!r}"
-    limits = (repr(lower), repr(upper))
-    default = repr(0.0 if lower <= 0.0 <= upper else lower)
+    limits = (_text(lower), _text(upper))
+    default = _text(0.0 if lower <= 0.0 <= upper else lower)
     return Fixed(FORMATS[numeric_type], "float", default, "real", limits, range_text=text)
+
+
+def _text(value: float) -> str:
+    return repr(value).replace("e+", "e")
 
 
 def _single(value: float) -> float:
@@ -324,21 +344,21 @@ def _scaled(numeric_type: str, scale: Any) -> Fixed:
     if not lower < upper or not numeric_type.startswith("u"):
         raise ValueError(f"scale {lower} .. {upper} of {numeric_type} has no meaning in AS5684")
     maximum = f"0x{integer_limits(numeric_type)[1]:X}"
-    step = f"{upper - lower!r} / {maximum}"
+    step = f"{_text(upper - lower)} / {maximum}"
     # The sum and the product are the standard's own: value = lower + raw * step.
     if lower == 0.0:
         back = f"{{}} * ({step})"
     else:
-        back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {abs(lower)!r}"
+        back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {_text(abs(lower))}"
     return Fixed(
         FORMATS[numeric_type],
         "float",
-        repr(0.0 if lower <= 0.0 <= upper else lower),
+        _text(0.0 if lower <= 0.0 <= upper else lower),
         _SCALED[name_of(scale.rounding)],
-        (repr(lower), step, maximum),
+        (_text(lower), step, maximum),
         back,
-        f"{lower:.12g} .. {upper:.12g}",
-        (lower, upper),
+        range_text=f"{lower:.12g} .. {upper:.12g}",
+        scale=(lower, upper),
     )
 
 
@@ -354,6 +374,6 @@ def fixed_text(length: int) -> Fixed:
         '""',
         "padded",
         (str(length),),
-        "unpadded({})",
-        f"up to {length} characters",
+        reader="unpadded",
+        range_text=f"up to {length} characters",
     )

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 LINE_WIDTH = 100
 _INDENT = "    "
+_LAMBDA = "lambda: "
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,53 @@ def statement(expression: Expression, before: str = "", column: int = 0, after: 
     if len(line) + column <= LINE_WIDTH or not (before or isinstance(expression, Call)):
         return line
     if isinstance(expression, Call) and not after:
-        return "\n".join(_split(expression, before, column, ""))
+        opening = len(before) + len(expression.function) + 1
+        if opening + column <= LINE_WIDTH or not before:
+            return "\n".join(_split(expression, before, column, ""))
     lines = [f"{expression}{after}"]
     if isinstance(expression, Call) and len(lines[0]) + column + len(_INDENT) > LINE_WIDTH:
-        lines = [*_split(expression, "", column + len(_INDENT), ""), after.strip()]
+        lines = statement(expression, "", column + len(_INDENT)).split("\n")
+        lines += [after.strip()] if after else []
     return "\n".join([f"{before}(", *(_INDENT + text for text in lines), ")"])
+
+
+def annotated(name: str, annotation: str, value: Expression, column: int = 0) -> str:
+    """Returns an assignment with a type.
+
+    Args:
+        name: The name.
+        annotation: The type, as Python text.
+        value: The value.
+        column: Column at which the statement will stand; the lines themselves begin at 0.
+    """
+    before = f"{name}: {annotation} = "
+    room = LINE_WIDTH - column - len(before)
+    if len(str(value)) <= room or (isinstance(value, Call) and room > 0):
+        return statement(value, before, column)
+    if value != "[]" and room > 0:
+        return f"{before}(\n{_INDENT}{value}\n)"
+    if annotation.startswith("list[") and annotation.endswith("]"):
+        return f"{name}: list[\n{_INDENT}{annotation[5:-1]}\n] = {value}"
+    return f"{name}: (\n{_INDENT}{annotation}\n) = {value}"
+
+
+def comprehension(name: str, element: Expression, source: str, column: int = 0) -> str:
+    """Returns an assignment of a list of one expression for each `item` of a source.
+
+    Args:
+        name: The name.
+        element: The expression.
+        source: What is iterated over, as Python text.
+        column: Column at which the statement will stand; the lines themselves begin at 0.
+    """
+    inner = f"{element} for item in {source}"
+    if len(name) + len(inner) + 5 + column <= LINE_WIDTH:
+        return f"{name} = [{inner}]"
+    lines = [inner]
+    if len(inner) + column + len(_INDENT) > LINE_WIDTH:
+        first = statement(element, "", column + len(_INDENT))
+        lines = [*first.split("\n"), f"for item in {source}"]
+    return "\n".join([f"{name} = [", *(_INDENT + text for text in lines), "]"])
 
 
 def call(function: str, arguments: Sequence[Expression]) -> Call:
@@ -91,12 +134,17 @@ def union(name: str, options: Sequence[str], column: int = 0) -> str:
     line = f"{name} = {' | '.join(options)}"
     if len(line) + column <= LINE_WIDTH:
         return line
+    inner = f"{_INDENT}{' | '.join(options)}"
     first, *others = options
     lines = [f"{_INDENT}{first}", *(f"{_INDENT}| {option}" for option in others)]
+    if len(inner) + column <= LINE_WIDTH:
+        lines = [inner]
     return "\n".join([f"{name} = (", *lines, ")"])
 
 
-def signature(head: str, parameters: Sequence[str], result: str, column: int = 0) -> str:
+def signature(
+    head: str, parameters: Sequence[str], result: str, column: int = 0, comment: str = ""
+) -> str:
     """Returns the first line or lines of a function.
 
     Args:
@@ -104,14 +152,16 @@ def signature(head: str, parameters: Sequence[str], result: str, column: int = 0
         parameters: The parameters.
         result: The type of the result.
         column: Column at which the function will stand; the lines themselves begin at 0.
+        comment: A `# noqa` for the linter, which does not count for the line's length.
     """
     line = f"{head}({', '.join(parameters)}) -> {result}:"
+    remark = f"  {comment}" if comment else ""
     if len(line) + column <= LINE_WIDTH:
-        return line
+        return line + remark
     lines = [f"{_INDENT}{', '.join(parameters)}"]
     if len(lines[0]) + column > LINE_WIDTH:
         lines = [f"{_INDENT}{parameter}," for parameter in parameters]
-    return "\n".join([f"{head}(", *lines, f") -> {result}:"])
+    return "\n".join([f"{head}({remark}", *lines, f") -> {result}:"])
 
 
 def _split(expression: Call, before: str, column: int, after: str) -> list[str]:
@@ -126,6 +176,9 @@ def _split(expression: Call, before: str, column: int, after: str) -> list[str]:
         text = f"{argument},"
         if isinstance(argument, Call) and len(text) + inner > LINE_WIDTH:
             lines += [_INDENT + line for line in _split(argument, "", inner, ",")]
+        elif isinstance(argument, str) and _LAMBDA in argument and len(text) + inner > LINE_WIDTH:
+            head, body = argument.split(_LAMBDA)
+            lines += [f"{_INDENT}{head}{_LAMBDA}(", f"{_INDENT * 2}{body}", f"{_INDENT}),"]
         else:
             lines.append(_INDENT + text)
     return [*lines, closing]

@@ -99,7 +99,7 @@ def build_messages(elements: Iterable[Any]) -> tuple[MessageView, ...]:
     Raises:
         GenerationError: A message cannot be encoded.
     """
-    scope = names.Scope(names.RESERVED_CLASSES)
+    scope = names.Scope(names.RESERVED_CLASSES, separator="")
     found: dict[MessageView, str] = {}
     plain = {id(element): element for element in elements}.values()
     for element in sorted(plain, key=lambda e: (int(str(e.code), 16), str(e.name))):
@@ -123,7 +123,9 @@ class MessageBuilder:
     def __init__(self, element: Any, class_name: str) -> None:
         self._element = element
         self._class_name = class_name
-        self._scope = names.Scope(names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"})
+        self._scope = names.Scope(
+            names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"}, separator=""
+        )
         self._nested: list[
             Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
         ] = []
@@ -204,7 +206,7 @@ class MessageBuilder:
             summary=summary,
             paragraphs=paragraphs,
             members=members,
-            segments=self._segments(path, members, presence_format),
+            segments=self._segments(members, presence_format),
             presence_struct=self._use(presence_format) if presence_format else "",
             presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
             tag=tag,
@@ -215,10 +217,12 @@ class MessageBuilder:
     ) -> tuple[Member, ...]:
         scope = names.Scope(names.RESERVED_ATTRIBUTES)
         attributes = [scope.claim(names.snake_case(field.name)) for field in resolved]
-        members = []
+        members: list[Member] = []
         bit = 1
         for field, attribute in zip(resolved, attributes, strict=True):
             value = self._value(field, path)
+            repeated = isinstance(value, ListValue | ArrayValue)
+            first = not any(member.item for member in members)
             optional = field.optional and presence != "none"
             member = Member(
                 jaus_name=field.name,
@@ -226,15 +230,13 @@ class MessageBuilder:
                 value=self._with_reader(value, attribute, scope),
                 default="None" if optional else self._default(value, path),
                 bit=bit if optional else 0,
-                item=scope.claim(f"{attribute}_item") if value.kind in ("list", "array") else "",
+                item="" if not repeated else "item" if first else scope.claim(f"{attribute}_item"),
                 units=docs.clean(getattr(field.type, "units", "")),
                 documentation=field.documentation,
                 enumeration=self._enumeration(field, getattr(field.type, "values", None)),
             )
             bit <<= optional
             members.append(member)
-        if presence != "none" and bit > 2 ** fields.bits_of(presence):
-            raise GenerationError(f"the presence vector of {path} is too short for its members")
         return tuple(members)
 
     def _with_reader(self, value: Value, attribute: str, scope: names.Scope) -> Value:
@@ -247,7 +249,7 @@ class MessageBuilder:
         return value
 
     def _segments(
-        self, path: str, members: Sequence[Member], presence_format: str
+        self, members: Sequence[Member], presence_format: str
     ) -> tuple[Run | Single, ...]:
         """Groups the members: those of fixed size that are always there share a struct."""
         segments: list[Run | Single] = []
@@ -257,7 +259,7 @@ class MessageBuilder:
         def flush() -> None:
             nonlocal head
             if waiting or head:
-                segments.append(self._run(path, waiting, presence_format if head else ""))
+                segments.append(self._run(waiting, presence_format if head else ""))
             waiting.clear()
             head = False
 
@@ -270,12 +272,11 @@ class MessageBuilder:
         flush()
         return tuple(segments)
 
-    def _run(self, path: str, members: Sequence[Member], presence_format: str) -> Run:
+    def _run(self, members: Sequence[Member], presence_format: str) -> Run:
         formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
         items = [presence_format, *formats] if presence_format else formats
         size = sum(fields.size_of(item) for item in items)
-        shared = len(items) == 1
-        name = self._use(items[0]) if shared else self._own_struct(path, "".join(items))
+        name = self._use("".join(items))
         return Run(name, tuple(members), bool(presence_format), size)
 
     def _class(self, field: Resolved, tag: int | None = None) -> PartValue:
@@ -283,9 +284,7 @@ class MessageBuilder:
         key = (id(field.type), field.name, tag)
         if tag is not None or key not in self._known:
             name = self._scope.claim(names.class_name(field.name))
-            summary = docs.sentence(
-                field.documentation or f"{docs.clean(field.name)} of the message"
-            )
+            summary = self._summary(field)
             if field.kind == "VariableField":
                 part: ContainerClass | VariableFieldClass = self._variable(field, name, summary)
             elif field.kind == "VariableFormatField":
@@ -329,18 +328,16 @@ class MessageBuilder:
         blob = self._counted(field, "format", is_text=False)
         data = Member("hex", "data", blob, blob.default)
         members = (index, data)
-        return ContainerClass(name, path, summary, (), members, self._segments(path, members, ""))
+        return ContainerClass(name, path, summary, (), members, self._segments(members, ""))
 
     def _bit_field(self, field: Resolved) -> BitFieldClass:
-        key = (id(field.type), field.name)
+        """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
+        scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
+        subs = tuple(self._sub_field(sub, scope) for sub in field.type.subFields)
+        key = (field.name, subs)
         if key not in self._known:
             name = self._scope.claim(names.class_name(field.name))
-            scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
-            subs = [self._sub_field(sub, scope) for sub in field.type.subFields]
-            summary = docs.sentence(
-                field.documentation or f"{docs.clean(field.name)} of the message"
-            )
-            self._known[key] = BitFieldClass(name, self._path(name), summary, tuple(subs))
+            self._known[key] = BitFieldClass(name, self._path(name), self._summary(field), subs)
             self._nested.append(self._known[key])
         found: BitFieldClass = self._known[key]
         return found
@@ -398,7 +395,7 @@ class MessageBuilder:
         del path
         struct_format = self._used(fields.length_format(fields.name_of(field.type.type)))
         name = self._bit_field(field).path
-        return fields.Bits(struct_format, name, "", "", (), f"{name}.from_integer({{}})")
+        return fields.Bits(struct_format, name, "", "", (), reader=f"{name}.from_integer")
 
     def _fixed_text(self, field: Resolved, path: str) -> fields.Fixed:
         del path
@@ -439,7 +436,7 @@ class MessageBuilder:
         item = self._item(resolve(field.type.element), path)
         array = ArrayValue(item, tuple(int(size) for size in field.type.dimensions))
         if isinstance(item, fields.Fixed) and not item.format.endswith("s"):
-            name = self._own_struct(path, f"{array.count}{item.format}")
+            name = self._use(f"{array.count}{item.format}")
             return replace(array, struct=name)
         return array
 
@@ -486,6 +483,11 @@ class MessageBuilder:
 
     # -- names and limits ------------------------------------------------------------------------
 
+    def _summary(self, field: Resolved) -> str:
+        return docs.sentence(
+            field.documentation or f"{docs.clean(field.name)} of {docs.clean(self._element.name)}"
+        )
+
     def _path(self, name: str) -> str:
         return name if name == self._class_name else f"{self._class_name}.{name}"
 
@@ -498,15 +500,6 @@ class MessageBuilder:
     def _used(self, struct_format: str) -> str:
         self._use(struct_format)
         return struct_format
-
-    def _own_struct(self, path: str, struct_format: str) -> str:
-        stem = "_" + "_".join(names.constant_name(part) for part in path.split("."))
-        name, number = stem, 1
-        while self._structs.get(name, f"<{struct_format}") != f"<{struct_format}":
-            number += 1
-            name = f"{stem}_{number}"
-        self._structs[name] = f"<{struct_format}"
-        return name
 
     def _limits(self, count_type: str, lower: int, upper: int) -> tuple[int, int]:
         largest = fields.integer_limits(count_type)[1]

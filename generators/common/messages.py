@@ -59,18 +59,21 @@ class Member:
         return f"{self.value.python_type} | None" if self.is_optional else self.value.python_type
 
     @property
-    def result(self) -> str:
+    def result(self) -> Call | str:
         """The value, as Python text, when its bytes were read into a local of its name."""
         if self.value.kind == "fixed" and not self.is_optional:
             return self.value.unpack(self.attribute)  # type: ignore[union-attr]
         return self.attribute
 
-    @property
-    def start(self) -> str:
-        """Assignment of an empty list to a local of its name."""
+    def start(self, column: int) -> str:
+        """Returns the assignment of an empty list to a local of its name.
+
+        Args:
+            column: Column at which it will stand.
+        """
         if self.is_optional:
             return f"{self.attribute} = []"
-        return f"{self.attribute}: {self.value.python_type} = []"
+        return layout.annotated(self.attribute, self.value.python_type, "[]", column)
 
     def line(self, column: int) -> str:
         """Returns its line in the class, or several when it is long.
@@ -78,7 +81,7 @@ class Member:
         Args:
             column: Column at which it will stand.
         """
-        return layout.statement(self.default, f"{self.attribute}: {self.annotation} = ", column)
+        return layout.annotated(self.attribute, self.annotation, self.default, column)
 
     @property
     def description(self) -> str:
@@ -376,7 +379,7 @@ class ContainerClass:
         return tuple((member.attribute, member.description) for member in self.members)
 
     @property
-    def arguments(self) -> tuple[str, ...]:
+    def arguments(self) -> tuple[Call | str, ...]:
         """Arguments of the constructor after reading."""
         return tuple(member.result for member in self.members)
 

@@ -113,7 +113,7 @@ def class_name(name: str) -> str:
     text = "".join(part[0].upper() + part[1:] for part in parts)[:MAXIMUM_LENGTH] or "Unnamed"
     if text[0].isdigit():
         text = f"N{text}"
-    return f"{text}_" if text in _BUILTIN_CLASSES else text
+    return f"Jaus{text}" if text in _BUILTIN_CLASSES else text
 
 
 def constant_name(name: str) -> str:
@@ -146,10 +146,12 @@ class Scope:
 
     Args:
         reserved: Names that are taken from the start.
+        separator: What stands between a name and its number.
     """
 
-    def __init__(self, reserved: frozenset[str] = frozenset()) -> None:
+    def __init__(self, reserved: frozenset[str] = frozenset(), separator: str = "_") -> None:
         self._reserved = reserved
+        self._separator = separator
         self._taken: set[str] = set()
 
     def claim(self, name: str) -> str:
@@ -162,6 +164,6 @@ class Scope:
         candidate, number = first, 1
         while candidate in self._taken or candidate in self._reserved:
             number += 1
-            candidate = f"{first.rstrip('_')}_{number}"
+            candidate = f"{first.rstrip('_')}{self._separator}{number}"
         self._taken.add(candidate)
         return candidate
