@@ -16,7 +16,6 @@ from ..core_messages import (
     RequestControl,
     Resume,
 )
-from ..services.access_control import Confirm
 from ..services.definitions import Status
 
 if TYPE_CHECKING:
@@ -203,7 +202,7 @@ class _Control:
     # ---- what the target says ---------------------------------------------------------------
 
     def confirmed(self, code: int) -> None:
-        if code != Confirm.ACCEPTED:
+        if code != ConfirmControl.ResponseCode.CONTROL_ACCEPTED:
             self.component.counters.add("control_client.refused")
             self._change(ControlState.REFUSED)
             self._check_in(self._settings.refused_retry)

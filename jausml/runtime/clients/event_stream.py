@@ -184,7 +184,7 @@ class EventStream:
                 self.lost()
                 self._client.suspect(self.provider)
         elif self._state is _State.CREATING:
-            if code == RejectCode.INVALID_EVENT_ID:
+            if code == RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST:
                 return  # the answer to a renewal of the event that is being created again
             self._counters.count(
                 "event_client.refused", f"{self.provider} rejects with code {code}: {text}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from ..core_messages import (
@@ -29,19 +28,8 @@ if TYPE_CHECKING:
     from ..message import Message
 
 
-class Confirm(IntEnum):
-    """Response codes of ConfirmControl."""
-
-    ACCEPTED = 0
-    NOT_AVAILABLE = 1
-    INSUFFICIENT_AUTHORITY = 2
-
-
-class Reject(IntEnum):
-    """Response codes of RejectControl."""
-
-    RELEASED = 0
-    NOT_AVAILABLE = 1
+Confirm = ConfirmControl.ResponseCode
+Reject = RejectControl.ResponseCode
 
 
 class AccessControlService:
@@ -100,7 +88,7 @@ class AccessControlService:
             self._confirm(sender, Confirm.NOT_AVAILABLE)
         elif sender == self.controller:
             if code < self._default:
-                self.drop(Reject.RELEASED)
+                self.drop(Reject.CONTROL_RELEASED)
             else:
                 self._grant(sender, code)
         elif self.controller is None and code < self._default:
@@ -115,8 +103,8 @@ class AccessControlService:
         raised, self.authority = self.authority != code, code
         self._restart_timer()
         if former is not None and former != sender:
-            self._component.send(RejectControl(response_code=Reject.RELEASED), former)
-        self._confirm(sender, Confirm.ACCEPTED)
+            self._component.send(RejectControl(response_code=Reject.CONTROL_RELEASED), former)
+        self._confirm(sender, Confirm.CONTROL_ACCEPTED)
         if former != sender:
             self._controller_changed()
         elif raised:
@@ -125,12 +113,12 @@ class AccessControlService:
     def _release(self, _message: ReleaseControl, sender: JausAddress) -> None:
         if self.controller is None:
             refused = not self.available and sender not in self.emergency_clients
-            reason = Reject.NOT_AVAILABLE if refused else Reject.RELEASED
+            reason = Reject.NOT_AVAILABLE if refused else Reject.CONTROL_RELEASED
             self._component.send(RejectControl(response_code=reason), sender)
         elif sender != self.controller:
             self._component.counters.add("access_control.release_ignored")
         elif self.available:
-            self.drop(Reject.RELEASED)
+            self.drop(Reject.CONTROL_RELEASED)
         else:
             self._component.send(RejectControl(response_code=Reject.NOT_AVAILABLE), sender)
 
@@ -144,7 +132,7 @@ class AccessControlService:
     def _timed_out(self) -> None:
         if self.available:
             self._component.counters.add("access_control.timed_out")
-            self.drop(Reject.RELEASED)
+            self.drop(Reject.CONTROL_RELEASED)
         else:
             self._restart_timer()
 

@@ -33,17 +33,7 @@ if TYPE_CHECKING:
     from ..component import JausComponent
     from ..message import Message
 
-OTHER_SUBSYSTEM = 30001
-"""Type of a subsystem that is neither a vehicle nor an operator control unit."""
-
-NODE = 40001
-"""Type of a node; the types below it are those of subsystems."""
-
-COMPONENT = 60001
-"""Type of a component."""
-
-FIRST_SUBCOMPONENT_TYPE = 50001
-"""Payloads and components have types from here on."""
+Type = ReportIdentification.Type
 
 MAX_REGISTRATIONS = 1024
 """Components that are remembered; a flood of registrations must not fill the memory."""
@@ -85,16 +75,16 @@ class DiscoveryService:
         if scope <= Scope.SUBSYSTEM:
             name = self._component.settings.subsystem_name or name
         return ReportIdentification(
-            query_type=scope, type=self._type(scope), identification=name[:255]
+            query_type=scope, type_=self._type(scope), identification=_latin(name)[:255]
         )
 
     def _type(self, scope: Scope) -> int:
         known = self._component.component_type
         if scope is Scope.NODE:
-            return NODE
+            return Type.NODE
         if scope is Scope.COMPONENT:
-            return known if known >= FIRST_SUBCOMPONENT_TYPE else COMPONENT
-        return known if known < NODE else OTHER_SUBSYSTEM
+            return known if known >= Type.PAYLOAD else Type.COMPONENT
+        return known if known < Type.NODE else Type.OTHER_SUBSYSTEM
 
     def _configuration(
         self, query: QueryConfiguration, _sender: JausAddress
@@ -158,3 +148,8 @@ class DiscoveryService:
             del self._heard[address]
             del self._registered[address]
         return {**self._registered, self._component.address: self._component.services}
+
+
+def _latin(name: str) -> str:
+    """Replace what a JAUS string cannot hold."""
+    return name.encode("latin-1", "replace").decode("latin-1")

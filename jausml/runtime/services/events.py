@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 from ..core_messages import (
@@ -27,25 +26,12 @@ if TYPE_CHECKING:
     from ..dispatch import Provision
     from ..loop import Timer
 
-PERIODIC = 0
-"""EventType of a report at a fixed rate, the service connection of older JAUS."""
-
-EVERY_CHANGE = 1
-"""EventType of a report at every change."""
+PERIODIC = CreateEvent.EventType.PERIODIC_SC
+EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE
+RejectCode = RejectEventRequest.ResponseCode
 
 EVENT_IDS = 255
 """Event ids are 0 to 254; peers take 255 for "no event"."""
-
-
-class RejectCode(IntEnum):
-    """Response codes of RejectEventRequest."""
-
-    PERIODIC_UNSUPPORTED = 1
-    EVERY_CHANGE_UNSUPPORTED = 2
-    CONNECTION_REFUSED = 3
-    INVALID_SETUP = 4
-    MESSAGE_UNSUPPORTED = 5
-    INVALID_EVENT_ID = 6
 
 
 class _RequestError(Exception):
@@ -152,7 +138,7 @@ class EventsService:
         self._confirm(event, 0.0)
 
     def _create_command_event(self, message: CreateCommandEvent, sender: JausAddress) -> None:
-        refusal = _RequestError(RejectCode.MESSAGE_UNSUPPORTED, "no command events")
+        refusal = _RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, "no command events")
         self._reject(sender, message.request_id, refusal)
 
     def _check(self, message: CreateEvent | UpdateEvent) -> _Setup:
@@ -160,20 +146,20 @@ class EventsService:
         code = int.from_bytes(payload[:2], "little")
         provision = self._component.provision(code)
         if provision is None:
-            raise _RequestError(RejectCode.MESSAGE_UNSUPPORTED, f"no report for {code:04X}")
+            raise _RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no report for {code:04X}")
         if message.event_type not in (PERIODIC, EVERY_CHANGE):
-            raise _RequestError(RejectCode.INVALID_SETUP, f"event type {message.event_type}")
+            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, f"event type {message.event_type}")
         periodic = message.event_type == PERIODIC
         if periodic and not provision.periodic:
-            raise _RequestError(RejectCode.PERIODIC_UNSUPPORTED, "no periodic events")
+            raise _RequestError(RejectCode.PERIODIC_EVENTS_NOT_SUPPORTED, "no periodic events")
         if not periodic and not provision.every_change:
-            raise _RequestError(RejectCode.EVERY_CHANGE_UNSUPPORTED, "no every-change events")
+            raise _RequestError(RejectCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED, "no every-change events")
         if periodic and message.requested_periodic_rate <= 0:
-            raise _RequestError(RejectCode.INVALID_SETUP, "periodic rate of 0 Hz")
+            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, "periodic rate of 0 Hz")
         try:
             query = provision.query_class.decode(payload)
         except DecodeError as error:
-            raise _RequestError(RejectCode.INVALID_SETUP, f"bad query: {error}") from error
+            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
         rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
         return _Setup(provision, query, payload, periodic, rate)
 
@@ -189,7 +175,7 @@ class EventsService:
     def _own(self, client: JausAddress, event_id: int) -> _Event:
         event = self._events.get(event_id)
         if event is None or event.client != client:
-            raise _RequestError(RejectCode.INVALID_EVENT_ID, f"no event {event_id}")
+            raise _RequestError(RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST, f"no event {event_id}")
         return event
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:

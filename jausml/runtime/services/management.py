@@ -71,9 +71,9 @@ class ManagementService:
         """Enter Failure from any state and let go of the controller."""
         self._component.counters.count("component.failed", reason)
         self._enter(Status.FAILURE)
-        self._access.drop(Reject.RELEASED)
+        self._access.drop(Reject.CONTROL_RELEASED)
 
-    def shut_down(self, reject: Reject = Reject.RELEASED) -> None:
+    def shut_down(self, reject: Reject = Reject.CONTROL_RELEASED) -> None:
         """Enter Shutdown and let go of the controller."""
         if self.status is Status.SHUTDOWN:
             return
@@ -99,7 +99,7 @@ class ManagementService:
         # emergency is cleared.
         if self.status in (Status.STANDBY, Status.READY):
             self._enter(Status.INITIALIZE)
-            self._access.drop(Reject.RELEASED)
+            self._access.drop(Reject.CONTROL_RELEASED)
             self.initialize()
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:

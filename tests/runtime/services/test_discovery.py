@@ -1,0 +1,345 @@
+"""Discovery: identification by scope, configuration, services, registration, search."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.component import Scope, ServiceIdentity
+from jausml.runtime.core_messages import (
+    QueryConfiguration,
+    QueryIdentification,
+    QueryServiceList,
+    QueryServices,
+    QuerySubsystemList,
+    RegisterServices,
+    ReportConfiguration,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+    ReportSubsystemList,
+)
+
+SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
+DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)
+SYSTEM, SUBSYSTEM, NODE, COMPONENT = 1, 2, 3, 4
+
+
+@pytest.fixture
+def client(world):
+    return world.probe("9.1.1")
+
+
+def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
+    component = world.component(
+        address, services=(DISCOVERY,), discovery_scope=scope, **named
+    )
+    component.start()
+    return component
+
+
+def registration(*services):
+    return RegisterServices(
+        service_list=[
+            RegisterServices.ServiceRec(
+                uri=each.urn,
+                major_version_number=each.major,
+                minor_version_number=each.minor,
+            )
+            for each in services
+        ]
+    )
+
+
+def query_services(*pairs):
+    return QueryServices(
+        node_list=[
+            QueryServices.NodeSeq(
+                node_rec=QueryServices.NodeRec(node_id=node),
+                component_list=[QueryServices.ComponentRec(component_id=component)],
+            )
+            for node, component in pairs
+        ]
+    )
+
+
+def found(report):
+    """Flatten a ReportServices."""
+    assert isinstance(report, ReportServices)
+    return {
+        (node.node_rec.node_id, component.component_rec.component_id): [
+            each.uri for each in component.service_list
+        ]
+        for node in report.node_list
+        for component in node.component_list
+    }
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+@pytest.mark.parametrize("asked", [0, SYSTEM, SUBSYSTEM, NODE, COMPONENT, 200])
+def test_identification_within_the_scope_only(world, client, scope, asked):
+    tested = server(world, scope)
+    client.send_bytes(bytes([0x00, 0x2B, asked]), tested)
+    answers = client.take()
+    if scope <= asked <= COMPONENT:
+        (answer,) = answers
+        assert answer.query_type == asked
+    else:
+        assert answers == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "asked", "expected"),
+    [
+        (10001, SUBSYSTEM, 10001),
+        (10001, NODE, 40001),
+        (10001, COMPONENT, 60001),
+        (50001, COMPONENT, 50001),
+        (60001, SUBSYSTEM, 30001),
+        (60001, COMPONENT, 60001),
+    ],
+)
+def test_types(world, client, kind, asked, expected):
+    tested = server(world, component_type=kind)
+    (answer,) = client.ask(QueryIdentification(query_type=asked), tested)
+    assert answer.type_ == expected
+
+
+def test_names(world, client):
+    tested = server(world, name="eye", subsystem_name="robot")
+    for asked, expected in ((SUBSYSTEM, "robot"), (COMPONENT, "eye")):
+        (answer,) = client.ask(QueryIdentification(query_type=asked), tested)
+        assert answer.identification == expected
+
+
+def test_long_names_are_cut(world, client):
+    tested = server(world, name="x" * 300)
+    (answer,) = client.ask(QueryIdentification(query_type=COMPONENT), tested)
+    assert answer.identification == "x" * 255
+
+
+def test_names_that_jaus_cannot_spell(world, client):
+    tested = server(world, name="Σ-Gerät")
+    (answer,) = client.ask(QueryIdentification(query_type=COMPONENT), tested)
+    assert answer.identification == "?-Gerät"
+
+
+class TestRegistration:
+    @pytest.fixture
+    def tested(self, world):
+        return server(world)
+
+    @pytest.fixture
+    def member(self, world, tested):
+        probe = world.probe("1.2.3")
+        probe.ask(registration(SENSOR), tested)
+        return probe
+
+    def test_all_services(self, tested, member, client):
+        (report,) = client.ask(query_services((255, 255)), tested)
+        assert found(report) == {(1, 1): [DISCOVERY.urn], (2, 3): [SENSOR.urn]}
+
+    @pytest.mark.parametrize(
+        ("node", "component", "expected"),
+        [
+            (2, 3, {(2, 3)}),
+            (2, 255, {(2, 3)}),
+            (255, 1, {(1, 1)}),
+            (1, 255, {(1, 1)}),
+            (2, 9, set()),
+            (77, 255, set()),
+        ],
+    )
+    def test_wildcards_and_unknown_ids(
+        self, tested, member, client, node, component, expected
+    ):
+        (report,) = client.ask(query_services((node, component)), tested)
+        assert set(found(report)) == expected
+
+    def test_several_components(self, tested, member, client):
+        (report,) = client.ask(query_services((2, 3), (1, 1), (5, 5)), tested)
+        assert set(found(report)) == {(1, 1), (2, 3)}
+
+    def test_versions(self, tested, member, client):
+        (report,) = client.ask(query_services((2, 3)), tested)
+        service = report.node_list[0].component_list[0].service_list[0]
+        assert (service.major_version_number, service.minor_version_number) == (1, 0)
+
+    def test_registering_again_replaces(self, tested, member, client):
+        member.ask(registration(DISCOVERY, SENSOR), tested)
+        (report,) = client.ask(query_services((2, 3)), tested)
+        assert found(report) == {(2, 3): [DISCOVERY.urn, SENSOR.urn]}
+
+    def test_other_subsystems_are_ignored(self, world, tested, client):
+        client.ask(registration(SENSOR), tested)
+        (report,) = client.ask(query_services((255, 255)), tested)
+        assert set(found(report)) == {(1, 1)}
+        assert world.counters.snapshot()["discovery.registration_ignored"] == 1
+
+    def test_node_scope_takes_its_node_only(self, world, client):
+        narrow = server(world, Scope.NODE, "2.1.1")
+        world.probe("2.1.2").ask(registration(SENSOR), narrow)
+        world.probe("2.2.2").ask(registration(SENSOR), narrow)
+        (report,) = client.ask(query_services((255, 255)), narrow)
+        assert set(found(report)) == {(1, 1), (1, 2)}
+
+    def test_component_scope_answers_for_itself(self, world, client):
+        narrow = server(world, Scope.COMPONENT, "2.1.1")
+        world.probe("2.1.2").ask(registration(SENSOR), narrow)
+        (report,) = client.ask(query_services((255, 255)), narrow)
+        assert set(found(report)) == {(1, 1)}
+
+    def test_registrations_lapse(self, world, tested, member, client):
+        world.run(299.0, step=10.0)
+        (report,) = client.ask(query_services((255, 255)), tested)
+        assert set(found(report)) == {(1, 1), (2, 3)}
+        world.run(2.0, step=1.0)
+        (report,) = client.ask(query_services((255, 255)), tested)
+        assert set(found(report)) == {(1, 1)}
+
+    def test_looking_for_the_server_renews_the_registration(
+        self, world, tested, member, client
+    ):
+        world.run(200.0, step=10.0)
+        member.ask(QueryIdentification(query_type=SUBSYSTEM), tested)
+        world.run(200.0, step=10.0)
+        (report,) = client.ask(query_services((255, 255)), tested)
+        assert set(found(report)) == {(1, 1), (2, 3)}
+
+    def test_registrations_are_bounded(self, world, tested):
+        for number in range(1100):
+            payload = registration().encode()
+            source = JausAddress(1, 2 + number // 200, 1 + number % 200)
+            world.send(source, tested.address, payload)
+        world.settle()
+        assert world.counters.snapshot()["discovery.too_many_registrations"] == 76
+
+    def test_configuration_of_the_subsystem(self, tested, member, client):
+        (report,) = client.ask(QueryConfiguration(query_type=SUBSYSTEM), tested)
+        assert isinstance(report, ReportConfiguration)
+        assert [
+            (node.node_rec.node_id, [each.component_id for each in node.component_list])
+            for node in report.node_list
+        ] == [(1, [1]), (2, [3])]
+
+    def test_configuration_of_the_node(self, tested, member, client):
+        (report,) = client.ask(QueryConfiguration(query_type=NODE), tested)
+        assert [node.node_rec.node_id for node in report.node_list] == [1]
+
+    def test_service_list(self, tested, member, client):
+        (report,) = client.ask(query_service_list(65535, 255, 255), tested)
+        assert isinstance(report, ReportServiceList)
+        (subsystem,) = report.subsystem_list
+        assert subsystem.subsystem_rec.subsystem_id == 1
+        assert [node.node_rec.node_id for node in subsystem.node_list] == [1, 2]
+        component = subsystem.node_list[1].component_list[0]
+        assert component.component_rec.component_id == 3
+        assert [each.uri for each in component.service_list] == [SENSOR.urn]
+
+    @pytest.mark.parametrize("address", [(2, 255, 255), (1, 7, 255), (1, 2, 7)])
+    def test_service_list_of_the_unknown(self, tested, member, client, address):
+        (report,) = client.ask(query_service_list(*address), tested)
+        assert report.subsystem_list == []
+
+    def test_service_list_with_a_filter(self, tested, member, client):
+        query = query_service_list(65535, 255, 255, "Velocity")
+        (report,) = client.ask(query, tested)
+        (node,) = report.subsystem_list[0].node_list
+        assert node.node_rec.node_id == 2
+
+
+def query_service_list(subsystem, node, component, search=None):
+    return QueryServiceList(
+        subsystem_list=[
+            QueryServiceList.SubsystemSeq(
+                subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=subsystem),
+                node_list=[
+                    QueryServiceList.NodeSeq(
+                        node_rec=QueryServiceList.NodeRec(node_id=node),
+                        component_list=[
+                            QueryServiceList.ComponentRec(
+                                component_id=component, search_filter=search
+                            )
+                        ],
+                    )
+                ],
+            )
+        ]
+    )
+
+
+def test_configuration_wider_than_the_scope(world, client):
+    tested = server(world, Scope.NODE)
+    assert client.ask(QueryConfiguration(query_type=SUBSYSTEM), tested) == []
+    assert len(client.ask(QueryConfiguration(query_type=NODE), tested)) == 1
+    tested = server(world, Scope.COMPONENT, "2.1.1")
+    assert client.ask(QueryConfiguration(query_type=NODE), tested) == []
+
+
+def test_subsystem_list(world, client):
+    tested = server(world)
+    client.ask(
+        ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"), tested
+    )
+    (report,) = client.ask(QuerySubsystemList(), tested)
+    assert isinstance(report, ReportSubsystemList)
+    assert {
+        (each.subsystem_id, each.node_id, each.component_id) for each in report.subsystem_list
+    } == {(1, 1, 1), (9, 1, 1)}
+    narrow = server(world, Scope.NODE, "2.1.1")
+    assert client.ask(QuerySubsystemList(), narrow) == []
+
+
+def test_component_registers_with_its_subsystem(world, client):
+    tested = server(world)
+    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
+    stranger = world.component("2.5.6", services=(SENSOR,), register_services=True)
+    member.start()
+    stranger.start()
+    world.settle()
+    (report,) = client.ask(query_services((255, 255)), tested)
+    assert set(found(report)) == {(1, 1), (5, 6)}
+
+
+def test_component_registers_with_a_server_that_comes_later_or_again(world, client):
+    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
+    member.start()
+    world.run(60.0, step=1.0)
+    for _ in range(2):
+        tested = server(world)
+        world.run(16.0, step=1.0)
+        (report,) = client.ask(query_services((5, 6)), tested)
+        assert set(found(report)) == {(5, 6)}
+        tested.stop()
+
+
+def test_registering_costs_little(world):
+    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
+    member.start()
+    world.run(600.0, step=1.0)
+    assert world.count(QueryIdentification.CODE) == pytest.approx(42, abs=2)
+    member.stop()
+    world.run(60.0, step=1.0)
+    assert world.count(QueryIdentification.CODE) == pytest.approx(42, abs=2)
+
+
+def test_search(world):
+    tested = server(world)
+    world.probe("1.2.3").ask(registration(SENSOR), tested)
+    searcher = world.component("7.1.1")
+    hits = []
+    searcher.discover(SENSOR.urn, hits.append)
+    searcher.start()
+    world.run(40.0, step=1.0)
+    assert [(hit.address, hit.services) for hit in hits] == [(JausAddress(1, 2, 3), (SENSOR,))]
+    lone = world.component("8.1.1", services=(DISCOVERY, SENSOR))
+    lone.start()
+    world.run(16.0, step=1.0)
+    assert [hit.address for hit in hits[1:]] == [JausAddress(8, 1, 1)]
+
+
+def test_search_asks_everyone(world):
+    searcher = world.component("7.1.1")
+    searcher.start()
+    searcher.discover(SENSOR.urn, lambda _hit: None)
+    assert (searcher.address, BROADCAST, QueryServices.CODE) in world.log

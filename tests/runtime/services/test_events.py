@@ -1,0 +1,400 @@
+"""Events, row by row of the table of AS5710 v1.1."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.core_messages import (
+    CancelEvent,
+    ConfirmEventRequest,
+    CreateCommandEvent,
+    CreateEvent,
+    Event,
+    QueryAuthority,
+    QueryControl,
+    QueryEvents,
+    QueryEventTimeout,
+    QueryHeartbeatPulse,
+    QueryStatus,
+    QueryTime,
+    RejectEventRequest,
+    ReportAuthority,
+    ReportEvents,
+    ReportEventTimeout,
+    ReportHeartbeatPulse,
+    ReportStatus,
+    ReportTime,
+    RequestControl,
+    UpdateEvent,
+)
+
+PERIODIC, EVERY_CHANGE = 0, 1
+STATUS = QueryStatus().encode()
+PULSE = QueryHeartbeatPulse().encode()
+LEAST_STEP = 1092 / 65535
+
+
+@pytest.fixture
+def server(world):
+    component = world.component("1.1.1", event_timeout=1, event_rate_min=1, event_rate_max=50)
+    component.start()
+    return component
+
+
+@pytest.fixture
+def client(world):
+    return world.probe("2.1.1")
+
+
+@pytest.fixture
+def other(world):
+    return world.probe("3.1.1")
+
+
+def create(query, *, rate=None, request_id=7):
+    return CreateEvent(
+        request_id=request_id,
+        event_type=EVERY_CHANGE if rate is None else PERIODIC,
+        requested_periodic_rate=rate or 0.0,
+        query_message=query,
+    )
+
+
+def update(event_id, query, *, rate=None, request_id=8):
+    return UpdateEvent(
+        request_id=request_id,
+        event_type=EVERY_CHANGE if rate is None else PERIODIC,
+        requested_periodic_rate=rate or 0.0,
+        event_id=event_id,
+        query_message=query,
+    )
+
+
+def created(client, server, query, *, rate=None):
+    """Create an event and return its id."""
+    confirm = client.ask(create(query, rate=rate), server)[0]
+    assert isinstance(confirm, ConfirmEventRequest)
+    return confirm.event_id
+
+
+def code_of(messages):
+    assert len(messages) == 1
+    assert isinstance(messages[0], RejectEventRequest)
+    return messages[0].response_code
+
+
+class TestCreate:
+    def test_every_change_is_confirmed_before_the_last_known_report(self, server, client):
+        confirm, event = client.ask(create(STATUS), server)
+        assert confirm == ConfirmEventRequest(
+            request_id=7, event_id=confirm.event_id, confirmed_periodic_rate=0.0
+        )
+        assert event == Event(
+            event_id=confirm.event_id,
+            sequence_number=0,
+            report_message=ReportStatus(status=2, reserved=0).encode(),
+        )
+
+    def test_periodic_is_confirmed_before_the_first_report(self, server, client):
+        confirm, event = client.ask(create(PULSE, rate=10), server)
+        assert confirm.confirmed_periodic_rate == pytest.approx(10, abs=LEAST_STEP)
+        assert event.report_message == ReportHeartbeatPulse().encode()
+
+    @pytest.mark.parametrize(("asked", "given"), [(0.5, 1), (10, 10), (400, 50)])
+    def test_nearest_possible_rate(self, server, client, asked, given):
+        confirm = client.ask(create(PULSE, rate=asked), server)[0]
+        assert confirm.confirmed_periodic_rate == pytest.approx(given, abs=LEAST_STEP)
+
+    def test_same_query_of_the_same_client_updates(self, world, server, client):
+        event_id = created(client, server, PULSE, rate=10)
+        assert created(client, server, PULSE, rate=20) == event_id
+        client.take()
+        world.run(1.0)
+        assert len(client.take()) == pytest.approx(20, abs=1)
+
+    def test_same_query_of_another_client_is_another_event(self, server, client, other):
+        assert created(client, server, STATUS) != created(other, server, STATUS)
+
+    def test_request_id_is_scoped_to_the_client(self, server, client, other):
+        for probe in (client, other):
+            assert probe.ask(create(STATUS, request_id=3), server)[0].request_id == 3
+
+
+class TestReject:
+    def test_1_periodic_unsupported(self, server, client):
+        server.provide(QueryTime, ReportTime, lambda *_: None, periodic=False)
+        query = QueryTime(presence_vector=1).encode()
+        assert code_of(client.ask(create(query, rate=10), server)) == 1
+
+    def test_2_every_change_unsupported(self, server, client):
+        server.provide(QueryTime, ReportTime, lambda *_: None, every_change=False)
+        query = QueryTime(presence_vector=1).encode()
+        assert code_of(client.ask(create(query), server)) == 2
+
+    def test_3_too_many_events(self, world, client):
+        server = world.component("1.1.1", max_events=1)
+        server.start()
+        created(client, server, STATUS)
+        assert code_of(client.ask(create(PULSE, rate=1), server)) == 3
+        assert created(client, server, STATUS) == 0
+
+    def test_4_no_rate(self, server, client):
+        message = CreateEvent(
+            request_id=1, event_type=PERIODIC, requested_periodic_rate=0.0, query_message=PULSE
+        )
+        assert code_of(client.ask(message, server)) == 4
+
+    def test_4_unknown_event_type(self, server, client):
+        payload = bytearray(create(STATUS).encode())
+        payload[3] = 2
+        client.send_bytes(bytes(payload), server)
+        assert code_of(client.take()) == 4
+
+    def test_4_query_that_cannot_be_decoded(self, server, client):
+        assert code_of(client.ask(create(STATUS + b"\0"), server)) == 4
+
+    @pytest.mark.parametrize("query", [b"\xff\xff", RequestControl.CODE.to_bytes(2, "little")])
+    def test_5_message_unsupported(self, server, client, query):
+        assert code_of(client.ask(create(query), server)) == 5
+
+    def test_5_command_events(self, server, client):
+        message = CreateCommandEvent(
+            request_id=1,
+            maximum_allowed_duration=1,
+            command_message=RequestControl(authority_code=1).encode(),
+        )
+        assert code_of(client.ask(message, server)) == 5
+
+    def test_6_update_of_an_unknown_event(self, server, client):
+        assert code_of(client.ask(update(9, STATUS), server)) == 6
+
+    def test_6_update_of_the_event_of_another_client(self, server, client, other):
+        event_id = created(client, server, STATUS)
+        assert code_of(other.ask(update(event_id, STATUS), server)) == 6
+
+    def test_refused_update_leaves_the_event_as_it_was(self, world, server, client):
+        event_id = created(client, server, PULSE, rate=10)
+        assert code_of(client.ask(update(event_id, b"\xff\xff", rate=5), server)) == 5
+        world.run(1.0)
+        assert len(client.take()) == pytest.approx(10, abs=1)
+
+
+class TestUpdate:
+    def test_changes_the_rate(self, world, server, client):
+        event_id = created(client, server, PULSE, rate=10)
+        confirm = client.ask(update(event_id, PULSE, rate=2), server)[0]
+        assert (confirm.request_id, confirm.event_id) == (8, event_id)
+        client.take()
+        world.run(3.0)
+        assert len(client.take()) == pytest.approx(6, abs=1)
+
+    def test_of_an_unchanged_event_sends_no_report(self, server, client):
+        event_id = created(client, server, STATUS)
+        assert [type(each) for each in client.ask(update(event_id, STATUS), server)] == [
+            ConfirmEventRequest
+        ]
+
+    def test_changes_the_query(self, server, client):
+        event_id = created(client, server, STATUS)
+        query = QueryAuthority().encode()
+        _, event = client.ask(update(event_id, query), server)
+        assert event.report_message == ReportAuthority(authority_code=0).encode()
+
+    def test_renewals_of_a_periodic_event_keep_its_beat(self, world, server, client):
+        event_id = created(client, server, PULSE, rate=1)
+        client.take()
+        for _ in range(10):
+            world.run(0.5)
+            client.send(update(event_id, PULSE, rate=1), server)
+        events = [each for each in client.take() if isinstance(each, Event)]
+        assert len(events) == pytest.approx(5, abs=1)
+
+
+class TestCancel:
+    def test_ends_the_reports(self, world, server, client):
+        event_id = created(client, server, PULSE, rate=10)
+        answer = client.ask(CancelEvent(request_id=9, event_id=event_id), server)
+        assert answer[-1] == ConfirmEventRequest(
+            request_id=9, event_id=event_id, confirmed_periodic_rate=0.0
+        )
+        world.run(1.0)
+        assert client.take() == []
+
+    def test_of_an_unknown_event(self, server, client):
+        assert code_of(client.ask(CancelEvent(request_id=9, event_id=3), server)) == 6
+
+    def test_of_the_event_of_another_client(self, world, server, client, other):
+        event_id = created(client, server, STATUS)
+        answer = other.ask(CancelEvent(request_id=9, event_id=event_id), server)
+        assert code_of(answer) == 6
+
+
+class TestQueryEvents:
+    @pytest.fixture
+    def events(self, server, client, other):
+        return created(client, server, STATUS), created(other, server, PULSE, rate=5)
+
+    def ids(self, client, server, variant):
+        (report,) = client.ask(QueryEvents(query_events_var=variant), server)
+        assert isinstance(report, ReportEvents)
+        return [each.event_id for each in report.event_list]
+
+    def test_by_message(self, server, client, events):
+        for code in (QueryStatus.CODE, ReportStatus.CODE):
+            choice = QueryEvents.MessageIDRec(message_code=code)
+            assert self.ids(client, server, choice) == [events[0]]
+
+    def test_by_type(self, server, client, events):
+        for event_type, expected in ((EVERY_CHANGE, events[0]), (PERIODIC, events[1])):
+            choice = QueryEvents.EventTypeRec(event_type=event_type)
+            assert self.ids(client, server, choice) == [expected]
+
+    def test_by_id(self, server, client, events):
+        for event_id in events:
+            choice = QueryEvents.EventIDRec(event_id=event_id)
+            assert self.ids(client, server, choice) == [event_id]
+        assert self.ids(client, server, QueryEvents.EventIDRec(event_id=200)) == []
+
+    def test_all(self, server, client, events):
+        assert self.ids(client, server, QueryEvents.AllEventsRec(all_events=0)) == list(events)
+
+    def test_record(self, server, client, events):
+        choice = QueryEvents.EventIDRec(event_id=events[1])
+        (report,) = client.ask(QueryEvents(query_events_var=choice), server)
+        assert report.event_list == [
+            ReportEvents.ReportEventRec(
+                event_type=PERIODIC, event_id=events[1], query_message=PULSE
+            )
+        ]
+
+
+class TestTimeout:
+    def test_is_in_minutes(self, server, client):
+        assert client.ask(QueryEventTimeout(), server) == [ReportEventTimeout(timeout=1)]
+
+    def test_event_of_a_dead_client_expires(self, world, server, client):
+        event_id = created(client, server, STATUS)
+        world.run(59.0, step=1.0)
+        assert client.take() == []
+        world.run(1.1, step=0.1)
+        assert client.take() == [
+            ConfirmEventRequest(request_id=7, event_id=event_id, confirmed_periodic_rate=0.0)
+        ]
+        server.control_available = False
+        client.send(RequestControl(authority_code=1), server)
+        assert world.counters.snapshot()["events.expired"] == 1
+        choice = QueryEvents.AllEventsRec(all_events=0)
+        assert client.ask(QueryEvents(query_events_var=choice), server)[-1].event_list == []
+
+    @pytest.mark.parametrize("renewal", ["update", "create"])
+    def test_renewal_restarts_it(self, world, server, client, renewal):
+        event_id = created(client, server, PULSE, rate=1)
+        for _ in range(4):
+            world.run(40.0, step=0.5)
+            client.send(
+                update(event_id, PULSE, rate=1) if renewal == "update" else create(PULSE, rate=1),
+                server,
+            )
+        client.take()
+        world.run(10.0, step=0.5)
+        assert len(client.take()) == pytest.approx(10, abs=1)
+
+    def test_zero_means_never(self, world, client):
+        server = world.component("1.1.1", event_timeout=0)
+        server.start()
+        created(client, server, PULSE, rate=1)
+        client.take()
+        world.run(600.0, step=1.0)
+        assert len(client.take()) == pytest.approx(600, abs=2)
+
+
+class TestDelivery:
+    def test_every_change_only_when_changed(self, world, server, client):
+        created(client, server, QueryControl().encode())
+        client.take()
+        server.report_changed(ReportStatus)
+        server.report_changed(ReportAuthority)
+        assert client.take() == []
+        client.ask(RequestControl(authority_code=5), server)
+        client.ask(RequestControl(authority_code=5), server)
+        world.settle()
+        assert world.count(Event.CODE) == 2
+
+    def test_sequence_number_wraps(self, server, client):
+        values = iter(range(1000))
+        server.provide(
+            QueryTime, ReportTime, lambda *_: ReportTime(time_stamp=_stamp(next(values)))
+        )
+        created(client, server, QueryTime(presence_vector=1).encode())
+        client.take()
+        numbers = []
+        for _ in range(300):
+            server.report_changed(ReportTime)
+            numbers += [each.sequence_number for each in client.take()]
+        assert numbers == [(1 + n) % 256 for n in range(300)]
+
+    def test_no_report_now(self, world, server, client):
+        server.provide(QueryTime, ReportTime, lambda *_: None)
+        answer = client.ask(create(QueryTime(presence_vector=1).encode(), rate=10), server)
+        assert [type(each) for each in answer] == [ConfirmEventRequest]
+        world.run(1.0)
+        assert client.take() == []
+        assert client.ask(QueryTime(presence_vector=1), server) == []
+
+    def test_provider_that_raises(self, world, server, client):
+        def broken(_query, _sender):
+            raise RuntimeError("user code")
+
+        server.provide(QueryTime, ReportTime, broken)
+        created(client, server, QueryTime(presence_vector=1).encode(), rate=10)
+        world.run(1.0)
+        assert world.counters.snapshot()["component.handler_failed"] >= 10
+        assert client.ask(QueryStatus(), server) == [ReportStatus(status=2, reserved=0)]
+
+    def test_provider_learns_query_and_client(self, server, client):
+        asked = []
+        server.provide(
+            QueryTime, ReportTime, lambda query, sender: asked.append((query, sender))
+        )
+        query = QueryTime(presence_vector=2)
+        client.ask(create(query.encode()), server)
+        assert asked == [(query, client.address)]
+
+    def test_missed_periods_are_not_made_up_for(self, world, server, client):
+        created(client, server, PULSE, rate=50)
+        client.take()
+        world.time += 10.0
+        assert len(client.take()) <= 2
+
+    def test_periodic_rate_is_kept(self, world, server, client):
+        created(client, server, PULSE, rate=50)
+        client.take()
+        world.run(10.0, step=0.003)
+        assert len(client.take()) == pytest.approx(500, abs=2)
+
+    def test_event_ids_are_unique_and_at_most_254(self, world, server):
+        ids = set()
+        for number in range(255):
+            probe = world.probe(f"{100 + number}.1.1")
+            ids.add(created(probe, server, STATUS))
+        assert ids == set(range(255))
+        assert code_of(world.probe("99.1.1").ask(create(STATUS), server)) == 3
+
+    def test_events_end_with_the_component(self, world, server, client):
+        created(client, server, PULSE, rate=10)
+        server.stop()
+        client.take()
+        world.run(1.0)
+        assert client.take() == []
+
+    def test_stop_reports_the_status_shutdown(self, server, client):
+        created(client, server, STATUS)
+        client.take()
+        server.stop()
+        (event,) = client.take()
+        assert event.report_message == ReportStatus(status=3, reserved=0).encode()
+
+
+def _stamp(value):
+    stamp = ReportTime.TimeStamp
+    return stamp(milliseconds=value % 1000, seconds=value // 1000, minutes=0, hour=0, day=1)

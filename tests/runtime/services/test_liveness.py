@@ -1,0 +1,101 @@
+"""Liveness, and what every component does with messages that are not for it."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.component import Guard
+from jausml.runtime.core_messages import (
+    QueryHeartbeatPulse,
+    QueryStatus,
+    ReportHeartbeatPulse,
+    ReportStatus,
+    RequestControl,
+    Resume,
+    SetTime,
+)
+
+
+@pytest.fixture
+def server(world):
+    component = world.component("1.1.1")
+    component.start()
+    return component
+
+
+@pytest.fixture
+def client(world):
+    return world.probe("2.1.1")
+
+
+def test_heartbeat(server, client):
+    assert client.ask(QueryHeartbeatPulse(), server) == [ReportHeartbeatPulse()]
+
+
+def test_queries_to_everyone_are_answered(server, client):
+    assert client.ask(QueryHeartbeatPulse(), BROADCAST) == [ReportHeartbeatPulse()]
+
+
+@pytest.mark.parametrize("payload", [b"", b"\x02", b"\xef\xbe", b"\xef\xbe\x01\x02"])
+def test_unknown_messages_are_counted_and_ignored(world, server, client, payload):
+    client.send_bytes(payload, server)
+    assert client.take() == []
+    assert world.counters.snapshot()["component.unknown_message"] == 1
+
+
+def test_bad_body_is_counted_and_ignored(world, server, client):
+    client.send_bytes(RequestControl.CODE.to_bytes(2, "little"), server)
+    assert client.take() == []
+    assert world.counters.snapshot()["component.bad_message"] == 1
+
+
+def test_guards(world, server, client):
+    obeyed = []
+    server.handle(SetTime, lambda _message, sender: obeyed.append(sender), when=Guard.READY)
+    time = SetTime()
+    client.ask(time, server)
+    client.ask(RequestControl(authority_code=1), server)
+    client.ask(time, server)
+    assert obeyed == []
+    client.ask(Resume(), server)
+    client.ask(time, server)
+    world.probe("3.1.1").ask(time, server)
+    assert obeyed == [client.address]
+    assert world.counters.snapshot()["component.command_refused"] == 3
+
+
+def test_listeners_get_messages_next_to_the_handler(server, client):
+    heard = []
+    server.on_message(RequestControl, lambda message, _sender: heard.append(message))
+    server.on_message(ReportStatus, lambda message, _sender: heard.append(message))
+    client.ask(RequestControl(authority_code=3), server)
+    client.ask(ReportStatus(status=1, reserved=0), server)
+    assert heard == [RequestControl(authority_code=3), ReportStatus(status=1, reserved=0)]
+    assert server.controller == client.address
+
+
+def test_one_handler_for_each_message(server):
+    with pytest.raises(ValueError, match="handled already"):
+        server.provide(QueryStatus, ReportStatus, lambda *_: None)
+
+
+def test_handler_that_raises_is_counted(world, server, client):
+    def broken(_message, _sender):
+        raise RuntimeError("user code")
+
+    server.handle(SetTime, broken)
+    client.ask(SetTime(), server)
+    assert world.counters.snapshot()["component.handler_failed"] == 1
+    assert client.ask(QueryHeartbeatPulse(), server) == [ReportHeartbeatPulse()]
+
+
+def test_component_needs_an_address_of_its_own(world):
+    with pytest.raises(ValueError, match="does not name one component"):
+        world.component("1.255.1")
+
+
+def test_component_starts_once(server):
+    with pytest.raises(RuntimeError, match="runs already"):
+        server.start()
+    assert server.address == JausAddress(1, 1, 1)
