@@ -10,7 +10,7 @@ import click
 
 from jausml.cli import main as command_line
 from jausml.metamodel import ClassTable, FeatureTable, PackageTable, documentation, load_metamodels
-from jausml.validation import rule_catalogue
+from jausml.validation.catalogue import catalogue
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -75,9 +75,9 @@ def _data_types(package: PackageTable) -> list[str]:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
-    for rule_id, info in sorted(rule_catalogue().items()):
-        lines += [f"## {rule_id} {info.title}", "", f"Severity: {info.severity.value}.", ""]
-        lines += [info.explanation, ""]
+    for entry in catalogue():
+        lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
+        lines += [entry.documentation, ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -85,14 +85,10 @@ def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = ["# Command line", ""]
     root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
-    commands = [
-        command_line,
-        *(command_line.commands[name] for name in sorted(command_line.commands)),
-    ]
-    for command in commands:
-        context = root
-        if command is not command_line:
-            context = click.Context(command, info_name=command.name, parent=root)
+    for name in (None, *command_line.list_commands(root)):
+        command = command_line.get_command(root, name) if name else command_line
+        assert command is not None  # noqa: S101 - for the type checker
+        context = click.Context(command, info_name=name, parent=root) if name else root
         lines += [f"## {context.command_path}", "", "```text", command.get_help(context), "```", ""]
     return "\n".join(lines).rstrip() + "\n"
 
