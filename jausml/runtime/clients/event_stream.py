@@ -71,6 +71,7 @@ class EventStream:
         self._groups: dict[type[Message], list[EventSubscription]] = {}
         self._state = _State.IDLE
         self._rate: float | None = None
+        self._asked_rate: float | None = None
         self._confirmed_rate = 0.0
         self._delay = self._settings.retry_min
         self._renewals = 0
@@ -93,13 +94,13 @@ class EventStream:
         """Add a subscriber; it gets the last report of an event that is under way."""
         self._groups.setdefault(report_class, []).append(subscription)
         self.component.when_started(subscription.start_watching)
+        self._agree_on_rate()
         if self._state is _State.IDLE:
             if len(self._subscriptions()) == 1:
                 self.component.when_started(self._start)
         elif self._last is not None:
             last = self._last
             self._loop.call_soon(lambda: self._deliver_to(subscription, report_class, last))
-        self._agree_on_rate()
 
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber; the event is cancelled with the last one."""
@@ -176,6 +177,8 @@ class EventStream:
         if is_new or changed:
             self._heard = self._loop.now()
             self._watch_silence()
+        if self._asked_rate != self._rate:
+            self._renew()
 
     def rejected(self, code: int | None, text: str) -> None:
         """Take the provider's refusal of our last request."""
@@ -220,6 +223,7 @@ class EventStream:
         self._renewals = 0
         self._cancel_timers()
         self._asked_at = self._loop.now()
+        self._asked_rate = self._rate
         self._set_timer(self._delay, self._create)
         self._delay = min(self._delay * 2, self._settings.retry_max)
         message = CreateEvent(
@@ -237,6 +241,7 @@ class EventStream:
             return
         self._renewals += 1
         self._asked_at = self._loop.now()
+        self._asked_rate = self._rate
         self._set_timer(self._settings.retry_min, self._renew)
         message = UpdateEvent(
             request_id=self.request_id,

@@ -1,0 +1,363 @@
+"""Control sessions and one-time queries."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.component import ControlState, Status
+from jausml.runtime.core_messages import (
+    ConfirmControl,
+    QueryStatus,
+    QueryTimeout,
+    RejectControl,
+    ReleaseControl,
+    ReportStatus,
+    RequestControl,
+    Resume,
+    SetEmergency,
+    Standby,
+)
+from jausml.runtime.core_messages import ClearEmergency as Clear
+
+TARGET = JausAddress(1, 1, 1)
+SEEKING, CONTROLLED, READY, REFUSED = ControlState
+
+
+@pytest.fixture
+def client(world):
+    component = world.component("2.1.1", services=())
+    component.start()
+    return component
+
+
+def target(world, **settings):
+    component = world.component(str(TARGET), **settings)
+    component.start()
+    return component
+
+
+def kill(world, component):
+    """End a component as a crash does: without a word."""
+    component._access._stop_timer()
+    world.detach(component.address)
+
+
+def test_target_is_controlled_and_resumed(world, client):
+    tested = target(world)
+    states = []
+    session = client.control(TARGET, authority=127, on_change=states.append)
+    assert session.state is SEEKING
+    world.settle()
+    assert states == [CONTROLLED, READY]
+    assert tested.controller == client.address
+    assert tested.authority == 127
+    assert tested.status is Status.READY
+
+
+def test_session_before_the_start(world):
+    tested = target(world)
+    late = world.component("2.1.1", services=())
+    session = late.control(TARGET, authority=127)
+    world.run(5.0)
+    assert tested.controller is None
+    late.start()
+    world.settle()
+    assert session.state is READY
+
+
+def test_target_that_is_not_to_be_resumed(world, client):
+    tested = target(world)
+    session = client.control(TARGET, authority=127, resume=False)
+    world.run(5.0)
+    assert session.state is CONTROLLED
+    assert tested.status is Status.STANDBY
+
+
+def test_target_without_management(world, client):
+    from jausml.runtime.component import ServiceIdentity
+
+    services = (ServiceIdentity("urn:jaus:jss:core:AccessControl", 1, 0),)
+    target(world, services=services)
+    session = client.control(TARGET, authority=127)
+    world.run(5.0)
+    assert session.state is CONTROLLED
+    assert world.count(Resume.CODE) == 0
+
+
+@pytest.mark.parametrize("timeout", [0, 1, 5, 60])
+def test_control_is_kept(world, client, timeout):
+    tested = target(world, control_timeout=timeout)
+    states = []
+    client.control(TARGET, authority=127, on_change=states.append)
+    world.run(30.0)
+    assert states == [CONTROLLED, READY]
+    assert tested.controller == client.address
+    assert "access_control.timed_out" not in world.counters.snapshot()
+
+
+def test_control_is_confirmed_within_half_the_timeout(world):
+    patient = world.component("2.1.1", services=(), watch_interval=100.0)
+    patient.start()
+    target(world, control_timeout=10)
+    patient.control(TARGET, authority=127)
+    world.run(1.0)
+    assert world.count(QueryTimeout.CODE) == 1
+    world.log.clear()
+    world.run(50.0)
+    assert world.count(RequestControl.CODE) == 10
+
+
+def test_target_that_comes_later(world, client):
+    session = client.control(TARGET, authority=127)
+    world.run(60.0)
+    assert session.state is SEEKING
+    assert world.count(RequestControl.CODE) == pytest.approx(15, abs=2)
+    target(world)
+    world.run(5.1)
+    assert session.state is READY
+
+
+def test_restarted_target_is_resumed_again(world, client):
+    first = target(world)
+    states = []
+    client.control(TARGET, authority=127, on_change=states.append)
+    world.run(3.0)
+    kill(world, first)
+    second = target(world)
+    world.run(2.0)
+    assert second.controller == client.address
+    assert second.status is Status.READY
+    assert states == [CONTROLLED, READY, CONTROLLED, READY]
+
+
+def test_dead_target_is_noticed(world, client):
+    tested = target(world)
+    states = []
+    client.control(TARGET, authority=127, on_change=states.append)
+    world.run(1.0)
+    kill(world, tested)
+    world.run(6.0)
+    assert states[-1] is SEEKING
+    assert world.counters.snapshot()["control_client.lost"] == 1
+
+
+def test_target_in_standby_is_resumed(world, client):
+    tested = target(world)
+    session = client.control(TARGET, authority=127)
+    world.settle()
+    client.send(Standby(), TARGET)
+    world.settle()
+    assert tested.status is Status.STANDBY
+    world.run(1.1)
+    assert tested.status is Status.READY
+    assert session.state is READY
+
+
+def test_target_that_does_not_obey_resume_is_not_flooded(world, client):
+    target(world)
+    world.lost = lambda *message: message[2] == Resume.CODE
+    client.control(TARGET, authority=127)
+    world.run(20.0)
+    assert world.count(Resume.CODE) == pytest.approx(20, abs=2)
+
+
+def test_higher_authority_elsewhere(world, client):
+    tested = target(world)
+    rival = world.probe("3.1.1")
+    rival.ask(RequestControl(authority_code=200), tested)
+    states = []
+    session = client.control(TARGET, authority=127, on_change=states.append)
+    world.run(4.0)
+    assert session.state is REFUSED
+    assert states == [REFUSED]
+    assert world.count(ConfirmControl.CODE) == 2
+    rival.ask(ReleaseControl(), tested)
+    world.run(5.1)
+    assert session.state is READY
+
+
+def test_preempted_and_regained(world, client):
+    tested = target(world)
+    states = []
+    client.control(TARGET, authority=127, on_change=states.append)
+    world.settle()
+    rival = world.probe("3.1.1")
+    rival.ask(RequestControl(authority_code=200), tested)
+    assert states == [CONTROLLED, READY, SEEKING]
+    world.run(1.0)
+    assert states[-1] is REFUSED
+    rival.ask(ReleaseControl(), tested)
+    world.run(6.0)
+    assert states[-1] is READY
+    assert tested.controller == client.address
+
+
+def test_emergency_and_recovery(world, client):
+    tested = target(world)
+    session = client.control(TARGET, authority=127)
+    world.settle()
+    guard = world.probe("3.1.1")
+    guard.ask(SetEmergency(emergency_code=1), tested)
+    world.run(3.0)
+    assert session.state is REFUSED
+    assert tested.status is Status.EMERGENCY
+    guard.ask(Clear(emergency_code=1), tested)
+    world.run(6.0)
+    assert session.state is READY
+
+
+def test_lost_answers_do_no_harm(world, client):
+    tested = target(world)
+    dropped = iter(range(10**6))
+    world.lost = lambda *_: next(dropped) % 3 == 0
+    client.control(TARGET, authority=127)
+    world.run(30.0)
+    world.lost = lambda *_: False
+    world.run(6.0)
+    assert tested.status is Status.READY
+    assert tested.controller == client.address
+
+
+class TestSharing:
+    def test_sessions_add_no_packets(self, world, client):
+        target(world)
+        first = client.control(TARGET, authority=127)
+        world.run(10.0)
+        world.log.clear()
+        world.run(10.0)
+        alone = len(world.log)
+        states = []
+        second = client.control(TARGET, authority=127, on_change=states.append)
+        world.run(1.0)
+        assert states == [READY]
+        world.log.clear()
+        world.run(10.0)
+        assert len(world.log) == alone
+        first.release()
+        world.run(1.0)
+        assert second.state is READY
+        second.release()
+        second.release()
+        world.settle()
+        assert world.count(ReleaseControl.CODE) == 1
+
+    def test_highest_authority_wins(self, world, client):
+        tested = target(world)
+        client.control(TARGET, authority=50)
+        world.settle()
+        client.control(TARGET, authority=60)
+        world.settle()
+        assert tested.authority == 60
+
+
+def test_release(world, client):
+    tested = target(world)
+    session = client.control(TARGET, authority=127)
+    world.settle()
+    session.release()
+    world.settle()
+    assert tested.controller is None
+    assert tested.status is Status.STANDBY
+    world.log.clear()
+    world.run(30.0)
+    assert world.log == []
+
+
+def test_stop_releases_control(world, client):
+    tested = target(world)
+    client.control(TARGET, authority=127)
+    world.settle()
+    client.stop()
+    world.settle()
+    assert tested.controller is None
+    world.log.clear()
+    world.run(30.0)
+    assert world.log == []
+
+
+@pytest.mark.parametrize("authority", [-1, 256])
+def test_impossible_authority(client, authority):
+    with pytest.raises(ValueError, match="authority"):
+        client.control(TARGET, authority=authority)
+
+
+def test_words_of_strangers_are_ignored(world, client):
+    target(world)
+    session = client.control(TARGET, authority=127)
+    world.settle()
+    stranger = world.probe("3.1.1")
+    for message in (
+        RejectControl(response_code=0),
+        ConfirmControl(response_code=2),
+        ReportStatus(status=2, reserved=0),
+    ):
+        stranger.ask(message, client)
+    assert session.state is READY
+
+
+class TestQuery:
+    def test_answer(self, world, client):
+        target(world)
+        answers = []
+        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
+        world.settle()
+        assert answers == [(ReportStatus(status=2, reserved=0), TARGET)]
+        world.run(5.0)
+        assert world.count(QueryStatus.CODE) == 1
+
+    def test_lost_query_is_repeated(self, world, client):
+        target(world)
+        world.lost = lambda *_: len(world.log) <= 3
+        answers = []
+        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
+        world.run(3.5)
+        assert len(answers) == 1
+
+    def test_failure(self, world, client):
+        answers, failures = [], []
+        client.query(
+            TARGET,
+            QueryStatus(),
+            ReportStatus,
+            lambda *answer: answers.append(answer),
+            on_failure=lambda: failures.append(world.time),
+            timeout=0.5,
+            retries=2,
+        )
+        start = world.time
+        world.run(10.0)
+        assert world.count(QueryStatus.CODE) == 3
+        assert failures == [pytest.approx(start + 1.5, abs=0.05)]
+        target(world)
+        client.send(QueryStatus(), TARGET)
+        world.settle()
+        assert answers == []
+
+    def test_two_at_once(self, world, client):
+        target(world)
+        answers = []
+        for number in range(2):
+            client.query(
+                TARGET, QueryStatus(), ReportStatus, lambda *_, n=number: answers.append(n)
+            )
+        world.settle()
+        assert answers == [0, 1]
+
+    def test_cancel(self, world, client):
+        answers = []
+        pending = client.query(TARGET, QueryStatus(), ReportStatus, lambda *_: answers.append(1))
+        pending.cancel()
+        target(world)
+        world.run(5.0)
+        assert answers == []
+        assert world.count(QueryStatus.CODE) == 1
+
+    def test_before_the_start(self, world):
+        target(world)
+        late = world.component("2.1.1", services=())
+        answers = []
+        late.query(TARGET, QueryStatus(), ReportStatus, lambda *_: answers.append(1))
+        late.start()
+        world.settle()
+        assert answers == [1]

@@ -1,0 +1,508 @@
+"""Subscriptions: creation, renewal, recovery, silence, sharing."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.core_messages import (
+    CancelEvent,
+    ConfirmEventRequest,
+    CreateEvent,
+    Event,
+    QueryControl,
+    QueryEventTimeout,
+    QueryHeartbeatPulse,
+    QueryStatus,
+    QueryTime,
+    RejectEventRequest,
+    ReportControl,
+    ReportHeartbeatPulse,
+    ReportStatus,
+    ReportTime,
+    RequestControl,
+    UpdateEvent,
+)
+
+PROVIDER = JausAddress(1, 1, 1)
+
+
+@pytest.fixture
+def client(world):
+    component = world.component("2.1.1", services=(), retry_min=0.5, retry_max=4.0)
+    component.start()
+    return component
+
+
+class Inbox(list):
+    """Reports of one subscription."""
+
+    def __call__(self, report, sender):
+        assert sender == PROVIDER
+        self.append(report)
+
+
+def provider(world, **settings):
+    component = world.component(str(PROVIDER), **settings)
+    component.start()
+    return component
+
+
+def pulses(client, inbox, **named):
+    return client.subscribe(PROVIDER, QueryHeartbeatPulse(), ReportHeartbeatPulse, inbox, **named)
+
+
+def statuses(client, inbox, **named):
+    return client.subscribe(PROVIDER, QueryStatus(), ReportStatus, inbox, **named)
+
+
+def test_reports_arrive_at_the_rate(world, client):
+    provider(world)
+    inbox = Inbox()
+    subscription = pulses(client, inbox, rate=10)
+    world.run(2.0)
+    assert subscription.active
+    assert len(inbox) == pytest.approx(21, abs=1)
+    assert inbox[0] == ReportHeartbeatPulse()
+
+
+def test_every_change_reports_the_present_value_first(world, client):
+    tested = provider(world)
+    inbox = Inbox()
+    statuses(client, inbox)
+    world.settle()
+    assert [each.status for each in inbox] == [2]
+    tested.fail("broken")
+    world.settle()
+    assert [each.status for each in inbox] == [2, 4]
+
+
+def test_subscription_before_the_start(world):
+    provider(world)
+    late = world.component("2.1.1", services=())
+    inbox = Inbox()
+    statuses(late, inbox)
+    world.run(5.0)
+    assert inbox == []
+    late.start()
+    world.settle()
+    assert len(inbox) == 1
+
+
+def test_provider_that_comes_later(world, client):
+    inbox = Inbox()
+    subscription = statuses(client, inbox)
+    world.run(30.0)
+    assert not subscription.active
+    assert world.count(CreateEvent.CODE) == pytest.approx(9, abs=2)
+    provider(world)
+    world.run(4.1)
+    assert subscription.active
+    assert len(inbox) == 1
+
+
+def test_lost_requests_are_sent_again(world, client):
+    provider(world)
+    world.lost = lambda *message: message[2] == CreateEvent.CODE and len(world.log) < 2
+    inbox = Inbox()
+    statuses(client, inbox)
+    world.run(1.0)
+    assert len(inbox) == 1
+
+
+def test_lost_confirmation_keeps_one_event(world, client):
+    provider(world)
+    confirmations = []
+
+    def lost(_source, _destination, code):
+        if code == ConfirmEventRequest.CODE:
+            confirmations.append(code)
+            return len(confirmations) == 1
+        return False
+
+    world.lost = lost
+    inbox = Inbox()
+    subscription = pulses(client, inbox, rate=5)
+    world.run(3.0)
+    assert subscription.active
+    world.log.clear()
+    world.run(2.0)
+    assert world.count(Event.CODE) == pytest.approx(10, abs=1)
+    assert world.count(CancelEvent.CODE) == 0
+
+
+class TestSharing:
+    def test_fan_out_adds_no_packets(self, world, client):
+        provider(world)
+        counts = []
+        for subscribers in (1, 5):
+            inboxes = [Inbox() for _ in range(subscribers)]
+            shares = [pulses(client, inbox, rate=10) for inbox in inboxes]
+            world.run(1.0)
+            world.log.clear()
+            world.run(5.0)
+            counts.append(len(world.log))
+            assert all(len(inbox) == pytest.approx(61, abs=1) for inbox in inboxes)
+            for share in shares:
+                share.cancel()
+            world.run(1.0)
+        assert counts[0] == counts[1]
+
+    def test_highest_rate_wins(self, world, client):
+        provider(world)
+        slow, fast = Inbox(), Inbox()
+        pulses(client, slow, rate=2)
+        world.run(1.0)
+        share = pulses(client, fast, rate=20)
+        world.run(1.0)
+        fast.clear()
+        world.run(2.0)
+        assert len(fast) == pytest.approx(40, abs=1)
+        share.cancel()
+        world.run(1.0)
+        slow.clear()
+        world.run(4.0)
+        assert len(slow) == pytest.approx(8, abs=1)
+
+    def test_periodic_wins_over_every_change(self, world, client):
+        provider(world)
+        inbox = Inbox()
+        statuses(client, inbox)
+        world.settle()
+        share = statuses(client, Inbox(), rate=10)
+        world.run(2.0)
+        assert len(inbox) == pytest.approx(22, abs=2)
+        share.cancel()
+        world.run(1.0)
+        inbox.clear()
+        world.run(2.0)
+        assert inbox == []
+
+    def test_later_subscriber_gets_the_last_report(self, world, client):
+        provider(world)
+        statuses(client, Inbox())
+        world.settle()
+        inbox = Inbox()
+        statuses(client, inbox)
+        assert inbox == []
+        world.settle()
+        assert len(inbox) == 1
+
+    def test_event_is_cancelled_with_its_last_subscriber(self, world, client):
+        provider(world)
+        shares = [pulses(client, Inbox(), rate=10) for _ in range(2)]
+        world.settle()
+        shares[0].cancel()
+        world.settle()
+        assert world.count(CancelEvent.CODE) == 0
+        shares[1].cancel()
+        shares[1].cancel()
+        world.settle()
+        assert world.count(CancelEvent.CODE) == 1
+        world.log.clear()
+        world.run(5.0)
+        assert world.log == []
+
+    def test_other_queries_are_other_events(self, world, client):
+        tested = provider(world)
+        tested.provide(QueryTime, ReportTime, lambda *_: ReportTime())
+        inboxes = []
+        for fields in (1, 2):
+            inboxes.append(Inbox())
+            query = QueryTime(presence_vector=fields)
+            client.subscribe(PROVIDER, query, ReportTime, inboxes[-1], rate=10)
+        world.run(1.0)
+        assert all(len(inbox) == pytest.approx(11, abs=1) for inbox in inboxes)
+
+    def test_broken_subscriber_does_not_harm_the_others(self, world, client):
+        provider(world)
+
+        def broken(_report, _sender):
+            raise RuntimeError("user code")
+
+        pulses(client, broken, rate=10)
+        inbox = Inbox()
+        pulses(client, inbox, rate=10)
+        world.run(1.0)
+        assert len(inbox) == pytest.approx(11, abs=1)
+        assert world.counters.snapshot()["component.handler_failed"] == len(inbox)
+
+
+class TestRenewal:
+    def test_at_half_of_the_timeout(self, world, client):
+        provider(world, event_timeout=2)
+        pulses(client, Inbox(), rate=1)
+        world.run(1.0, step=0.1)
+        assert world.count(QueryEventTimeout.CODE) == 1
+        world.log.clear()
+        world.run(601.0, step=0.1)
+        assert world.count(UpdateEvent.CODE) == 10
+        assert world.count(CreateEvent.CODE) == 0
+
+    def test_peer_without_timeout_messages(self, world, client):
+        provider(world, event_timeout=1)
+        world.lost = lambda *message: message[2] == QueryEventTimeout.CODE
+        inbox = Inbox()
+        pulses(client, inbox, rate=1)
+        world.run(301.0, step=0.1)
+        assert world.count(CreateEvent.CODE) == 1
+        assert len(inbox) == pytest.approx(302, abs=1)
+
+    def test_timeout_of_zero_needs_none(self, world, client):
+        provider(world, event_timeout=0)
+        pulses(client, Inbox(), rate=1)
+        world.run(301.0, step=0.1)
+        assert world.count(UpdateEvent.CODE) == 0
+
+    def test_every_change_is_checked_more_often(self, world, client):
+        provider(world, event_timeout=0)
+        statuses(client, Inbox())
+        world.run(101.0, step=0.1)
+        assert world.count(UpdateEvent.CODE) == 10
+
+    def test_one_lost_renewal_does_no_harm(self, world, client):
+        provider(world)
+        statuses(client, Inbox())
+        world.run(9.0, step=0.1)
+        updates = []
+
+        def lost(_source, _destination, code):
+            if code == UpdateEvent.CODE:
+                updates.append(code)
+                return len(updates) == 1
+            return False
+
+        world.lost = lost
+        world.run(3.0, step=0.1)
+        assert len(updates) == 2
+        assert world.count(CreateEvent.CODE) == 1
+
+    def test_expiry_notice_creates_the_event_again(self, world, client):
+        provider(world)
+        subscription = statuses(client, Inbox())
+        world.settle()
+        world.lost = lambda *message: message[2] == UpdateEvent.CODE
+        world.run(65.0, step=0.1)
+        world.lost = lambda *_: False
+        world.run(15.0, step=0.1)
+        assert subscription.active
+
+
+class TestRecovery:
+    @pytest.mark.parametrize("pause", [0.0, 0.5, 20.0])
+    def test_periodic_event_of_a_restarted_provider(self, world, client, pause):
+        first = provider(world)
+        inbox = Inbox()
+        pulses(client, inbox, rate=10)
+        world.run(1.0)
+        kill(world, first)
+        world.run(pause)
+        provider(world)
+        world.run(5.0)
+        inbox.clear()
+        world.run(1.0)
+        assert len(inbox) == pytest.approx(10, abs=1)
+
+    def test_every_change_event_of_a_restarted_provider(self, world, client):
+        first = provider(world)
+        inbox = Inbox()
+        statuses(client, inbox)
+        world.run(1.0)
+        kill(world, first)
+        second = provider(world)
+        world.run(11.0)
+        assert len(inbox) == 2
+        second.fail("broken")
+        world.settle()
+        assert inbox[-1].status == 4
+
+    def test_ids_that_a_restarted_provider_gives_to_other_queries(self, world, client):
+        first = provider(world)
+        control, status = Inbox(), Inbox()
+        client.subscribe(PROVIDER, QueryControl(), ReportControl, control)
+        world.run(0.5)
+        statuses(client, status, rate=10)
+        world.run(1.0)
+        kill(world, first)
+        second = provider(world)
+        world.run(5.0)
+        control.clear()
+        world.probe("5.1.1").ask(RequestControl(authority_code=1), second)
+        assert [each.subsystem_id for each in control] == [5]
+        status.clear()
+        world.run(1.0)
+        assert len(status) == pytest.approx(10, abs=1)
+        assert "event_client.bad_report" not in world.counters.snapshot()
+
+    def test_events_from_before_our_own_restart(self, world):
+        provider(world)
+        first = world.component("2.1.1", services=())
+        first.start()
+        pulses(first, Inbox(), rate=10)
+        world.run(1.0)
+        kill(world, first)
+        second = world.component("2.1.1", services=())
+        second.start()
+        inbox = Inbox()
+        pulses(second, inbox, rate=10)
+        world.log.clear()
+        world.run(1.0)
+        assert len(inbox) == pytest.approx(11, abs=1)
+        assert world.count(Event.CODE) == pytest.approx(11, abs=1)
+
+    def test_events_that_nobody_wants_are_cancelled(self, world):
+        provider(world)
+        first = world.component("2.1.1", services=())
+        first.start()
+        pulses(first, Inbox(), rate=10)
+        world.run(1.0)
+        kill(world, first)
+        second = world.component("2.1.1", services=())
+        second.start()
+        world.run(1.0)
+        world.log.clear()
+        world.run(5.0)
+        assert world.log == []
+
+    def test_provider_that_confirms_and_does_not_report(self, world, client):
+        tested = provider(world)
+        tested.provide(QueryTime, ReportTime, lambda *_: None)
+        client.subscribe(PROVIDER, QueryTime(), ReportTime, Inbox(), rate=10)
+        world.run(300.0, step=0.1)
+        assert world.count(CreateEvent.CODE) < 20
+
+
+class TestRefusal:
+    def test_is_counted_and_tried_again_slowly(self, world, client):
+        tested = provider(world)
+        inbox = Inbox()
+        client.subscribe(PROVIDER, QueryTime(), ReportTime, inbox)
+        world.run(31.0)
+        assert world.count(RejectEventRequest.CODE) == pytest.approx(7, abs=1)
+        assert world.counters.snapshot()["event_client.refused"] >= 6
+        tested.provide(QueryTime, ReportTime, lambda *_: ReportTime())
+        world.run(5.1)
+        assert len(inbox) == 1
+
+    @pytest.mark.parametrize("rate", [0.0, -1.0, 1093.0, float("nan")])
+    def test_of_impossible_rates(self, client, rate):
+        with pytest.raises(ValueError, match="rate"):
+            pulses(client, Inbox(), rate=rate)
+
+    def test_of_wildcards(self, client):
+        with pytest.raises(ValueError, match="does not name one component"):
+            client.subscribe(
+                JausAddress(1, 1, 255), QueryStatus(), ReportStatus, Inbox(), rate=1
+            )
+
+
+class TestSilence:
+    def test_is_told_once_until_reports_come_again(self, world, client):
+        first = provider(world)
+        silences = []
+        inbox = Inbox()
+        subscription = pulses(
+            client,
+            inbox,
+            rate=10,
+            silence_timeout=0.5,
+            on_silence=lambda: silences.append(world.time),
+        )
+        world.run(3.0)
+        assert silences == []
+        last = world.time
+        kill(world, first)
+        world.run(10.0)
+        assert silences == [pytest.approx(last + 0.5, abs=0.2)]
+        assert subscription.silent
+        provider(world)
+        world.run(5.0)
+        assert not subscription.silent
+        assert len(silences) == 1
+
+    def test_begins_with_the_subscription(self, world, client):
+        silences = []
+        statuses(
+            client, Inbox(), silence_timeout=2.0, on_silence=lambda: silences.append(world.time)
+        )
+        start = world.time
+        world.run(10.0)
+        assert silences == [pytest.approx(start + 2.0, abs=0.05)]
+
+    def test_ends_with_the_subscription(self, world, client):
+        silences = []
+        subscription = statuses(
+            client, Inbox(), silence_timeout=2.0, on_silence=lambda: silences.append(1)
+        )
+        subscription.cancel()
+        world.run(10.0)
+        assert silences == []
+
+
+class TestSequence:
+    @pytest.fixture
+    def probe(self, world):
+        return world.probe(str(PROVIDER))
+
+    def send(self, probe, client, numbers):
+        (create,) = probe.take()
+        probe.send(
+            ConfirmEventRequest(
+                request_id=create.request_id, event_id=4, confirmed_periodic_rate=0.0
+            ),
+            client,
+        )
+        report = ReportStatus(status=1, reserved=0).encode()
+        for number in numbers:
+            probe.send(
+                Event(event_id=4, sequence_number=number, report_message=report), client
+            )
+        probe.take()
+
+    @pytest.mark.parametrize(
+        ("numbers", "missing"),
+        [([5, 6, 7], 0), ([254, 255, 0, 1], 0), ([1, 3], 1), ([250, 4], 9)],
+    )
+    def test_gaps_are_counted(self, world, client, probe, numbers, missing):
+        inbox = Inbox()
+        statuses(client, inbox)
+        self.send(probe, client, numbers)
+        assert len(inbox) == len(numbers)
+        assert world.counters.snapshot().get("event_client.sequence_gap", 0) == missing
+
+    def test_old_reports_are_dropped(self, world, client, probe):
+        inbox = Inbox()
+        statuses(client, inbox)
+        self.send(probe, client, [10, 11, 9, 12])
+        assert len(inbox) == 3
+        assert world.counters.snapshot()["event_client.out_of_order"] == 1
+
+    def test_other_report_is_counted(self, world, client, probe):
+        inbox = Inbox()
+        client.subscribe(PROVIDER, QueryControl(), ReportControl, inbox)
+        self.send(probe, client, [0])
+        assert inbox == []
+        assert world.counters.snapshot()["event_client.bad_report"] == 1
+
+
+def test_stop_cancels_events(world, client):
+    provider(world)
+    pulses(client, Inbox(), rate=10)
+    statuses(client, Inbox())
+    world.settle()
+    client.stop()
+    world.settle()
+    assert world.count(CancelEvent.CODE) == 2
+    world.log.clear()
+    world.run(100.0, step=0.5)
+    assert world.log == []
+
+
+def kill(world, component):
+    """End a component as a crash does: without a word."""
+    world.detach(component.address)
+    component._events.stop()
+    component._running = False
+    component._event_client._component = world.component("77.7.7")
+    for stream in list(component._event_client._streams.values()):
+        stream._cancel_timers()
