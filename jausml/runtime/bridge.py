@@ -10,22 +10,20 @@ on the thread that waits for ROS messages. Nothing is polled and nothing is hand
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .component import COMPONENT_TYPE, ComponentSettings, Guard, JausComponent, ServiceIdentity
 from .conversions import Time
-from .loop import Loop
 from .services.definitions import MAX_EVENT_RATE
 from .settings import TransportSettings
-from .transport import JudpTransport
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from .address import JausAddress
     from .bridge_connection import AnyConnection, ConnectionStatus
+    from .loop import Loop
     from .message import Message
     from .topics import Topic
     from .transport import Transport
@@ -125,28 +123,6 @@ class Bridge:
         self._next_diagnostics = 0.0
 
     # ------------------------------------------------------------------ life
-
-    @contextmanager
-    def running(self, ros: RosSide, transport: TransportSettings) -> Iterator[None]:
-        """Opens the bridge with a loop and a JUDP transport of its own, and closes them.
-
-        Args:
-            ros: The ROS side; it starts to wait for messages afterwards.
-            transport: Network settings.
-
-        Raises:
-            OSError: The network interface or the multicast group cannot be used.
-        """
-        with Loop() as loop:
-            judp = JudpTransport(transport, loop)
-            judp.open()
-            try:
-                self.open(ros, judp)
-                loop.start()
-                yield
-                self.close()
-            finally:
-                judp.close()
 
     def open(self, ros: RosSide, transport: Transport) -> None:
         """Makes publishers, subscriptions and events, then starts the JAUS component.

@@ -6,9 +6,7 @@ subscription takes its messages and who waits for them stays in here.
 
 from __future__ import annotations
 
-import argparse
-import signal
-import sys
+import logging
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -30,12 +28,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args, try_shutdown
 
 from .conversions import Time
-from .settings import add_arguments, from_arguments
+from .counters import LOGGER
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .bridge import Bridge
     from .bridge_connection import ConnectionStatus
     from .topics import Topic
 
@@ -68,6 +65,7 @@ class RosNode:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._log = _RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
 
     @property
@@ -138,11 +136,15 @@ class RosNode:
         self._diagnostics.publish(array)
 
     def start(self) -> None:
-        """Starts to wait for messages, on a thread of its own."""
+        """Starts to wait for messages, on a thread of its own, and to log through ROS."""
+        LOGGER.addHandler(self._log)
+        LOGGER.propagate = False
         self._thread.start()
 
     def close(self) -> None:
         """Stops to wait and leaves ROS."""
+        LOGGER.removeHandler(self._log)
+        LOGGER.propagate = True
         self._executor.shutdown()
         if self._thread.is_alive():
             self._thread.join()
@@ -156,33 +158,30 @@ class RosNode:
             return
 
 
-def run(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
-    """Runs a bridge until SIGINT or SIGTERM; control of JAUS peers is released at the end.
+def without_ros_arguments(line: Sequence[str]) -> list[str]:
+    """Returns a command line, without the program's name, without what is meant for ROS."""
+    own: list[str] = remove_ros_args(["", *line])[1:]
+    return own
 
-    Args:
-        bridge: The bridge, not yet opened.
-        arguments: Command line; None means that of the process.
 
-    Returns:
-        Exit code of the process.
-    """
-    line = sys.argv[1:] if arguments is None else list(arguments)
-    model = bridge.settings
-    parser = argparse.ArgumentParser(prog=model.name, description=model.description)
-    add_arguments(parser, model.transport)
-    options = parser.parse_args(remove_ros_args(["", *line])[1:])
-    settings = from_arguments(options, model.transport)
-    stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
-    ros = RosNode(model.name, model.namespace, line)
-    try:
-        with bridge.running(ros, settings):
-            ros.start()
-            stop.wait()
-    finally:
-        ros.close()
-    return 0
+class _RosLogHandler(logging.Handler):
+    """Hands the records of the runtime to the logger of the node, and so to /rosout."""
+
+    def __init__(self, node: Any) -> None:
+        super().__init__()
+        self._logger = node.get_logger()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Logs one record; rclpy tells severities by the place of the call, hence the branches."""
+        text = self.format(record)
+        if record.levelno >= logging.ERROR:
+            self._logger.error(text)
+        elif record.levelno >= logging.WARNING:
+            self._logger.warning(text)
+        elif record.levelno >= logging.INFO:
+            self._logger.info(text)
+        else:
+            self._logger.debug(text)
 
 
 def _profile(topic: Topic) -> QoSProfile:

@@ -1,0 +1,55 @@
+"""An operator for the live tests: controls the bridge, commands a speed, watches the estimate."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+from jausml_runtime.address import JausAddress
+from jausml_runtime.component import ComponentSettings, ControlState, JausComponent, ServiceIdentity
+from jausml_runtime.process import run
+from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
+
+BRIDGE = JausAddress(10, 1, 9)
+SERVICES = [
+    ServiceIdentity("urn:jaus:jss:core:Transport", 1, 1),
+    ServiceIdentity("urn:jaus:jss:core:Events", 1, 1),
+]
+
+
+def say(**facts: object) -> None:
+    sys.stdout.write(json.dumps(facts) + "\n")
+
+
+class Operator(JausComponent):
+    """Commands 1.5 m/s ten times a second while the bridge obeys."""
+
+    def __init__(self, transport, address, settings):
+        super().__init__(transport, address, name="operator", services=SERVICES, settings=settings)
+        self.session = self.control(BRIDGE, authority=200)
+        self.subscribe(BRIDGE, QueryLocalPose(presence_vector=0x01FF), ReportLocalPose, self.seen)
+        self.when_started(self.tick)
+
+    def tick(self):
+        self.loop.call_later(0.1, self.tick)
+        if self.session.state is ControlState.READY:
+            self.send(SetVelocityCommand(velocity_x=1.5), BRIDGE)
+        self.query(BRIDGE, QueryLocalPose(presence_vector=1), ReportLocalPose, self.answered)
+
+    def seen(self, report, _sender):
+        say(kind="event", x=report.x, y=report.y, yaw=report.yaw, day=report.time_stamp.day)
+
+    def answered(self, report, _sender):
+        say(kind="answer", x=report.x)
+
+
+if __name__ == "__main__":
+    raise SystemExit(
+        run(
+            Operator,
+            name="operator",
+            description="Operator of the live tests.",
+            address=JausAddress(20, 1, 1),
+            settings=ComponentSettings(register_services=False),
+        )
+    )

@@ -1,0 +1,179 @@
+"""Real processes, real JUDP and real rclpy for the live tests of bridges."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+
+ROOT = Path(__file__).resolve().parents[2]
+MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
+PACKAGES = ("jausml_runtime", "loop_bridge")
+PATIENCE = 20.0
+
+
+def generate(folder: Path) -> list[str]:
+    """Generates the test bridge; returns the folders for the module path."""
+    result = read_models([MODEL])
+    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    return [str(folder / package) for package in PACKAGES]
+
+
+def free_port() -> int:
+    """A UDP port of 127.0.0.1 that nobody has; never that of JAUS."""
+    while True:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            port: int = probe.getsockname()[1]
+        if port != 3794:
+            return port
+
+
+def wait_for(condition, what: str, seconds: float = PATIENCE):
+    """Waits until a condition holds; returns what it gave.
+
+    Raises:
+        AssertionError: It did not hold in time.
+    """
+    end = time.monotonic() + seconds
+    while True:
+        found = condition()
+        if found:
+            return found
+        assert time.monotonic() < end, f"no {what} within {seconds} s"
+        time.sleep(0.01)
+
+
+class Process:
+    """A process whose stdout is read line by line as JSON."""
+
+    def __init__(self, arguments: list[str], path: list[str], log: Path) -> None:
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "PYTHONUNBUFFERED": "1"}
+        self.log = log
+        self._log_file = log.open("ab")
+        self.popen = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdout=subprocess.PIPE,
+            stderr=self._log_file,
+            env=environment,
+            text=True,
+        )
+        self.lines: queue.SimpleQueue[dict] = queue.SimpleQueue()
+        self.facts: list[dict] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        for line in self.popen.stdout:
+            self.facts.append(json.loads(line))
+
+    def of_kind(self, kind: str) -> list[dict]:
+        """What the process said of a kind so far."""
+        return [fact for fact in list(self.facts) if fact["kind"] == kind]
+
+    def kill(self) -> None:
+        """Ends the process at once, as a crash does."""
+        self.popen.kill()
+        self.close()
+
+    def stop(self) -> int:
+        """Asks the process to end; returns its exit code."""
+        self.popen.send_signal(signal.SIGTERM)
+        code = self.popen.wait(timeout=PATIENCE)
+        self.close()
+        return code
+
+    def close(self) -> None:
+        """Ends the process if it runs, and releases its pipes."""
+        if self.popen.poll() is None:
+            self.popen.kill()
+        self.popen.wait(timeout=PATIENCE)
+        self._reader.join(timeout=PATIENCE)
+        self.popen.stdout.close()
+        self._log_file.close()
+
+
+class RosPeer:
+    """A node of the test with a thread that waits for messages."""
+
+    def __init__(self) -> None:
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, args=[])
+        self.node = rclpy.create_node("peer", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.received: dict[str, list] = {}
+        self._publishers: dict[str, object] = {}
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        from rclpy.executors import ExternalShutdownException
+
+        try:
+            self.executor.spin()
+        except ExternalShutdownException:
+            return
+
+    def listen(self, message_type, topic: str, qos=10) -> list:
+        """Subscribes; returns the list that grows with each message."""
+        if topic not in self.received:
+            found: list = []
+            self.received[topic] = found
+            self.node.create_subscription(message_type, topic, found.append, qos)
+        return self.received[topic]
+
+    def publisher(self, message_type, topic: str, qos=10):
+        """Makes a publisher and waits until the bridge has found it."""
+        if topic not in self._publishers:
+            publisher = self.node.create_publisher(message_type, topic, qos)
+            self._publishers[topic] = publisher
+            wait_for(lambda: publisher.get_subscription_count() > 0, f"subscription of {topic}")
+        return self._publishers[topic]
+
+    def close(self) -> None:
+        """Leaves ROS."""
+        self.executor.shutdown()
+        self._thread.join()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+
+class Repeater:
+    """Publishes a message again and again, as a controller does."""
+
+    def __init__(self, publisher, message, period: float = 0.05) -> None:
+        self._publish = lambda: publisher.publish(message)
+        self._period = period
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def _run(self) -> None:
+        while not self._stop.wait(self._period):
+            self._publish()
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._stop.set()
+        self._thread.join()

@@ -1,0 +1,86 @@
+"""A vehicle for the live tests: reports its motion, obeys efforts, says on stdout what happens.
+
+One line of JSON for each command obeyed and for each event asked for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import threading
+
+from jausml_runtime.address import JausAddress
+from jausml_runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
+from jausml_runtime.core_messages import CreateEvent
+from jausml_runtime.process import run
+from loop_bridge.messages import (
+    QueryLocalPose,
+    QueryVelocityState,
+    ReportLocalPose,
+    ReportVelocityState,
+    SetWrenchEffort,
+)
+
+CORE = ("Transport", "Events", "AccessControl", "Management")
+SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE]
+_OUTPUT = threading.Lock()
+
+
+def say(**facts: object) -> None:
+    with _OUTPUT:
+        sys.stdout.write(json.dumps(facts) + "\n")
+
+
+class Vehicle(JausComponent):
+    """Moves at constant speed, forward and to the right, turning right."""
+
+    def __init__(self, transport, address, settings):
+        super().__init__(transport, address, name="vehicle", services=SERVICES, settings=settings)
+        self.reports = 0
+        self.provide(QueryVelocityState, ReportVelocityState, self.velocity)
+        self.provide(QueryLocalPose, ReportLocalPose, self.pose)
+        self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
+        self.on_message(CreateEvent, self.on_create_event)
+
+    def velocity(self, query, _sender):
+        self.reports += 1
+        say(kind="report", presence=query.presence_vector, number=self.reports)
+        return ReportVelocityState(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25)
+
+    def pose(self, _query, _sender):
+        return ReportLocalPose(x=1.0, y=2.0, roll=0.0, pitch=0.0, yaw=1.0)
+
+    def on_effort(self, message, sender):
+        say(
+            kind="effort",
+            linear=message.propulsive_linear_effort_x,
+            rotational=message.propulsive_rotational_effort_z,
+            sender=str(sender),
+        )
+
+    def on_create_event(self, message, sender):
+        code = int.from_bytes(message.query_message[:2], "little")
+        say(kind="event", query=code, sender=str(sender))
+
+    def on_ready(self):
+        say(kind="ready")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--address", required=True)
+    own, rest = parser.parse_known_args()
+    settings = ComponentSettings(control_timeout=2, register_services=False, event_rate_max=1000.0)
+    return run(
+        Vehicle,
+        rest,
+        name="vehicle",
+        description="Vehicle of the live tests.",
+        address=JausAddress.parse(own.address),
+        settings=settings,
+    )
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
