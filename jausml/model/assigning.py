@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 from jausml.metamodel import DataTypeTable, FeatureKind, FeatureTable
-from jausml.metamodel.filling import set_value, set_values
+from jausml.metamodel.filling import holds, set_value, set_values
 from jausml.model.naming import XSI, ClassFinder, is_xmi, target_class
 from jausml.model.problems import Attribute, Place, Problems
 from jausml.model.values import convert
@@ -75,7 +75,8 @@ class Assigner:
     def from_value_element(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes the text of a child element as the value of an attribute."""
         if _is_nil(child):
-            if not feature.many:
+            # As in EMF, a number or enumeration cannot be null: it keeps its default.
+            if not feature.many and cast("DataTypeTable", feature.data_type).nullable:
                 set_value(node.obj, feature, None)
         elif child.children:
             self._problems.spoil(node.obj, feature.name)
@@ -172,9 +173,22 @@ class Assigner:
                 what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
                 self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
         if feature.many:
+            if feature.unique:
+                self._check_repeated(Place(self._document, node, attribute), obj, feature, values)
             set_values(obj, feature, values)
         elif values:
             set_value(obj, feature, values[0])
+
+    def _check_repeated(
+        self, place: Place, obj: Any, feature: FeatureTable, values: list[Any]
+    ) -> None:
+        """Reports a value that the set of a unique feature will hold once only."""
+        seen: list[Any] = []
+        for value in values:
+            if value in seen or holds(obj, feature, value):
+                message = f"feature '{feature.name}' of {obj.eClass.name} lists '{value}' twice"
+                self._problems.report("JML213", place, message)
+            seen.append(value)
 
 
 def _class(node: Node) -> str:

@@ -42,6 +42,7 @@ class Document:
         self.ids: dict[str, Node] = {}
         self.readable = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
+        self._root_positions: dict[Any, int] | None = None
 
     def __repr__(self) -> str:
         return f"<document {self.display}>"
@@ -50,6 +51,12 @@ class Document:
     def roots(self) -> list[Any]:
         """The root elements that could be built, in order."""
         return [node.obj for node in self.root_nodes if node.obj is not None]
+
+    def root_position(self, obj: Any) -> int | None:
+        """Returns the position of a root element among the roots, None for other elements."""
+        if self._root_positions is None:
+            self._root_positions = {root: index for index, root in enumerate(self.roots)}
+        return self._root_positions.get(obj)
 
     def location(self, node: Node, attribute: tuple[str, str] | None = None) -> Location:
         """Returns the place of an XML element, or of its attribute (namespace, local name)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind, FeatureTable, Metamodels
@@ -35,9 +37,11 @@ class Model:
         self.metamodels = metamodels
         self._origin: dict[Any, tuple[Document, Node]] = {}
         self._ids: dict[Any, str] = {}
+        self._by_class: dict[Any, list[tuple[int, Any]]] | None = None
 
     def adopt(self, document: Document, node: Node) -> None:
         """Remembers where an element was read; for the reader."""
+        self._by_class = None
         self._origin[node.obj] = (document, node)
 
     def name_by_id(self, obj: Any, identifier: str) -> None:
@@ -88,13 +92,19 @@ class Model:
             library: False leaves out elements of the shipped library.
 
         Returns:
-            The elements in document order.
+            The elements in document order. Elements that were added since are not among them.
 
         Raises:
             KeyError: The metamodels have no such class.
         """
         wanted = {table.eclass for table in self.metamodels.classes[qualified_class].subtypes}
-        return [each for each in self.elements(library=library) if each.eClass in wanted]
+        if self._by_class is None:
+            self._by_class = {}
+            for position, obj in enumerate(self.elements()):
+                self._by_class.setdefault(obj.eClass, []).append((position, obj))
+        lists = [each for eclass, each in self._by_class.items() if eclass in wanted]
+        found = [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
+        return found if library else [obj for obj in found if not self.is_library(obj)]
 
     def location(self, obj: Any, feature: str | None = None) -> Location:
         """Returns where an element, or the value of one of its features, is written.
@@ -144,17 +154,15 @@ class Model:
         document = self.document_of(obj)
         if document is None:
             return ""
-        roots = document.roots
         steps: list[str] = []
-        while obj not in roots:
+        while (position := document.root_position(obj)) is None:
             if obj.eContainer() is None:
                 return ""
             feature, owner = self._containment(obj)
             index = f".{_position(owner, feature, obj)}" if feature.many else ""
             steps.append(f"@{feature.name}{index}")
             obj = owner
-        position = roots.index(obj)
-        steps.append("/" + (str(position) if len(roots) > 1 else ""))
+        steps.append("/" + (str(position) if len(document.root_nodes) > 1 else ""))
         return "/".join(reversed(steps))
 
     def _containment(self, obj: Any) -> tuple[FeatureTable, Any]:

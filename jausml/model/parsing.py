@@ -7,7 +7,7 @@ usual accidents: merge conflict markers and Git LFS pointers in place of a model
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
@@ -99,7 +99,6 @@ class ParseResult:
     root: Node | None = None
     fault: ParseFault | None = None
     encoding: str = "utf-8"
-    stray: list[Node] = field(default_factory=list)
 
 
 class _Refused(Exception):  # noqa: N818 -- leaves the callbacks, never this module
@@ -153,6 +152,7 @@ class _TreeBuilder:
         self._stack: list[Node] = []
         self._prefixes: dict[str, str] = {}
         self._declared: dict[str, str] = {}
+        self._data = b""
         self._parser = expat.ParserCreate(namespace_separator=_SEPARATOR)
         self._parser.buffer_text = True
         self._parser.ordered_attributes = True
@@ -163,6 +163,7 @@ class _TreeBuilder:
         self._parser.StartDoctypeDeclHandler = self._doctype
 
     def run(self, data: bytes) -> None:
+        self._data = data
         self._parser.Parse(data, True)  # noqa: FBT003 -- expat has no keywords
 
     def _start(self, name: str, attributes: list[str]) -> None:
@@ -194,15 +195,15 @@ class _TreeBuilder:
         self._declared[prefix or ""] = uri or ""
 
     def _doctype(self, *_: object) -> None:
-        raise _Refused(
-            ParseFault(
-                "JML007",
-                "a DOCTYPE is not accepted",
-                "models need none; delete the <!DOCTYPE ...> declaration",
-                self._parser.CurrentLineNumber,
-                self._parser.CurrentColumnNumber + 1,
-            )
-        )
+        # expat calls this behind the name; the finding belongs where the declaration starts.
+        line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber + 1
+        start = self._data.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 1)
+        if start >= 0:
+            line = self._data.count(b"\n", 0, start) + 1
+            before = self._data[self._data.rfind(b"\n", 0, start) + 1 : start]
+            column = len(before.decode("utf-8", errors="replace")) + 1
+        hint = "models need none; delete the <!DOCTYPE ...> declaration"
+        raise _Refused(ParseFault("JML007", "a DOCTYPE is not accepted", hint, line, column))
 
 
 def _accident(data: bytes) -> ParseFault | None:

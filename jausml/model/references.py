@@ -25,6 +25,7 @@ Open = Callable[[str, Document], "Document | UriFault"]
 """Opens the document that a URI names, seen from another document."""
 
 _FEW_RELATED = 10
+_FEW_SUGGESTIONS = 50
 
 
 @dataclass(slots=True)
@@ -52,6 +53,8 @@ class Resolution:
         self._finder = FragmentFinder(model.metamodels, self._follow)
         self._absent: dict[tuple[str, str], _Absent] = {}
         self._following: set[Node] = set()
+        self._circular: set[Node] = set()
+        self._suggestions = 0
 
     def run(self, references: Iterable[Reference]) -> None:
         """Resolves references, in the order in which they are written."""
@@ -87,6 +90,9 @@ class Resolution:
             self._report_unresolved(reference, document)
             return None
         target = found.node.obj
+        if found.node in self._circular:
+            what = f"{show(reference.fragment)} of {_where(reference)}"
+            self._report("JML202", reference, f"reference {what} leads back to itself")
         if target is not None and not self._fits(reference, target):
             return None
         if target is not None and found.by_name:
@@ -97,6 +103,8 @@ class Resolution:
     def _follow(self, document: Document, node: Node) -> Found | None:
         """Steps from a child element with an href to the element that it stands for."""
         uri, _, fragment = (node.get("href") or "").strip().partition("#")
+        if node in self._following:
+            self._circular.add(node)
         if node.obj is not None or node in self._following:
             return None
         opened = self._open(uri, document) if uri else document
@@ -155,8 +163,7 @@ class Resolution:
             self._report("JML213", reference, message)
 
     def _report_unresolved(self, reference: Reference, document: Document) -> None:
-        known = get_close_matches(reference.fragment, list(document.ids), n=1, cutoff=0.7)
-        hint = f"did you mean '{known[0]}'?" if known else ""
+        hint = self._similar_id(reference.fragment, document)
         what = show(reference.fragment)
         if document is reference.place.document:
             message = f"unresolved reference {what} of {_where(reference)}"
@@ -167,6 +174,14 @@ class Resolution:
         else:
             message = f"{document.display} has no element {what} for {_where(reference)}"
             self._report("JML204", reference, message, hint)
+
+    def _similar_id(self, fragment: str, document: Document) -> str:
+        """Returns a hint for a misspelt id, for the first few: each costs a walk over all ids."""
+        self._suggestions += 1
+        if self._suggestions > _FEW_SUGGESTIONS:
+            return ""
+        known = get_close_matches(fragment, document.ids, n=1, cutoff=0.7)
+        return f"did you mean '{known[0]}'?" if known else ""
 
     def _report_absent(self, absent: _Absent) -> None:
         first, *others = absent.references

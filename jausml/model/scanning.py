@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from jausml.model.parsing import Node
 
-_CHUNK = 4096
+_CHUNK = 512
 _TOKEN = re.compile(r"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 _NAME = re.compile(r"<[^\s/>]+")
+_WHOLE = re.compile(r"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*>""")
 
 
 def attribute_position(
@@ -51,18 +52,6 @@ def _start_tag(data: bytes, encoding: str, offset: int) -> str:
     while True:
         text = data[offset : offset + size].decode(encoding, errors="ignore")
         text = text.replace("\r\n", "\n").replace("\r", "\n")
-        if _closed(text) or offset + size >= len(data):
+        if _WHOLE.match(text) or offset + size >= len(data):
             return text
         size *= 4
-
-
-def _closed(text: str) -> bool:
-    quote = ""
-    for character in text:
-        if quote:
-            quote = "" if character == quote else quote
-        elif character in "\"'":
-            quote = character
-        elif character == ">":
-            return True
-    return False

@@ -103,6 +103,8 @@ class UriResolver:
         Returns:
             The file, which need not exist, or the reason why the URI names none.
         """
+        if "\0" in unquote(uri):
+            return UriFault("JML211", "the href has a NUL character")
         if uri.startswith(LIBRARY_URI):
             return self._in_library(unquote(uri[len(LIBRARY_URI) :]))
         if _WINDOWS.match(uri):
@@ -140,8 +142,6 @@ class UriResolver:
         )
 
     def _file(self, path: str, base: Document) -> FileTarget | UriFault:
-        if "\0" in path:
-            return UriFault("JML211", "the href has a NUL character")
         # Not by pathlib: `a/../b` must lose its dots before symbolic links are followed.
         display = os.path.normpath(Path(base.display).parent / path)
         return self._checked(display, path)
@@ -164,7 +164,7 @@ class UriResolver:
         project, _, rest = path.partition("/")
         if project in self._projects:
             folder = self._projects[project]
-        elif (self._root / project).is_dir():
+        elif os.path.isdir(self._root / project):  # noqa: PTH112 -- a name may be too long
             folder = self._root / project
         elif self._root.name == project:
             folder = self._root
@@ -178,7 +178,7 @@ class UriResolver:
 
     def _in_library(self, path: str) -> FileTarget | UriFault:
         real = Path(os.path.realpath(self._library / path))
-        if real.is_relative_to(self._library) and real.is_file():
+        if real.is_relative_to(self._library) and os.path.isfile(real):  # noqa: PTH113 -- as above
             return FileTarget(real, _shown(real), is_library=True)
         known = [str(each.relative_to(self._library)) for each in self._library.rglob("*.xmi")]
         return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))

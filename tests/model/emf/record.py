@@ -2,9 +2,9 @@
 
     python tests/model/emf/record.py path/to/emf-check
 
-emf-check is any program that takes .ecore files and a model, prints `SEVERITY file: message` lines
-and ends with 1 when there was an ERROR. The recorded verdicts are compared with ours by
-tests/model/test_oracle.py, which needs neither EMF nor Java.
+emf-check is any program that takes .ecore files and a model, prints `SEVERITY file: message` lines,
+prints every object when called with --dump, and ends with 1 when there was an ERROR. What is
+recorded is compared with ours by tests/model/test_oracle.py, which needs neither EMF nor Java.
 """
 
 import json
@@ -21,13 +21,17 @@ LANGUAGES = ("jaus", "ros", "bridge", "system")
 def verdict(program: str, case: Path, ecores: list[Path]) -> dict[str, object]:
     """Runs EMF on one case."""
     names = [str(path) for path in (*ecores, case.relative_to(HERE))]
-    command = [program, "--quiet", *names]
+    command = [program, "--quiet", "--dump", *names]
     try:
         done = subprocess.run(command, cwd=HERE, capture_output=True, text=True, timeout=20)
     except subprocess.TimeoutExpired:
         return {"verdict": "error", "messages": ["EMF does not end"]}
     lines = [line.replace(str(HERE), ".") for line in done.stdout.splitlines()]
-    return {"verdict": "error" if done.returncode else "ok", "messages": lines}
+    said: dict[str, object] = {"verdict": "error" if done.returncode else "ok"}
+    said["messages"] = [line for line in lines if not line.startswith("DUMP ")]
+    if not done.returncode:
+        said["dump"] = [line[5:] for line in lines if line.startswith("DUMP ")]
+    return said
 
 
 def main() -> None:

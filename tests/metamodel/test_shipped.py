@@ -1,0 +1,108 @@
+"""The rules that all shipped metamodels keep; each was learnt from a real failure of a tool."""
+
+import re
+from importlib.resources import files
+
+import pytest
+from pyecore.ecore import EClass, EEnum, EObject, EProxy
+
+from jausml.metamodel import FeatureKind, documentation, load_metamodels
+
+METAMODELS = load_metamodels()
+CLASSES = list(METAMODELS.classes.values())
+FEATURES = [(table, feature) for table in CLASSES for feature in table.features.values()]
+ENUMERATIONS = [
+    classifier
+    for package in METAMODELS.packages.values()
+    for classifier in package.epackage.eClassifiers
+    if isinstance(classifier, EEnum)
+]
+# Names that break instances or shadow methods of pyecore: `listeners`, `eClass`, `delete`, ...
+DENIED = set(dir(EObject)) | set(vars(EObject())) | {"dyn_inst"}
+
+
+def test_loaded_once():
+    assert load_metamodels() is METAMODELS
+
+
+def test_packages():
+    assert sorted(METAMODELS.packages) == [
+        "http://www.jausml.org/bridge/1.0",
+        "http://www.jausml.org/jaus/1.0",
+        "http://www.jausml.org/ros/1.0",
+        "http://www.jausml.org/system/1.0",
+    ]
+
+
+@pytest.mark.parametrize("enumeration", ENUMERATIONS, ids=lambda each: each.name)
+def test_literal_equals_name(enumeration):
+    # EMF writes the literal, pyecore knows the name.
+    assert all(each.literal in (None, each.name) for each in enumeration.eLiterals)
+
+
+def wrong(holds):
+    """Names the features for which a rule does not hold."""
+    return [f"{table.qualified_name}.{each.name}" for table, each in FEATURES if not holds(each)]
+
+
+def test_feature_names():
+    assert wrong(lambda each: each.name not in DENIED) == []
+    assert wrong(lambda each: re.fullmatch("[a-z][A-Za-z0-9]*", each.name)) == []
+
+
+def test_features_are_documented():
+    assert wrong(lambda each: documentation(each.feature)) == []
+
+
+def test_no_proxies_are_left():
+    # A type of another .ecore would stay an EProxy and slow every type check.
+    assert wrong(lambda each: not isinstance(each.feature.eType, EProxy)) == []
+
+
+def test_bounds_are_in_order():
+    assert wrong(lambda each: each.lower <= each.upper or each.upper < 0) == []
+
+
+def test_opposites_are_mutual_and_not_many_to_many():
+    # EMF cannot read a many-to-many opposite of which one end is written.
+    assert wrong(lambda each: each.opposite is None or each.opposite.opposite is each) == []
+    assert wrong(lambda each: not (each.opposite and each.many and each.opposite.many)) == []
+
+
+def test_values_may_repeat_in_lists():
+    # Unique numbers would lose the second 3 of a 3 x 3 array.
+    lists = [each for _, each in FEATURES if each.many and each.kind is FeatureKind.ATTRIBUTE]
+    assert lists
+    assert not any(each.unique for each in lists)
+
+
+def test_absent_required_values_are_visible():
+    # EMF leaves out a number that equals the default of its type.
+    def visible(each):
+        if each.kind is not FeatureKind.ATTRIBUTE or not each.lower or each.many:
+            return True
+        return each.can_be_missing != (each.feature.defaultValueLiteral is not None)
+
+    assert wrong(visible) == []
+
+
+def test_no_keys():
+    # pyecore cannot load an .ecore with eKeys.
+    for package in METAMODELS.packages.values():
+        text = (files("jausml.metamodels") / package.file_name).read_text(encoding="utf-8")
+        assert "eKeys" not in text
+
+
+@pytest.mark.parametrize("table", CLASSES, ids=lambda each: each.qualified_name)
+def test_class(table):
+    assert documentation(table.eclass)
+    assert all(not isinstance(each, EProxy) for each in table.eclass.eSuperTypes)
+    assert any(not each.abstract for each in table.subtypes)
+
+
+@pytest.mark.parametrize("name", sorted({table.package.name for table in CLASSES}))
+def test_classifier_names_are_unique(name):
+    epackage = METAMODELS.package_named(name).epackage
+    names = [each.name for each in epackage.eClassifiers]
+    assert len(names) == len(set(names))
+    assert all(isinstance(each, EClass) or documentation(each) for each in epackage.eClassifiers)

@@ -1,0 +1,59 @@
+"""What the packages import, and that importing them costs nothing."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jausml.metamodel
+import jausml.model
+
+METAMODEL = Path(jausml.metamodel.__file__).parent
+MODEL = Path(jausml.model.__file__).parent
+
+
+def imports(path):
+    text = path.read_text(encoding="utf-8")
+    return re.findall(r"^\s*(?:from|import) ([\w.]+)", text, re.MULTILINE)
+
+
+def test_one_module_loads_through_pyecore():
+    users = [
+        path.name
+        for path in (*METAMODEL.glob("*.py"), *MODEL.glob("*.py"))
+        if any(name.startswith("pyecore.resources") for name in imports(path))
+    ]
+    assert users == ["loading.py"]
+
+
+def test_models_are_not_read_by_pyecore_or_lxml():
+    for path in MODEL.glob("*.py"):
+        assert not [name for name in imports(path) if name.startswith(("pyecore", "lxml"))]
+
+
+def test_layers():
+    for path in METAMODEL.glob("*.py"):
+        inner = [name for name in imports(path) if name.startswith("jausml.")]
+        assert all(name.startswith("jausml.metamodel") for name in inner)
+    for path in MODEL.glob("*.py"):
+        inner = [name for name in imports(path) if name.startswith("jausml.")]
+        assert all(name.startswith(("jausml.metamodel", "jausml.model")) for name in inner)
+
+
+def test_modules_are_small():
+    for path in (*METAMODEL.glob("*.py"), *MODEL.glob("*.py")):
+        assert len(path.read_text(encoding="utf-8").splitlines()) < 400
+
+
+def test_metamodels_are_not_loaded_at_import():
+    code = "import jausml.model, jausml.metamodel as m; print(m.load_metamodels.cache_info())"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert "currsize=0" in done.stdout
+
+
+def test_public_names_are_listed():
+    for package in (jausml.metamodel, jausml.model):
+        assert sorted(package.__all__) == list(dict.fromkeys(sorted(package.__all__)))
+        assert all(hasattr(package, name) for name in package.__all__)
