@@ -26,7 +26,8 @@ class Subject:
 
     def __init__(self, model: Model, diagnostics: Iterable[Diagnostic] = ()) -> None:
         self.model = model
-        self._by_class: dict[Any, list[Any]] = defaultdict(list)
+        self._by_class: dict[Any, list[tuple[int, Any]]] = defaultdict(list)
+        self._count = 0
         self._broken: set[Any] = set()
         self._damaged: set[Any] = set()
         errors = {
@@ -45,7 +46,8 @@ class Subject:
         while pending:
             element = pending.pop()
             if is_checked:
-                self._by_class[element.eClass].append(element)
+                self._by_class[element.eClass].append((self._count, element))
+                self._count += 1
             if errors and self.model.fragment(element) in errors:
                 self._mark(element)
             pending.extend(reversed(self.model.owned(element)))
@@ -61,14 +63,14 @@ class Subject:
 
         Args:
             qualified_class: Package and class, such as `jaus.Component`.
+
+        Returns:
+            The elements in document order.
         """
         subtypes = self.model.metamodels.classes[qualified_class].subtypes
-        found = [
-            element
-            for table in sorted(subtypes, key=lambda table: table.qualified_name)
-            for element in self._by_class.get(table.eclass, ())
-        ]
-        return [element for element in found if element not in self._broken]
+        found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
+        found.sort(key=lambda pair: pair[0])
+        return [element for _, element in found if element not in self._broken]
 
     def is_kind_of(self, element: Any, qualified_class: str) -> bool:
         """Tells whether an element is an instance of a class or of a subclass of it."""

@@ -236,11 +236,21 @@ def _ros_element(field: Any) -> Attribute:
     if class_name(field) == "MessageField":
         name = ros_name(field.messageType) if field.messageType is not None else "a message"
         return Attribute(name, f"a {name}")
-    kind = field.type.name
+    if field.type.name in ("string", "wstring"):
+        return Attribute(TEXT, "text", length=field.stringBound or None)
+    return primitive(field.type.name)
+
+
+def primitive(kind: str) -> Attribute:
+    """Returns what a value of a ROS primitive type is.
+
+    Args:
+        kind: Name of the type, such as `float64`.
+    """
     if kind == "bool":
         return Attribute(BOOL, "a bool")
     if kind in ("string", "wstring"):
-        return Attribute(TEXT, "text", length=field.stringBound or None)
+        return Attribute(TEXT, "text")
     if kind in _INTEGER_ROS:
         lower, upper = _INTEGER_ROS[kind]
         return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper)

@@ -246,11 +246,14 @@ def _taken_findings(connection: Any, bridge: Any, peers: list[Any]) -> Iterator[
 def _unprovided(connection: Any, component: Any, verb: str) -> Finding:
     message = connection.map.message
     service = message.eContainer()
+    helps = service is not None and message in (
+        service.inputs if verb == "takes" else service.outputs
+    )
     return Finding(
         connection,
         f"'{component.name}' provides no service that {verb} {message.name}",
         "map",
-        f"add {service.name} to what it provides" if service is not None else "",
+        f"add {service.name} to what it provides" if helps else "",
         (Note(component, f"'{component.name}'"),),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.validation.subject import Subject
+
+# The characters of RFC 8141, without components that services do not use.
+_URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
+_LONGEST_URN = 255
 
 
 @rule("JML311", Severity.ERROR, "service inherits from itself")
@@ -81,6 +86,24 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
                     break
 
 
+@rule("JML314", Severity.ERROR, "illegal URN")
+def urns(subject: Subject) -> Iterator[Finding]:
+    """A service is named by a URN of at most 255 characters (RFC 8141; AS5710, ReportServices).
+
+    Bad: `urn="PrimitiveDriver"`
+
+    Good: `urn="urn:jaus:jss:mobility:PrimitiveDriver"`
+    """
+    for service in subject.instances("jaus.Service"):
+        if service.urn is None:
+            continue
+        if len(service.urn) > _LONGEST_URN:
+            message = f"urn of '{service.name}' is longer than {_LONGEST_URN} characters"
+            yield Finding(service, message, "urn")
+        elif not _URN.fullmatch(service.urn):
+            yield Finding(service, f"urn {service.urn!a} of '{service.name}' is no URN", "urn")
+
+
 def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Finding:
     how = "another name" if first.name != other.name else "another layout"
     return Finding(
@@ -114,4 +137,4 @@ def _messages_of(subject: Subject, component: Any) -> list[Any]:
     return list(found)
 
 
-RULES = (inheritance_cycle, code_unique, code_unambiguous)
+RULES = (inheritance_cycle, code_unique, code_unambiguous, urns)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.names import is_package_name
-from jausml.validation.facts.paths import ros_name
+from jausml.validation.facts.paths import primitive, ros_name
 from jausml.validation.facts.topics import Endpoint, endpoints, namespace_fault, topic_fault
-from jausml.validation.facts.values import is_integer, is_real
+from jausml.validation.facts.values import constant_fault, is_integer, is_real
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -199,6 +199,23 @@ def frequencies(subject: Subject) -> Iterator[Finding]:
                 yield Finding(element, f"{message} is not in 0..1000", "frequency")
 
 
+@rule("JML408", Severity.ERROR, "impossible constant")
+def constant_values(subject: Subject) -> Iterator[Finding]:
+    """The value of a constant of an interface is of its type.
+
+    Bad: `<constants name="LIMIT" type="uint8" value="256"/>`
+
+    Good: `<constants name="LIMIT" type="uint8" value="255"/>`
+    """
+    for constant in subject.instances("ros.Constant"):
+        # A byte is no number to rclpy, but its constants are.
+        kind = "uint8" if constant.type.name == "byte" else constant.type.name
+        fault = constant_fault(constant.value or "", primitive(kind))
+        if fault:
+            message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
+            yield Finding(constant, message, "value")
+
+
 def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
     for group in subject.systems():
         by_topic: dict[str, list[Endpoint]] = defaultdict(list)
@@ -256,4 +273,5 @@ RULES = (
     parameter_values,
     interfaces,
     frequencies,
+    constant_values,
 )
