@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..loop import Timer
     from ..message import Message
 
@@ -85,7 +85,7 @@ class ControlSession:
 class ControlClient:
     """All control sessions of one component, and the messages that concern them."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Listen to the answers of targets."""
         self._component = component
         self._controls: dict[JausAddress, _Control] = {}
@@ -153,7 +153,7 @@ class _Control:
     """
 
     def __init__(
-        self, client: ControlClient, component: JausComponent, target: JausAddress
+        self, client: ControlClient, component: ComponentBase, target: JausAddress
     ) -> None:
         self.component = component
         self.target = target

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,8 +16,10 @@ from ..services.discovery_messages import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..loop import Timer
     from ..services.definitions import ServiceIdentity
 
@@ -55,7 +56,7 @@ class _Search:
 class DiscoveryClient:
     """Registers one component with its subsystem and finds the providers of services."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Listen to the answers of Discovery services."""
         self._component = component
         self._searches: list[_Search] = []

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from ..core_messages import CancelEvent, CreateEvent, UpdateEvent
 from ..message import DecodeError, Message
-from ..services.events import EVERY_CHANGE, PERIODIC, RejectCode
+from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..core_messages import Event
     from ..loop import Timer
     from .event_subscription import EventClient, EventSubscription
@@ -54,7 +54,7 @@ class EventStream:
     def __init__(
         self,
         client: EventClient,
-        component: JausComponent,
+        component: ComponentBase,
         provider: JausAddress,
         payload: bytes,
     ) -> None:
@@ -187,7 +187,7 @@ class EventStream:
                 self.lost()
                 self._client.suspect(self.provider)
         elif self._state is _State.CREATING:
-            if code == RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST:
+            if code == UNKNOWN_EVENT:
                 return  # the answer to a renewal of the event that is being created again
             self._counters.count(
                 "event_client.refused", f"{self.provider} rejects with code {code}: {text}"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..loop import Timer
     from ..message import Message
 
@@ -113,7 +113,7 @@ class EventSubscription:
 class EventClient:
     """All subscriptions of one component, and the messages of Events that concern them."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Listen to the answers of providers."""
         self._component = component
         self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}

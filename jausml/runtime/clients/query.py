@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..loop import Timer
     from ..message import Message
 
@@ -78,7 +78,7 @@ class QueryClient:
         component: The component that asks.
     """
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Start without queries."""
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..loop import Timer
     from ..message import Message
 
@@ -44,7 +44,7 @@ class AccessControlService:
         on_lost: Called when control ends, before the controller is told.
     """
 
-    def __init__(self, component: JausComponent, *, enabled: bool) -> None:
+    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
         """Serve the messages of AccessControl if the component provides the service."""
         self._component = component
         self._timer: Timer | None = None
@@ -91,9 +91,7 @@ class AccessControlService:
                 self.drop(Reject.CONTROL_RELEASED)
             else:
                 self._grant(sender, code)
-        elif self.controller is None and code < self._default:
-            self._confirm(sender, Confirm.INSUFFICIENT_AUTHORITY)
-        elif self.controller is not None and code <= self.authority:
+        elif code < self._default or (self.controller is not None and code <= self.authority):
             self._confirm(sender, Confirm.INSUFFICIENT_AUTHORITY)
         else:
             self._grant(sender, code)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..message import Message
 
 Type = ReportIdentification.Type
@@ -48,7 +48,7 @@ class DiscoveryService:
     A query whose scope is wider than the service's own stays unanswered.
     """
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Serve the messages of Discovery."""
         self._component = component
         self._scope = component.settings.discovery_scope
@@ -97,9 +97,7 @@ class DiscoveryService:
             return report_configuration(each for each in members if each.node == own.node)
         return None
 
-    def _subsystem_list(
-        self, _query: Message, _sender: JausAddress
-    ) -> ReportSubsystemList | None:
+    def _subsystem_list(self, _query: Message, _sender: JausAddress) -> ReportSubsystemList | None:
         if self._scope > Scope.SUBSYSTEM:
             return None
         own = self._component.address

@@ -22,13 +22,14 @@ from ..message import DecodeError, Message
 
 if TYPE_CHECKING:
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..dispatch import Provision
     from ..loop import Timer
 
 PERIODIC = CreateEvent.EventType.PERIODIC_SC
 EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE
 RejectCode = RejectEventRequest.ResponseCode
+UNKNOWN_EVENT = RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST
 
 EVENT_IDS = 255
 """Event ids are 0 to 254; peers take 255 for "no event"."""
@@ -71,7 +72,7 @@ class _Event:
 class EventsService:
     """Creates, serves and expires events (AS5710 v1.1, Events)."""
 
-    def __init__(self, component: JausComponent, *, enabled: bool) -> None:
+    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
         """Serve the messages of Events if the component provides the service."""
         self._component = component
         self._loop = component.loop
@@ -153,7 +154,9 @@ class EventsService:
         if periodic and not provision.periodic:
             raise _RequestError(RejectCode.PERIODIC_EVENTS_NOT_SUPPORTED, "no periodic events")
         if not periodic and not provision.every_change:
-            raise _RequestError(RejectCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED, "no every-change events")
+            raise _RequestError(
+                RejectCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED, "no every-change events"
+            )
         if periodic and message.requested_periodic_rate <= 0:
             raise _RequestError(RejectCode.INVALID_EVENT_SETUP, "periodic rate of 0 Hz")
         try:
@@ -175,7 +178,7 @@ class EventsService:
     def _own(self, client: JausAddress, event_id: int) -> _Event:
         event = self._events.get(event_id)
         if event is None or event.client != client:
-            raise _RequestError(RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST, f"no event {event_id}")
+            raise _RequestError(UNKNOWN_EVENT, f"no event {event_id}")
         return event
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:

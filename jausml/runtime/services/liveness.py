@@ -8,14 +8,14 @@ from ..core_messages import QueryHeartbeatPulse, ReportHeartbeatPulse
 
 if TYPE_CHECKING:
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..message import Message
 
 
 class LivenessService:
     """Answers QueryHeartbeatPulse; clients watch it through a periodic event."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: ComponentBase) -> None:
         """Serve the messages of Liveness."""
         component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
 

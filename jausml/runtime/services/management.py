@@ -20,7 +20,7 @@ from .definitions import Guard, Status
 
 if TYPE_CHECKING:
     from ..address import JausAddress
-    from ..component import JausComponent
+    from ..component_base import ComponentBase
     from ..message import Message
     from .access_control import AccessControlService
 
@@ -39,7 +39,7 @@ class ManagementService:
     """
 
     def __init__(
-        self, component: JausComponent, access: AccessControlService, *, enabled: bool
+        self, component: ComponentBase, access: AccessControlService, *, enabled: bool
     ) -> None:
         """Serve the messages of Management if the component provides the service."""
         self._component = component

@@ -77,6 +77,7 @@ class World:
         acknowledge: bool = False,
         on_result: Callable[[bool], None] | None = None,
     ) -> None:
+        del acknowledge, on_result
         code = int.from_bytes(payload[:2], "little")
         self.log.append((source, destination, code))
         if self.lost(source, destination, code):

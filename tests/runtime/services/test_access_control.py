@@ -194,7 +194,7 @@ def test_timeout_of_zero_never_ends_control(world, client):
     assert client.ask(QueryTimeout(), server) == [ReportTimeout(timeout=0)]
 
 
-def test_stop_tells_the_controller(world, server, client):
+def test_stop_tells_the_controller(server, client):
     client.ask(request(100), server)
     server.stop()
     assert client.take()[-1] == RELEASED

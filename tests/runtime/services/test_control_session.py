@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ControlState, Status
+from jausml.runtime.component import ControlState, ServiceIdentity, Status
 from jausml.runtime.core_messages import (
+    ClearEmergency,
     ConfirmControl,
     QueryStatus,
     QueryTimeout,
@@ -18,7 +19,6 @@ from jausml.runtime.core_messages import (
     SetEmergency,
     Standby,
 )
-from jausml.runtime.core_messages import ClearEmergency as Clear
 
 TARGET = JausAddress(1, 1, 1)
 SEEKING, CONTROLLED, READY, REFUSED = ControlState
@@ -75,8 +75,6 @@ def test_target_that_is_not_to_be_resumed(world, client):
 
 
 def test_target_without_management(world, client):
-    from jausml.runtime.component import ServiceIdentity
-
     services = (ServiceIdentity("urn:jaus:jss:core:AccessControl", 1, 0),)
     target(world, services=services)
     session = client.control(TARGET, authority=127)
@@ -202,7 +200,7 @@ def test_emergency_and_recovery(world, client):
     world.run(3.0)
     assert session.state is REFUSED
     assert tested.status is Status.EMERGENCY
-    guard.ask(Clear(emergency_code=1), tested)
+    guard.ask(ClearEmergency(emergency_code=1), tested)
     world.run(6.0)
     assert session.state is READY
 

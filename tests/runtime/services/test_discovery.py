@@ -31,9 +31,7 @@ def client(world):
 
 
 def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
-    component = world.component(
-        address, services=(DISCOVERY,), discovery_scope=scope, **named
-    )
+    component = world.component(address, services=(DISCOVERY,), discovery_scope=scope, **named)
     component.start()
     return component
 
@@ -124,6 +122,7 @@ def test_names_that_jaus_cannot_spell(world, client):
     assert answer.identification == "?-Gerät"
 
 
+@pytest.mark.usefixtures("member")
 class TestRegistration:
     @pytest.fixture
     def tested(self, world):
@@ -135,7 +134,7 @@ class TestRegistration:
         probe.ask(registration(SENSOR), tested)
         return probe
 
-    def test_all_services(self, tested, member, client):
+    def test_all_services(self, tested, client):
         (report,) = client.ask(query_services((255, 255)), tested)
         assert found(report) == {(1, 1): [DISCOVERY.urn], (2, 3): [SENSOR.urn]}
 
@@ -150,17 +149,15 @@ class TestRegistration:
             (77, 255, set()),
         ],
     )
-    def test_wildcards_and_unknown_ids(
-        self, tested, member, client, node, component, expected
-    ):
+    def test_wildcards_and_unknown_ids(self, tested, client, node, component, expected):
         (report,) = client.ask(query_services((node, component)), tested)
         assert set(found(report)) == expected
 
-    def test_several_components(self, tested, member, client):
+    def test_several_components(self, tested, client):
         (report,) = client.ask(query_services((2, 3), (1, 1), (5, 5)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
-    def test_versions(self, tested, member, client):
+    def test_versions(self, tested, client):
         (report,) = client.ask(query_services((2, 3)), tested)
         service = report.node_list[0].component_list[0].service_list[0]
         assert (service.major_version_number, service.minor_version_number) == (1, 0)
@@ -189,7 +186,7 @@ class TestRegistration:
         (report,) = client.ask(query_services((255, 255)), narrow)
         assert set(found(report)) == {(1, 1)}
 
-    def test_registrations_lapse(self, world, tested, member, client):
+    def test_registrations_lapse(self, world, tested, client):
         world.run(299.0, step=10.0)
         (report,) = client.ask(query_services((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
@@ -197,9 +194,7 @@ class TestRegistration:
         (report,) = client.ask(query_services((255, 255)), tested)
         assert set(found(report)) == {(1, 1)}
 
-    def test_looking_for_the_server_renews_the_registration(
-        self, world, tested, member, client
-    ):
+    def test_looking_for_the_server_renews_the_registration(self, world, tested, member, client):
         world.run(200.0, step=10.0)
         member.ask(QueryIdentification(query_type=SUBSYSTEM), tested)
         world.run(200.0, step=10.0)
@@ -214,7 +209,7 @@ class TestRegistration:
         world.settle()
         assert world.counters.snapshot()["discovery.too_many_registrations"] == 76
 
-    def test_configuration_of_the_subsystem(self, tested, member, client):
+    def test_configuration_of_the_subsystem(self, tested, client):
         (report,) = client.ask(QueryConfiguration(query_type=SUBSYSTEM), tested)
         assert isinstance(report, ReportConfiguration)
         assert [
@@ -222,11 +217,11 @@ class TestRegistration:
             for node in report.node_list
         ] == [(1, [1]), (2, [3])]
 
-    def test_configuration_of_the_node(self, tested, member, client):
+    def test_configuration_of_the_node(self, tested, client):
         (report,) = client.ask(QueryConfiguration(query_type=NODE), tested)
         assert [node.node_rec.node_id for node in report.node_list] == [1]
 
-    def test_service_list(self, tested, member, client):
+    def test_service_list(self, tested, client):
         (report,) = client.ask(query_service_list(65535, 255, 255), tested)
         assert isinstance(report, ReportServiceList)
         (subsystem,) = report.subsystem_list
@@ -237,11 +232,11 @@ class TestRegistration:
         assert [each.uri for each in component.service_list] == [SENSOR.urn]
 
     @pytest.mark.parametrize("address", [(2, 255, 255), (1, 7, 255), (1, 2, 7)])
-    def test_service_list_of_the_unknown(self, tested, member, client, address):
+    def test_service_list_of_the_unknown(self, tested, client, address):
         (report,) = client.ask(query_service_list(*address), tested)
         assert report.subsystem_list == []
 
-    def test_service_list_with_a_filter(self, tested, member, client):
+    def test_service_list_with_a_filter(self, tested, client):
         query = query_service_list(65535, 255, 255, "Velocity")
         (report,) = client.ask(query, tested)
         (node,) = report.subsystem_list[0].node_list

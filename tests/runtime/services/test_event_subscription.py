@@ -391,9 +391,7 @@ class TestRefusal:
 
     def test_of_wildcards(self, client):
         with pytest.raises(ValueError, match="does not name one component"):
-            client.subscribe(
-                JausAddress(1, 1, 255), QueryStatus(), ReportStatus, Inbox(), rate=1
-            )
+            client.subscribe(JausAddress(1, 1, 255), QueryStatus(), ReportStatus, Inbox(), rate=1)
 
 
 class TestSilence:
@@ -454,9 +452,7 @@ class TestSequence:
         )
         report = ReportStatus(status=1, reserved=0).encode()
         for number in numbers:
-            probe.send(
-                Event(event_id=4, sequence_number=number, report_message=report), client
-            )
+            probe.send(Event(event_id=4, sequence_number=number, report_message=report), client)
         probe.take()
 
     @pytest.mark.parametrize(

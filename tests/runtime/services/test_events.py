@@ -223,7 +223,7 @@ class TestCancel:
     def test_of_an_unknown_event(self, server, client):
         assert code_of(client.ask(CancelEvent(request_id=9, event_id=3), server)) == 6
 
-    def test_of_the_event_of_another_client(self, world, server, client, other):
+    def test_of_the_event_of_another_client(self, server, client, other):
         event_id = created(client, server, STATUS)
         answer = other.ask(CancelEvent(request_id=9, event_id=event_id), server)
         assert code_of(answer) == 6
@@ -353,9 +353,7 @@ class TestDelivery:
 
     def test_provider_learns_query_and_client(self, server, client):
         asked = []
-        server.provide(
-            QueryTime, ReportTime, lambda query, sender: asked.append((query, sender))
-        )
+        server.provide(QueryTime, ReportTime, lambda query, sender: asked.append((query, sender)))
         query = QueryTime(presence_vector=2)
         client.ask(create(query.encode()), server)
         assert asked == [(query, client.address)]

@@ -33,7 +33,8 @@ def test_heartbeat(server, client):
     assert client.ask(QueryHeartbeatPulse(), server) == [ReportHeartbeatPulse()]
 
 
-def test_queries_to_everyone_are_answered(server, client):
+@pytest.mark.usefixtures("server")
+def test_queries_to_everyone_are_answered(client):
     assert client.ask(QueryHeartbeatPulse(), BROADCAST) == [ReportHeartbeatPulse()]
 
 

@@ -262,7 +262,7 @@ def test_hook_that_raises_is_counted(world, client):
     assert client.ask(QueryStatus(), robot) == [ReportStatus(status=1, reserved=0)]
 
 
-def test_initialization_that_fails_stays_in_failure(world, client):
+def test_initialization_that_fails_stays_in_failure(world):
     class Broken(Robot):
         def on_initialize(self):
             self.fail("no hardware")
