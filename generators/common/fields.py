@@ -168,6 +168,11 @@ class Bits(Fixed):
 
 
 @dataclass(frozen=True)
+class Tag(Fixed):
+    """A variant without options: a tag alone, which JSIDL writes where nothing is chosen."""
+
+
+@dataclass(frozen=True)
 class Blob:
     """Counted bytes, or text when `is_text`.
 
@@ -215,12 +220,12 @@ class Blob:
     @property
     def min_size(self) -> int:
         """Fewest bytes on the wire."""
-        return self.count_size + self.lower
+        return self.count_size
 
     def taken(self, field: str) -> Call:
         """Returns the expression that reads the bytes after the count, which is in `size`."""
         at = f"offset + {self.count_size}"
-        limits = (str(self.lower), str(self.upper), f'"{field}"')
+        limits = (str(self.upper), f'"{field}"')
         return Call("take_text" if self.is_text else "take", ("buffer", at, "size", *limits))
 
     def sized(self, value: str, field: str) -> Call:

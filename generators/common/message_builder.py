@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.errors import GenerationError
 from jausml.generators.common import docs, fields, names
 from jausml.generators.common.layout import Call
 from jausml.generators.common.messages import (
@@ -21,8 +22,6 @@ from jausml.generators.common.messages import (
     VariantAlias,
 )
 from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
-
-from jausml.generation.errors import GenerationError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -210,6 +209,8 @@ class MessageBuilder:
             presence_struct=self._use(presence_format) if presence_format else "",
             presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
             tag=tag,
+            jaus_name=body.name if body else "",
+            is_wrapper=body is not None and not elements,
         )
 
     def _members(
@@ -450,8 +451,7 @@ class MessageBuilder:
         tag_format = self._used(fields.length_format(fields.name_of(field.type.tagType)))
         resolved = [resolve(option) for option in field.type.options]
         if not resolved:
-            # A tag and nothing more: JSIDL writes a variant without options where none is chosen.
-            return fields.integer(tag_format, ((0, 0),))
+            return fields.Tag(tag_format, "int", "0", "integer", ("0", "0"))
         alias = self._scope.claim(names.class_name(field.name))
         options = tuple(self._class(option, tag) for tag, option in enumerate(resolved))
         self._nested.append(VariantAlias(alias, tuple(option.part.name for option in options)))

@@ -331,6 +331,8 @@ class ContainerClass:
         presence_struct: Name of the constant for the presence vector, or empty.
         presence_size: Bytes of the presence vector.
         tag: Position in the variant that it is an option of.
+        jaus_name: Name in the model of what it is the class of.
+        is_wrapper: Whether it only gives a class to a list, array, variant or single field.
     """
 
     kind: ClassVar[str] = "container"
@@ -343,6 +345,8 @@ class ContainerClass:
     presence_struct: str = ""
     presence_size: int = 0
     tag: int | None = None
+    jaus_name: str = ""
+    is_wrapper: bool = False
 
     @property
     def min_size(self) -> int:
@@ -397,7 +401,7 @@ class ContainerClass:
     @property
     def is_complex(self) -> bool:
         """Whether its methods have more branches than the style allows without a word."""
-        branches = sum(member.is_optional for member in self.members)
+        branches: int = sum(member.is_optional for member in self.members)
         branches += sum(member.value.kind in ("list", "array") for member in self.members)
         return branches + 1 > MAXIMUM_COMPLEXITY
 

@@ -113,7 +113,7 @@ class ListValue:
 
     def checked(self, field: str) -> Call:
         """Returns the expression that checks a count on the wire, which is in `size`."""
-        limits = ("size", str(self.lower), str(self.upper), "len(buffer) - offset")
+        limits = ("size", str(self.upper), "len(buffer) - offset")
         return Call("check_count", (*limits, str(self.element_size), f'"{field}"'))
 
     @property
@@ -124,7 +124,7 @@ class ListValue:
     @property
     def min_size(self) -> int:
         """Fewest bytes on the wire."""
-        return self.count_size + self.lower * self.element.min_size
+        return self.count_size
 
     @property
     def element_size(self) -> int:

@@ -3,7 +3,8 @@
 Encoding is strict: a value outside its range, or one that a value set does not list, raises
 EncodeError and names the attribute. Decoding is as lenient as the layout allows: an integer that a
 value set does not list is carried on, because peers send such values (the emergency code 0 for
-example, where AS5710 lists 1 alone) and only the receiver can say what they are worth.
+example, where AS5710 lists 1 alone) and only the receiver can say what they are worth. For the same
+reason a list or byte string may be shorter than its definition demands.
 """
 
 from __future__ import annotations
@@ -245,43 +246,41 @@ def unpadded(text: bytes) -> str:
     return text.split(b"\0", 1)[0].decode("latin-1")
 
 
-def take(buffer: bytes, offset: int, size: int, lower: int, upper: int, field: str) -> bytes:
+def take(buffer: bytes, offset: int, size: int, upper: int, field: str) -> bytes:
     """Returns a counted part of the payload.
 
     Args:
         buffer: The whole payload.
         offset: Where the part begins.
         size: The count on the wire.
-        lower: Smallest legal count.
         upper: Largest legal count.
         field: Attribute that an error names.
 
     Raises:
-        DecodeError: The count is not legal or the payload ends before it.
+        DecodeError: The count is too large or the payload ends before it.
     """
-    if not lower <= size <= upper:
-        raise DecodeError(field, f"length {size} is outside {lower} .. {upper}")
+    if size > upper:
+        raise DecodeError(field, f"length {size} is more than {upper}")
     part = buffer[offset : offset + size]
     if len(part) != size:
         raise DecodeError(field, f"length {size} is more than the {len(part)} bytes that follow")
     return part
 
 
-def take_text(buffer: bytes, offset: int, size: int, lower: int, upper: int, field: str) -> str:
+def take_text(buffer: bytes, offset: int, size: int, upper: int, field: str) -> str:
     """Returns a counted string of the payload.
 
     Args:
         buffer: The whole payload.
         offset: Where the string begins.
         size: The count on the wire.
-        lower: Smallest legal count.
         upper: Largest legal count.
         field: Attribute that an error names.
 
     Raises:
-        DecodeError: The count is not legal or the payload ends before it.
+        DecodeError: The count is too large or the payload ends before it.
     """
-    return take(buffer, offset, size, lower, upper, field).decode("latin-1")
+    return take(buffer, offset, size, upper, field).decode("latin-1")
 
 
 def check_presence(presence: int, known: int, part: str) -> None:
@@ -299,21 +298,20 @@ def check_presence(presence: int, known: int, part: str) -> None:
         raise DecodeError(part, f"unknown bits in presence vector 0x{presence:X}")
 
 
-def check_count(size: int, lower: int, upper: int, room: int, element: int, field: str) -> None:
+def check_count(size: int, upper: int, room: int, element: int, field: str) -> None:
     """Checks the count of a list before memory is taken for its elements.
 
     Args:
         size: The count on the wire.
-        lower: Smallest legal count.
         upper: Largest legal count.
         room: Bytes that follow the count.
         element: Fewest bytes of an element.
         field: Attribute that an error names.
 
     Raises:
-        DecodeError: The count is not legal or the payload is too short for it.
+        DecodeError: The count is too large or the payload is too short for it.
     """
-    if not lower <= size <= upper:
-        raise DecodeError(field, f"count {size} is outside {lower} .. {upper}")
+    if size > upper:
+        raise DecodeError(field, f"count {size} is more than {upper}")
     if size * element > room:
         raise DecodeError(field, f"count {size} needs more than the {room} bytes that follow")

@@ -1,0 +1,191 @@
+"""Codecs generated from the library for tests, and their objects in the shape of the golden vectors."""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import json
+import sys
+import tempfile
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from jausml.generation.engine import FileTask, Renderer
+from jausml.generators.common.fields import Tag
+from jausml.generators.common.message_builder import build_messages
+from jausml.generators.common.messages import (
+    BitFieldClass,
+    ContainerClass,
+    MessagesModule,
+    MessageView,
+)
+from jausml.model import read_models
+
+ROOT = Path(__file__).resolve().parents[2]
+TEMPLATES = ROOT / "generators" / "common" / "templates"
+LIBRARY = ROOT / "models" / "library" / "jaus"
+GOLDEN = ROOT.parent / "shared" / "golden" / "jaus_messages.jsonl"
+LIBRARY_FILES = {
+    "core-v1.0": "core-1.0.xmi",
+    "core-v1.1": "core-1.1.xmi",
+    "mobility": "mobility.xmi",
+    "environmentSensing": "environment-sensing.xmi",
+    "manipulator": "manipulator-1.0.xmi",
+    "manipulator-v2.0": "manipulator-2.0.xmi",
+    "ugv": "ugv.xmi",
+    "iop": "iop.xmi",
+}
+
+
+class OneModule:
+    """A target of one module of messages."""
+
+    name = "messages"
+    description = ""
+    template_folders = (TEMPLATES,)
+
+    def __init__(self, view: MessagesModule) -> None:
+        self.view = view
+
+    def tasks(self, model: object) -> list[FileTask[MessagesModule]]:
+        return [FileTask("messages.py.j2", [self.view], lambda _: "messages.py")]
+
+
+def render(messages: tuple[MessageView, ...], summary: str = "Messages of a test.") -> str:
+    """Returns the text of a module with the codecs."""
+    view = MessagesModule(summary, "jausml.runtime", messages, "test.xmi", "test")
+    (artifact,) = Renderer(OneModule(view), None).render()
+    return artifact.text
+
+
+def load(text: str, name: str) -> ModuleType:
+    """Imports a generated text as a module."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{name}.py"
+        path.write_text(text, encoding="utf-8")
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+    return module
+
+
+def read_messages(path: Path) -> tuple[MessageView, ...]:
+    """Returns the views of all messages of a file's services."""
+    result = read_models([path])
+    assert not result.diagnostics, result.diagnostics
+    model = result.model
+    services = [s for s in model.instances("jaus.Service") if Path(model.location(s).path) == path]
+    return build_messages(m for s in services for m in [*s.inputs, *s.outputs])
+
+
+@functools.cache
+def library(set_name: str) -> tuple[tuple[MessageView, ...], str, ModuleType]:
+    """Returns views, text and module of the messages of a service set of the library."""
+    views = read_messages(LIBRARY / LIBRARY_FILES[set_name])
+    text = render(views)
+    return views, text, load(text, f"generated_{set_name.replace('-', '_').replace('.', '_')}")
+
+
+def shipped_sets() -> list[str]:
+    """Returns the names of the service sets that the library ships."""
+    return [name for name, file in LIBRARY_FILES.items() if (LIBRARY / file).exists()]
+
+
+def golden_vectors() -> list[dict[str, Any]]:
+    """Returns the vectors made by other implementations, none when they are not there."""
+    if not GOLDEN.exists():
+        return []
+    return [json.loads(line) for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
+
+
+class FieldNames:
+    """Objects of the classes of a message, and the JSIDL names that the golden vectors use."""
+
+    def __init__(self, view: MessageView, module: ModuleType) -> None:
+        self.view = view
+        self.cls = getattr(module, view.class_name)
+        self.bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
+        self.is_flat = view.body_kind in ("Record", "Sequence")
+
+    def to_fields(self, message: Any) -> dict[str, Any]:
+        """Returns a message in the shape of the golden vectors."""
+        if not self.view.body_name:
+            return {}
+        values = self._part_to_fields(self.view.body, message)
+        return {self.view.body_name: values} if self.is_flat else values
+
+    def from_fields(self, fields: dict[str, Any]) -> Any:
+        """Returns the message that the fields of a golden vector describe."""
+        if not self.view.body_name:
+            return self.cls()
+        inner = fields[self.view.body_name] if self.is_flat else fields
+        return self._part_from_fields(self.view.body, self.cls, inner)
+
+    def _part_to_fields(self, part: ContainerClass, obj: Any) -> dict[str, Any]:
+        values = {member.jaus_name: getattr(obj, member.attribute) for member in part.members}
+        fields: dict[str, Any] = {}
+        if part.presence_struct:
+            fields["_pv"] = sum(m.bit for m in part.members if values[m.jaus_name] is not None)
+        for member in part.members:
+            if values[member.jaus_name] is not None:
+                fields[member.jaus_name] = self._to_field(member.value, values[member.jaus_name])
+        return fields
+
+    def _to_field(self, value: Any, obj: Any) -> Any:
+        if value.kind in ("list", "array"):
+            return [self._to_field(value.element, item) for item in obj]
+        if value.kind == "variant":
+            option = value.options[obj.TAG].part
+            inner = self._part_to_fields(option, obj)
+            return {"_tag": obj.TAG, **(inner if option.is_wrapper else {option.jaus_name: inner})}
+        if value.kind == "part":
+            return self._nested_to_field(value.part, obj)
+        if value.kind == "blob" and not value.is_text:
+            return {"hex": obj.hex()}
+        if value.python_type in self.bits:
+            subs = self.bits[value.python_type].sub_fields
+            return {sub.jaus_name: getattr(obj, sub.attribute) for sub in subs}
+        return {"_tag": obj} if isinstance(value, Tag) else obj
+
+    def _nested_to_field(self, part: Any, obj: Any) -> Any:
+        if part.kind == "variable_field":
+            return {"index": obj.index, "value": obj.value}
+        if [member.jaus_name for member in part.members] == ["format", "hex"]:
+            return {"format": obj.format_index, "hex": obj.data.hex()}
+        return self._part_to_fields(part, obj)
+
+    def _part_from_fields(self, part: ContainerClass, cls: Any, fields: Any) -> Any:
+        arguments = {
+            member.attribute: self._from_field(member.value, fields[member.jaus_name])
+            for member in part.members
+            if member.jaus_name in fields
+        }
+        return cls(**arguments)
+
+    def _class(self, path: str) -> Any:
+        return getattr(self.cls, path.rpartition(".")[2])
+
+    def _from_field(self, value: Any, field: Any) -> Any:
+        if value.kind in ("list", "array"):
+            return [self._from_field(value.element, item) for item in field]
+        if value.kind == "variant":
+            option = value.options[field["_tag"]].part
+            inner = field if option.is_wrapper else field[option.jaus_name]
+            return self._part_from_fields(option, self._class(option.path), inner)
+        if value.kind == "part":
+            cls = self._class(value.part.path)
+            if set(field) in ({"format", "hex"}, {"index", "value"}):
+                first, second = field.values()
+                return cls(first, bytes.fromhex(second) if "hex" in field else second)
+            return self._part_from_fields(value.part, cls, field)
+        if value.kind == "blob" and not value.is_text:
+            return bytes.fromhex(field["hex"])
+        if value.python_type in self.bits:
+            subs = self.bits[value.python_type].sub_fields
+            numbers = {sub.attribute: field[sub.jaus_name] for sub in subs}
+            return self._class(value.python_type)(**numbers)
+        return field["_tag"] if isinstance(field, dict) else field

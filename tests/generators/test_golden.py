@@ -1,0 +1,60 @@
+"""Our codecs against the bytes that other implementations made."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from tests.generators.support import FieldNames, golden_vectors, library, shipped_sets
+
+VECTORS = [vector for vector in golden_vectors() if vector["set"] in shipped_sets()]
+
+pytestmark = pytest.mark.skipif(
+    not VECTORS, reason="the vectors of other implementations are absent"
+)
+
+
+def candidates(vector: dict[str, Any]) -> list[FieldNames]:
+    views, _, module = library(vector["set"])
+    code = int(vector["id"], 16)
+    found = [v for v in views if v.jaus_name == vector["message"] and v.code == code]
+    assert found, "the library lacks the message"
+    return [FieldNames(view, module) for view in found]
+
+
+def close(ours: Any, theirs: Any) -> bool:
+    if isinstance(theirs, float):
+        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-9, abs_tol=1e-9)
+    if isinstance(theirs, dict):
+        return ours.keys() == theirs.keys() and all(close(ours[k], theirs[k]) for k in theirs)
+    if isinstance(theirs, list):
+        return len(ours) == len(theirs) and all(map(close, ours, theirs))
+    return type(ours) is type(theirs) and ours == theirs
+
+
+def problems(names: FieldNames, vector: dict[str, Any]) -> list[str]:
+    data = bytes.fromhex(vector["hex"])
+    message = names.cls.decode(data)
+    found = []
+    if not close(names.to_fields(message), vector["fields"]):
+        found.append(f"decoded {names.to_fields(message)}")
+    if message.encode() != data:
+        found.append(f"encoded again {message.encode().hex()}")
+    rebuilt = names.from_fields(vector["fields"])
+    encoded = rebuilt.encode()
+    if encoded != data:
+        found.append(f"encoded {encoded.hex()}")
+    return found
+
+
+@pytest.mark.parametrize("set_name", shipped_sets())
+def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(set_name: str) -> None:
+    wrong = []
+    vectors = [vector for vector in VECTORS if vector["set"] == set_name]
+    for vector in vectors:
+        found = [problems(names, vector) for names in candidates(vector)]
+        if all(found):
+            wrong.append((vector["message"], vector["hex"], vector["fields"], found))
+    assert not wrong
+    assert vectors
