@@ -1,0 +1,129 @@
+"""The engine: one cause is one error, the library is trusted, failures name the rule."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from jausml.model import Severity, library_root, read_models
+from jausml.validation.engine import RuleError, check, validate
+from jausml.validation.rule import Finding, rule
+
+MODELS = Path(__file__).parents[2] / "models"
+MINIMAL = (MODELS / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+PORTABLE = MINIMAL.replace("../library/", "http://www.jausml.org/library/")
+
+MUTATIONS = [
+    (name, match.start(group), match.end(group), new)
+    for name, pattern, group, new in (
+        ("href", r'href="[^"#]*#([^"]*)"', 1, "Nowhere"),
+        ("class", r'xsi:type="([^"]*)"', 1, "bridge:Nothing"),
+        ("map", r' map="([^"]*)"', 1, "nowhere"),
+        ("peers", r' peers="([^"]*)"', 1, "nowhere"),
+        ("literal", r' exchange="([^"]*)"', 1, "often"),
+        ("address", r' address="([^"]*)"', 1, "one"),
+        ("rate", r' rate="([^"]*)"', 1, "fast"),
+        ("no name", r' name="[^"]*"', 0, ""),
+        ("no target", r' target="[^"]*"', 0, ""),
+        ("no source", r' source="[^"]*"', 0, ""),
+    )
+    for match in re.finditer(pattern, PORTABLE)
+]
+
+
+@pytest.mark.parametrize(
+    "mutation", MUTATIONS, ids=lambda mutation: f"{mutation[0]}-{mutation[1]}"
+)
+def test_what_could_not_be_read_causes_no_findings_of_rules(mutation, tmp_path):
+    _, start, end, new = mutation
+    path = tmp_path / "model.xmi"
+    path.write_text(PORTABLE[:start] + new + PORTABLE[end:], encoding="utf-8")
+    rules = {each.rule for each in validate([path]).diagnostics}
+    assert rules
+    assert all(each < "JML3" for each in rules)
+
+
+def test_shipped_models_keep_all_rules():
+    models = sorted(MODELS.rglob("*.xmi"))
+    assert len(models) > 5
+    assert validate(models).diagnostics == ()
+
+
+def test_all_shipped_services_fit_into_one_component(tmp_path):
+    hrefs = [
+        f'<provides href="http://www.jausml.org/library/jaus/{name}.xmi#{service}"/>'
+        for name in ("core-1.1", "mobility")
+        for service in re.findall(
+            r'<services xmi:id="(\w+)"',
+            (library_root() / "jaus" / f"{name}.xmi").read_text(encoding="utf-8"),
+        )
+    ]
+    path = tmp_path / "model.xmi"
+    path.write_text(
+        '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="all">'
+        f'<components name="all" address="1.1.1">{"".join(hrefs)}</components></system:System>',
+        encoding="utf-8",
+    )
+    assert len(hrefs) > 10
+    assert validate([path]).diagnostics == ()
+
+
+def test_systems_of_several_files_do_not_disturb_each_other(tmp_path):
+    for name in ("first.xmi", "second.xmi"):
+        (tmp_path / name).write_text(PORTABLE, encoding="utf-8")
+    report = validate([tmp_path / "first.xmi", tmp_path / "second.xmi"])
+    assert report.diagnostics == ()
+    assert len(report.files) == 2
+
+
+def test_findings_are_in_one_order_whatever_the_order_of_files(tmp_path):
+    for name in ("first.xmi", "second.xmi"):
+        bad = PORTABLE.replace('rate="10.0"', 'rate="0"').replace("Velocity_X", "Velocity")
+        (tmp_path / name).write_text(bad, encoding="utf-8")
+    paths = [tmp_path / "first.xmi", tmp_path / "second.xmi"]
+    findings = validate(paths).diagnostics
+    assert validate(paths[::-1]).diagnostics == findings
+    assert [each.rule for each in findings] == ["JML411", "JML425"] * 2
+
+
+def test_library_is_checked_only_when_it_is_named(tmp_path):
+    @rule("JML399", Severity.WARNING, "any service")
+    def any_service(subject):
+        """Reports every service."""
+        for service in subject.instances("jaus.Service"):
+            yield Finding(service, "a service", "name")
+
+    path = tmp_path / "model.xmi"
+    path.write_text(PORTABLE, encoding="utf-8")
+    assert check(read_models([path]), [any_service]).diagnostics == ()
+    library = library_root() / "jaus" / "mobility.xmi"
+    report = check(read_models([library]), [any_service])
+    assert report.has_warnings
+    assert not report.has_errors
+    assert report.diagnostics[0].location.line > 1
+
+
+def test_rule_that_fails_is_named(tmp_path):
+    @rule("JML398", Severity.ERROR, "broken rule")
+    def broken(subject):
+        """Fails."""
+        yield from {}["nothing"]
+
+    path = tmp_path / "model.xmi"
+    path.write_text(PORTABLE, encoding="utf-8")
+    with pytest.raises(RuleError, match=r"rule JML398 \(broken rule\) failed: KeyError: 'nothing'"):
+        check(read_models([path]), [broken])
+
+
+def test_finding_names_element_and_fragment(tmp_path):
+    path = tmp_path / "model.xmi"
+    path.write_text(PORTABLE.replace('rate="10.0"', 'rate="0"'), encoding="utf-8")
+    (finding,) = validate([path]).diagnostics
+    assert finding.element == "minimal/sensor_bridge/velocity"
+    assert finding.fragment == "//@bridges.0/@bridgeConnections.0"
+    assert finding.location.path == str(path)
+    assert PORTABLE.splitlines()[finding.location.line - 1][finding.location.column - 1 :].startswith(
+        "rate="
+    )

@@ -1,0 +1,43 @@
+"""Each rule has a model that breaks it, with the places asserted, and one that keeps it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.validation.engine import validate
+from jausml.validation.formats import text
+from jausml.validation.rules import all_rules
+
+CASES = sorted((Path(__file__).parents[1] / "cases" / "rules").iterdir())
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_bad_model_is_reported_where_it_is_bad(case, monkeypatch):
+    monkeypatch.chdir(case)
+    report = validate(["bad.xmi"])
+    assert text.render(report) == Path("expected").read_text(encoding="utf-8")
+    assert {each.rule for each in report.diagnostics} == {case.name[:6]}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_good_model_is_not_reported(case, monkeypatch):
+    monkeypatch.chdir(case)
+    assert text.render(validate(["good.xmi"])) == ""
+
+
+def test_every_rule_has_a_case():
+    assert {case.name[:6] for case in CASES} == {rule.id for rule in all_rules()}
+
+
+def test_ids_are_unique_and_in_their_groups():
+    ids = [rule.id for rule in all_rules()]
+    assert len(set(ids)) == len(ids)
+    assert all(each[:4] in ("JML3", "JML4", "JML5") and len(each) == 6 for each in ids)
+
+
+@pytest.mark.parametrize("rule", all_rules(), ids=lambda rule: rule.id)
+def test_documentation_has_a_bad_and_a_good_example(rule):
+    assert "\nBad: " in rule.documentation
+    assert "\nGood: " in rule.documentation
