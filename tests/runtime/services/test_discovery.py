@@ -170,7 +170,7 @@ class TestRegistration:
     def test_other_subsystems_are_ignored(self, world, tested, client):
         client.ask(registration(SENSOR), tested)
         (report,) = client.ask(query_services((255, 255)), tested)
-        assert set(found(report)) == {(1, 1)}
+        assert set(found(report)) == {(1, 1), (2, 3)}
         assert world.counters.snapshot()["discovery.registration_ignored"] == 1
 
     def test_node_scope_takes_its_node_only(self, world, client):

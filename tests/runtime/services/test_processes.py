@@ -1,0 +1,273 @@
+"""Components over real JUDP: in one process, in several, and how a process begins and ends."""
+
+from __future__ import annotations
+
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from jausml.runtime import process
+from jausml.runtime.address import JausAddress
+from jausml.runtime.component import (
+    ComponentSettings,
+    ControlState,
+    JausComponent,
+    ServiceIdentity,
+    Status,
+)
+from jausml.runtime.core_messages import (
+    QueryHeartbeatPulse,
+    QueryStatus,
+    QueryTime,
+    ReportHeartbeatPulse,
+    ReportStatus,
+    ReportTime,
+    SetTime,
+    Shutdown,
+)
+from jausml.runtime.settings import TransportSettings
+
+ROOT = Path(__file__).parents[3]
+SCRIPT = Path(__file__).with_name("robot_process.py")
+ROBOT = JausAddress(1, 1, 1)
+OPERATOR = JausAddress(2, 1, 1)
+DISCOVERY = "urn:jaus:jss:core:Discovery"
+QUICK = ComponentSettings(
+    register_services=False, retry_max=1.0, watch_interval=0.2, check_interval=0.5
+)
+
+
+class RobotProcess:
+    """A running robot_process.py and the lines that it wrote."""
+
+    def __init__(self, *arguments):
+        self.running = subprocess.Popen(
+            [sys.executable, str(SCRIPT), *arguments],
+            cwd=ROOT,
+            env={"PYTHONPATH": str(ROOT)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.lines = queue.Queue()
+        self.reader = threading.Thread(target=self._read)
+        self.reader.start()
+
+    def _read(self):
+        for line in self.running.stdout:
+            self.lines.put(line.strip())
+
+    def expect(self, text, seconds=20.0):
+        while self.lines.get(timeout=seconds) != text:
+            pass
+
+    def end(self):
+        """Wait for the end; return the exit code and what was logged."""
+        code = self.running.wait(timeout=20)
+        self.reader.join()
+        with self.running.stdout, self.running.stderr:
+            return code, self.running.stderr.read()
+
+    def kill(self):
+        if self.running.poll() is None:
+            self.running.kill()
+        if not self.running.stderr.closed:
+            self.end()
+
+
+@pytest.fixture
+def robot(free_port):
+    """Start robots on the port; all are killed in the end."""
+    started = []
+
+    def start(*arguments):
+        started.append(RobotProcess("--jaus-port", str(free_port), *arguments))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.kill()
+
+
+@pytest.fixture
+def operator(station):
+    """A running component in a process of another port owner."""
+    component = JausComponent(
+        station().transport, OPERATOR, name="operator", services=(), settings=QUICK
+    )
+    component.start()
+    yield component
+    component.stop()
+
+
+class TestOneProcess:
+    @pytest.fixture
+    def pair(self, station):
+        """Two components on one transport."""
+        transport = station().transport
+        core = [
+            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+            for name in ("Events", "AccessControl", "Management", "Liveness", "Discovery")
+        ]
+        made = [
+            JausComponent(transport, address, name=str(address), services=core, settings=QUICK)
+            for address in (ROBOT, OPERATOR)
+        ]
+        for each in made:
+            each.start()
+        yield made
+        for each in made:
+            each.stop()
+
+    def test_control_and_events(self, pair, wait_until):
+        robot, operator = pair
+        statuses = []
+        session = operator.control(ROBOT, authority=100)
+        operator.subscribe(
+            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
+        )
+        wait_until(lambda: session.state is ControlState.READY)
+        assert robot.controller == OPERATOR
+        wait_until(lambda: statuses and statuses[-1].status == Status.READY)
+        session.release()
+        wait_until(lambda: statuses[-1].status == Status.STANDBY)
+        assert robot.controller is None
+
+    def test_discovery_of_each_other(self, pair, wait_until):
+        found = []
+        pair[1].discover(DISCOVERY, found.append)
+        wait_until(lambda: found)
+        assert found[0].address == ROBOT
+
+    def test_address_is_taken(self, pair):
+        twin = JausComponent(pair[0].transport, ROBOT, name="twin", services=())
+        with pytest.raises(ValueError, match="attached"):
+            twin.start()
+        assert not twin.running
+
+
+class TestTwoProcesses:
+    def test_commands_reports_and_discovery(self, robot, operator, wait_until):
+        tested = robot()
+        times, found = [], []
+        session = operator.control(ROBOT, authority=100)
+        operator.subscribe(
+            ROBOT,
+            QueryTime(presence_vector=1),
+            ReportTime,
+            lambda report, _sender: times.append(report.time_stamp),
+        )
+        tested.expect("ready")
+        operator.discover("urn:jaus:jss:core:Time", found.append)
+        wait_until(lambda: session.state is ControlState.READY)
+        stamp = SetTime.TimeStamp(hour=13, day=1)
+        wait_until(lambda: times)
+        operator.send(SetTime(time_stamp=stamp), ROBOT)
+        tested.expect(f"time 13 of {OPERATOR}")
+        wait_until(lambda: times[-1] is not None and times[-1].hour == 13)
+        wait_until(lambda: found)
+        assert found[0].address == ROBOT
+
+    def test_recovery_of_a_killed_robot(self, robot, operator, wait_until):
+        first = robot()
+        pulses, silences = [], []
+        session = operator.control(ROBOT, authority=100)
+        operator.subscribe(
+            ROBOT,
+            QueryHeartbeatPulse(),
+            ReportHeartbeatPulse,
+            lambda report, _sender: pulses.append(report),
+            rate=20,
+            silence_timeout=0.5,
+            on_silence=lambda: silences.append(1),
+        )
+        wait_until(lambda: session.state is ControlState.READY and len(pulses) > 5)
+        silences.clear()
+        first.kill()
+        wait_until(lambda: silences and session.state is ControlState.SEEKING)
+        second = robot()
+        second.expect("ready")
+        pulses.clear()
+        wait_until(lambda: session.state is ControlState.READY and len(pulses) > 5)
+        assert len(silences) == 1
+
+    def test_three_processes_on_one_port(self, robot, operator, wait_until):
+        addresses = [JausAddress(3, 1, number) for number in (1, 2)]
+        for address in addresses:
+            robot("--jaus-id", str(address), "--discovery-scope", "component")
+        sessions = [operator.control(address, authority=100) for address in addresses]
+        wait_until(lambda: all(each.state is ControlState.READY for each in sessions), 20.0)
+
+    def test_members_register_with_the_subsystem(self, robot, operator, wait_until):
+        robot("--jaus-id", "4.1.1").expect("initialize")
+        robot("--jaus-id", "4.1.2", "--discovery-scope", "component").expect("initialize")
+        found = []
+        operator.discover(DISCOVERY, lambda each: found.append(str(each.address)))
+        wait_until(lambda: {"4.1.1", "4.1.2"} <= set(found), 20.0)
+
+
+class TestEnd:
+    @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+    def test_by_signal(self, robot, operator, wait_until, number):
+        tested = robot()
+        statuses = []
+        session = operator.control(ROBOT, authority=100)
+        operator.subscribe(
+            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
+        )
+        wait_until(lambda: session.state is ControlState.READY and statuses)
+        tested.running.send_signal(number)
+        tested.expect("not ready")
+        tested.expect("shutdown")
+        code, log = tested.end()
+        assert code == 0
+        assert f"ends: {number.name}" in log
+        wait_until(lambda: statuses[-1].status == Status.SHUTDOWN)
+        wait_until(lambda: session.state is ControlState.SEEKING)
+
+    def test_by_jaus_shutdown(self, robot, operator, wait_until):
+        tested = robot()
+        session = operator.control(ROBOT, authority=100)
+        wait_until(lambda: session.state is ControlState.READY)
+        operator.send(Shutdown(), ROBOT)
+        tested.expect("shutdown")
+        code, log = tested.end()
+        assert code == 0
+        assert "ends: JAUS Shutdown" in log
+
+    @pytest.mark.parametrize(
+        "arguments",
+        [("--jaus-id", "1.255.1"), ("--jaus-id", "x"), ("--jaus-multicast-ttl", "300"), ("--no",)],
+    )
+    def test_wrong_command_line(self, robot, arguments):
+        code, log = robot(*arguments).end()
+        assert code == 2
+        assert "usage: robot" in log
+        assert "Traceback" not in log
+
+    def test_network_that_cannot_be_used(self, robot):
+        code, log = robot("--jaus-interface", "192.0.2.1").end()
+        assert code == 1
+        assert "cannot use the network" in log
+        assert "Traceback" not in log
+
+    def test_component_that_fails_to_start(self, free_port, caplog):
+        def broken(*_):
+            raise RuntimeError("user code")
+
+        code = process.run(
+            broken,
+            [],
+            name="broken",
+            description="",
+            address=ROBOT,
+            transport=TransportSettings(port=free_port),
+        )
+        assert code == 1
+        assert "user code" in caplog.text
+        assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
