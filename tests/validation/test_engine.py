@@ -33,9 +33,7 @@ MUTATIONS = [
 ]
 
 
-@pytest.mark.parametrize(
-    "mutation", MUTATIONS, ids=lambda mutation: f"{mutation[0]}-{mutation[1]}"
-)
+@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: f"{mutation[0]}-{mutation[1]}")
 def test_what_could_not_be_read_causes_no_findings_of_rules(mutation, tmp_path):
     _, start, end, new = mutation
     path = tmp_path / "model.xmi"
@@ -124,6 +122,6 @@ def test_finding_names_element_and_fragment(tmp_path):
     assert finding.element == "minimal/sensor_bridge/velocity"
     assert finding.fragment == "//@bridges.0/@bridgeConnections.0"
     assert finding.location.path == str(path)
-    assert PORTABLE.splitlines()[finding.location.line - 1][finding.location.column - 1 :].startswith(
-        "rate="
-    )
+    assert PORTABLE.splitlines()[finding.location.line - 1][
+        finding.location.column - 1 :
+    ].startswith("rate=")

@@ -1,0 +1,196 @@
+"""`jausml generate`, with small targets in place of the shipped ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.cli import generate
+from jausml.generation import (
+    GenerationError,
+    Kind,
+    MethodContract,
+    SkeletonContract,
+    TextFile,
+    TextTask,
+)
+
+SKELETON = '"""Yours."""\n\n\nclass Sensor(SensorBase):\n    def on_velocity(self, message):\n        pass\n'
+CONTRACT = SkeletonContract(
+    "Sensor", "SensorBase", (MethodContract("on_velocity", ("message",), "0x4404", "stub\n"),)
+)
+
+
+class SmallTarget:
+    """Writes one generated file for each component, and a skeleton."""
+
+    name = "small"
+    description = "For tests."
+    template_folders = ()
+
+    def tasks(self, model):
+        components = model.instances("jaus.Component")
+        bases = [
+            TextFile(f"{c.name}_base.py", f"ADDRESS = {c.address!r}\n", f"component:{c.name}", "m")
+            for c in components
+        ]
+        skeleton = TextTask(
+            [TextFile("sensor.py", SKELETON, "component:sensor", "m")], kind=Kind.SKELETON
+        )
+        skeleton.contract = lambda _: CONTRACT
+        return [TextTask(bases), skeleton]
+
+    def processes(self, model):
+        return [{"name": c.name} for c in model.instances("jaus.Component")]
+
+
+class BrokenTarget(SmallTarget):
+    """Fails."""
+
+    name = "broken"
+
+    def tasks(self, model):
+        return [TextTask([TextFile("a.py", "def", "x", "m")])]
+
+
+@pytest.fixture(autouse=True)
+def targets(monkeypatch):
+    installed = {"small": SmallTarget()}
+    monkeypatch.setattr(generate, "load_targets", lambda: installed)
+    return installed
+
+
+def test_generates_beside_the_current_folder_by_default(jausml, folder):
+    result = jausml("generate", "good.xmi")
+    assert result.exit_code == 0, result.stderr
+    out = folder / "good_ws" / "src"
+    assert (out / "sensor_base.py").is_file()
+    assert (out / "sensor.py").read_text() == SKELETON
+    assert "create sensor_base.py (new)" in result.stdout
+    assert f"4 created in {out}" in result.stderr
+    assert '"processes"' in (out / ".jausml" / "manifest.json").read_text()
+
+
+def test_second_run_changes_nothing(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out")
+    before = {path: path.stat().st_mtime_ns for path in Path("out").rglob("*")}
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert "keep   sensor.py (yours)" in result.stdout
+    assert "4 kept" in result.stderr
+    assert {path: path.stat().st_mtime_ns for path in Path("out").rglob("*")} == before
+    assert jausml("generate", "good.xmi", "-o", "out", "-q").stdout == ""
+    assert jausml("generate", "good.xmi", "-o", "out", "--check").exit_code == 0
+
+
+@pytest.mark.parametrize("mode", ["--check", "--diff", "--dry-run"])
+def test_modes_write_nothing(jausml, folder, mode):
+    result = jausml("generate", "good.xmi", "-o", "out", mode)
+    assert result.exit_code == (1 if mode == "--check" else 0)
+    assert not Path("out").exists()
+    assert "sensor_base.py" in result.stdout
+    assert "4 to create" in result.stderr
+
+
+def test_diff_is_a_patch(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out")
+    text = Path("good.xmi").read_text()
+    Path("good.xmi").write_text(text.replace('"10.1.1"', '"10.1.9"'))
+    patch = jausml("generate", "good.xmi", "-o", "out", "--diff").stdout
+    assert "--- a/sensor_base.py\n+++ b/sensor_base.py\n" in patch
+    assert "\n-ADDRESS = '10.1.1'\n" in patch
+    assert "\n+ADDRESS = '10.1.9'\n" in patch
+    assert jausml("generate", "good.xmi", "-o", "out", "--check").exit_code == 1
+
+
+def test_modes_exclude_each_other(jausml, folder):
+    assert jausml("generate", "good.xmi", "--check", "--diff").exit_code == 2
+
+
+def test_invalid_model_stops_before_anything(jausml, folder):
+    result = jausml("generate", "bad.xmi")
+    assert result.exit_code == 1
+    assert "JML425" in result.stderr
+    assert "nothing generated" in result.stderr
+    assert not (folder / "bad_ws").exists()
+
+
+def test_warnings_are_shown_and_do_not_stop(jausml, folder):
+    result = jausml("generate", "doubtful.xmi")
+    assert result.exit_code == 0
+    assert "JML426" in result.stderr
+
+
+def test_edited_file_is_refused_until_forced(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out")
+    Path("out/sensor_base.py").write_text("MINE = 1\n")
+    refused = jausml("generate", "good.xmi", "-o", "out")
+    assert refused.exit_code == 1
+    assert "out/sensor_base.py: error: edited by hand" in refused.stderr
+    assert "--force" in refused.stderr
+    assert "nothing written" in refused.stderr
+    assert Path("out/sensor_base.py").read_text() == "MINE = 1\n"
+    assert jausml("generate", "good.xmi", "-o", "out", "--force").exit_code == 0
+    assert Path("out/sensor_base.py.orig").read_text() == "MINE = 1\n"
+    assert "10.1.1" in Path("out/sensor_base.py").read_text()
+
+
+def test_drift_is_reported_with_a_place_and_a_stub(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out")
+    Path("out/sensor.py").write_text(SKELETON.replace("on_velocity", "on_nothing_like_it"))
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert result.exit_code == 0
+    assert "out/sensor.py:5: warning: on_nothing_like_it" in result.stderr
+    assert "out/sensor.py:4: info: Sensor does not define" in result.stderr
+    assert "\nstub\n" in result.stderr
+
+
+def test_component_that_is_gone(jausml, folder, model_text):
+    jausml("generate", "good.xmi", "-o", "out")
+    Path("good.xmi").write_text(model_text.replace('name="sensor_bridge"', 'name="other_bridge"'))
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert "delete sensor_bridge_base.py" in result.stdout
+    assert not Path("out/sensor_bridge_base.py").exists()
+
+
+def test_only_some_targets(jausml, folder, targets):
+    targets["broken"] = BrokenTarget()
+    assert jausml("generate", "good.xmi", "--target", "small").exit_code == 0
+    result = jausml("generate", "good.xmi", "--target", "smal")
+    assert result.exit_code == 2
+    assert "no target 'smal'; installed: small, broken" in result.stderr
+
+
+def test_faulty_target_is_an_internal_error_and_writes_nothing(jausml, folder, targets):
+    targets["broken"] = BrokenTarget()
+    result = jausml("generate", "good.xmi")
+    assert result.exit_code == 3
+    assert "a.py would not be readable" in result.stderr
+    assert not (folder / "good_ws").exists()
+
+
+def test_targets_that_cannot_be_loaded(jausml, folder, monkeypatch):
+    def fail():
+        raise GenerationError("target 'x' is broken")
+
+    monkeypatch.setattr(generate, "load_targets", fail)
+    result = jausml("generate", "good.xmi")
+    assert result.exit_code == 2
+    assert "target 'x' is broken" in result.stderr
+
+
+def test_model_without_a_system(jausml, folder):
+    Path("set.xmi").write_text(
+        '<jaus:ServiceSet xmlns:jaus="http://www.jausml.org/jaus/1.0" name="set"/>'
+    )
+    result = jausml("generate", "set.xmi")
+    assert result.exit_code == 2
+    assert "set.xmi holds no system" in result.stderr
+
+
+def test_output_that_cannot_be_written(jausml, folder):
+    Path("out").write_text("a file")
+    result = jausml("generate", "good.xmi", "-o", "out")
+    assert result.exit_code == 2
+    assert "out is no folder" in result.stderr
+    assert jausml("generate", ".").exit_code == 2

@@ -1,0 +1,104 @@
+"""What holds for all verbs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from jausml.cli import VERBS, validate
+
+
+def test_help_lists_the_verbs_without_loading_them():
+    code = (
+        "import sys; from jausml.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit as end: assert end.code == 0\n"
+        "heavy = {'pyecore', 'jinja2', 'multigen', 'lxml'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    for verb, text in VERBS.items():
+        assert f"  {verb}" in result.stdout
+        assert text in result.stdout
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_each_verb_has_help_that_begins_with_its_text(jausml, verb):
+    result = jausml(verb, "--help")
+    assert result.exit_code == 0
+    assert result.stdout.startswith(f"Usage: main {verb}")
+    first_words = VERBS[verb].rstrip(".").split()[:2]
+    assert " ".join(first_words) in result.stdout
+
+
+def test_version(jausml):
+    assert jausml("--version").stdout.startswith("jausml, version ")
+
+
+@pytest.mark.parametrize("arguments", [["nothing"], ["validate"], ["generate"], ["run"]])
+def test_wrong_use_is_2(jausml, arguments):
+    assert jausml(*arguments).exit_code == 2
+
+
+def test_internal_error_is_3_and_short(jausml, folder, monkeypatch):
+    def fail(*_, **__):
+        raise KeyError("inside")
+
+    monkeypatch.setattr(validate, "validate", fail)
+    result = jausml("validate", "good.xmi")
+    assert result.exit_code == 3
+    assert (
+        result.stderr == "jausml: internal error: KeyError: 'inside' (jausml --debug shows where)\n"
+    )
+    result = jausml("--debug", "validate", "good.xmi")
+    assert result.exit_code == 3
+    assert "Traceback" in result.stderr
+    assert "in fail" in result.stderr
+
+
+def test_reader_of_the_output_may_go_away(folder):
+    command = [sys.executable, "-m", "jausml.cli", "rules"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as gone:
+        result = subprocess.run(command, stdout=gone, stderr=subprocess.PIPE, text=True)
+    assert "Traceback" not in result.stderr
+
+
+def test_terminal_without_unicode(folder):
+    (folder / "bad.xmi").write_text(
+        (folder / "bad.xmi").read_text().replace('name="velocity"', 'name="vélocité"')
+    )
+    result = subprocess.run(
+        [sys.executable, "-m", "jausml.cli", "validate", "bad.xmi"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert result.returncode == 1
+    assert b"JML501" in result.stdout
+    assert b"Traceback" not in result.stderr
+
+
+def test_rules_lists_every_rule(jausml):
+    lines = jausml("rules").stdout.splitlines()
+    assert "JML103 error   unknown feature" in lines
+    assert "JML403 warning incompatible quality of service" in lines
+    assert lines == sorted(lines)
+
+
+def test_explain_shows_the_documentation(jausml):
+    result = jausml("explain", "jml301")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("JML301: JAUS address out of range (error)\n\nAn address is")
+    assert "Bad: " in result.stdout
+    assert jausml("explain", "JML103").stdout.startswith("JML103: unknown feature (error)")
+
+
+def test_explain_of_an_unknown_rule(jausml):
+    result = jausml("explain", "JML331")
+    assert result.exit_code == 2
+    assert "did you mean JML3" in result.stderr

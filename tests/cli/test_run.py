@@ -1,0 +1,257 @@
+"""`jausml run`, with real processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from jausml import __version__
+from jausml.cli import run as run_verb
+from jausml.cli import supervisor
+
+READY = """\
+import signal, sys, time
+{setup}
+print("ready", sys.argv[1:], flush=True)
+while True:
+    time.sleep(0.05)
+"""
+OBEDIENT = READY.format(setup="signal.signal(signal.SIGINT, lambda *_: sys.exit(0))")
+DEAF = READY.format(
+    setup="signal.signal(signal.SIGINT, signal.SIG_IGN); signal.signal(signal.SIGTERM, signal.SIG_IGN)"
+)
+
+
+@pytest.fixture
+def workspace(tmp_path, monkeypatch):
+    """Makes a generated workspace of processes with the given programs."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(kind="component", **programs):
+        processes = []
+        for name, program in programs.items():
+            package = tmp_path / "out" / name / name
+            package.mkdir(parents=True)
+            (package / "__init__.py").write_text("")
+            (package / "main.py").write_text(program)
+            processes.append(
+                {
+                    "name": name,
+                    "kind": kind,
+                    "package": name,
+                    "module": f"{name}.main",
+                    "arguments": ["--jaus-port", "4000"],
+                }
+            )
+        write_manifest(tmp_path / "out", processes)
+        return tmp_path / "out"
+
+    return make
+
+
+def write_manifest(out, processes):
+    (out / ".jausml").mkdir(parents=True, exist_ok=True)
+    content = {
+        "schema": 1,
+        "generator": f"jausml {__version__}",
+        "files": {},
+        "extra": {"processes": processes},
+    }
+    (out / ".jausml" / "manifest.json").write_text(json.dumps(content))
+
+
+def start(*arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "jausml.cli", "run", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+
+
+def read_until(process, *texts):
+    """Reads lines until each text was seen; returns what was read."""
+    seen = ""
+    while not all(text in seen for text in texts):
+        line = process.stdout.readline()
+        assert line, f"ended early: {seen}{process.stderr.read()}"
+        seen += line
+    return seen
+
+
+def finish(process):
+    out, err = process.communicate(timeout=30)
+    return process.returncode, out, err
+
+
+def test_all_end_by_themselves(jausml, workspace):
+    out = workspace(
+        alpha="print('one')\nprint('two')",
+        beta="import sys, alpha\nprint(sys.argv[1:])\nprint('x', file=sys.stderr)",
+    )
+    result = jausml("run", out)
+    assert result.exit_code == 0, result.stderr
+    lines = result.stdout.splitlines()
+    assert [line for line in lines if line.startswith("alpha | ")] == ["alpha | one", "alpha | two"]
+    assert "beta  | ['--jaus-port', '4000']" in lines
+    assert "beta  | x" in lines
+
+
+def test_only_some_processes(jausml, workspace):
+    out = workspace(alpha="print('one')", beta="print('two')")
+    result = jausml("run", out, "--only", "beta")
+    assert result.stdout == "beta | two\n"
+    result = jausml("run", out, "--only", "gamma")
+    assert result.exit_code == 2
+    assert "no process 'gamma'; there are alpha, beta" in result.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signal_stops_all_cleanly(workspace, number):
+    process = start(workspace(alpha=OBEDIENT, beta=OBEDIENT))
+    read_until(process, "alpha | ready", "beta  | ready")
+    process.send_signal(number)
+    code, _, err = finish(process)
+    assert (code, err) == (0, "")
+
+
+def test_time_is_over(workspace):
+    process = start(workspace(alpha=OBEDIENT), "--for", "0.5")
+    read_until(process, "ready")
+    code, _, err = finish(process)
+    assert (code, err) == (0, "")
+
+
+def test_failure_of_one_stops_the_others(workspace):
+    process = start(workspace(alpha=OBEDIENT, beta="import sys\nsys.exit('broken')"))
+    code, out, err = finish(process)
+    assert code == 1
+    assert "beta  | broken" in out
+    assert err == "jausml: beta ended with exit status 1; all others were stopped\n"
+
+
+def test_killed_process_is_named_by_its_signal(workspace):
+    program = "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)"
+    code, _, err = finish(start(workspace(alpha=program)))
+    assert code == 1
+    assert "alpha was ended by SIGKILL" in err
+
+
+def test_second_signal_does_not_wait(workspace):
+    process = start(workspace(alpha=DEAF))
+    read_until(process, "ready")
+    for _ in range(3):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.1)  # signals that arrive together count as one
+    code, _, err = finish(process)
+    assert code == 1
+    assert "alpha was ended by SIGKILL when it was stopped" in err
+
+
+def test_deaf_process_is_killed_after_the_grace(jausml, workspace, monkeypatch):
+    grace = tuple((number, 0.2) for number, _ in supervisor.GRACE[:2])
+    monkeypatch.setattr(supervisor, "GRACE", (*grace, supervisor.GRACE[2]))
+    result = jausml("run", workspace(alpha=DEAF), "--for", "0.5")
+    assert result.exit_code == 1
+    assert "alpha was ended by SIGKILL when it was stopped" in result.stderr
+
+
+def test_children_of_a_process_stop_too(workspace):
+    child = "import time; print('child', flush=True); time.sleep(600)"
+    program = (
+        "import subprocess, sys\n"
+        f"child = subprocess.Popen([sys.executable, '-c', {child!r}])\n"
+        "print('pid', child.pid, flush=True)\n"
+        "child.wait()\n"
+    )
+    process = start(workspace(alpha=program))
+    seen = read_until(process, "pid", "child")
+    pid = int(seen.split("pid ")[1].split()[0])
+    process.send_signal(signal.SIGINT)
+    finish(process)
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_no_process_is_left_when_the_reader_goes_away(workspace):
+    chatty = (
+        "import os, time\nwhile True:\n    print(os.getpid(), flush=True)\n    time.sleep(0.02)"
+    )
+    process = start(workspace(alpha=chatty))
+    pid = int(process.stdout.readline().split("|")[1])
+    process.stdout.close()
+    process.wait(30)
+    process.stderr.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_environment_is_passed_on_and_packages_are_found(jausml, workspace, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "42")
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
+    monkeypatch.setenv("PYTHONPATH", "/elsewhere")
+    program = (
+        "import os, sys\n"
+        "print(os.environ['ROS_DOMAIN_ID'], os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE'))\n"
+        "print('/elsewhere' in sys.path)\n"
+    )
+    result = jausml("run", workspace(alpha=program))
+    assert result.stdout == "alpha | 42 None\nalpha | True\n"
+
+
+def test_parameter_file_is_handed_to_ros_nodes(jausml, workspace):
+    out = workspace(alpha="import sys\nprint(sys.argv[3:])")
+    entry = {"name": "alpha", "kind": "component", "module": "alpha.main", "arguments": ["a", "b"]}
+    write_manifest(out, [{**entry, "parameters": "x_bringup/config/alpha.yaml"}])
+    expected = ["--ros-args", "--params-file", str(out / "x_bringup/config/alpha.yaml")]
+    assert jausml("run", out).stdout == f"alpha | {expected}\n"
+
+
+def test_colcon_workspace_is_its_src(jausml, workspace):
+    out = workspace(alpha="print('one')")
+    Path("ws").mkdir()
+    out.rename("ws/src")
+    assert jausml("run", "ws").stdout == "alpha | one\n"
+
+
+def test_what_is_no_workspace(jausml, tmp_path):
+    result = jausml("run", tmp_path)
+    assert result.exit_code == 2
+    assert "is no generated workspace: it has no .jausml/manifest.json" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "processes",
+    [
+        None,
+        {},
+        [1],
+        [{"name": "a", "kind": "node", "module": "os; import x"}],
+        [{"name": "a", "kind": "node", "module": "-c"}],
+        [{"name": "a", "kind": "node", "module": "a.main", "arguments": [1]}],
+        [],
+    ],
+)
+def test_damaged_manifest(jausml, tmp_path, processes):
+    write_manifest(tmp_path, processes)
+    result = jausml("run", tmp_path)
+    assert result.exit_code == 2
+    assert "Traceback" not in result.stderr
+    (tmp_path / ".jausml" / "manifest.json").write_text("<<<<<<<")
+    assert jausml("run", tmp_path).exit_code == 2
+
+
+def test_missing_rclpy_is_named(jausml, workspace, monkeypatch):
+    monkeypatch.setattr(run_verb.importlib.util, "find_spec", lambda _: None)
+    result = jausml("run", workspace(kind="bridge", alpha="print('one')"))
+    assert result.exit_code == 2
+    assert "pip install 'jausml[ros]'" in result.stderr
+    assert jausml("run", workspace(kind="component", beta="print('two')")).exit_code == 0

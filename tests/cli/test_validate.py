@@ -1,0 +1,153 @@
+"""`jausml validate`."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+
+def test_clean_model(jausml, folder):
+    result = jausml("validate", "good.xmi")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == "no problems in 1 file\n"
+
+
+def test_problems_are_lines_that_editors_know(jausml, folder):
+    result = jausml("validate", "./bad.xmi")
+    assert result.exit_code == 1
+    lines = (folder / "bad.xmi").read_text().splitlines()
+    line = next(number for number, text in enumerate(lines, 1) if 'rate="0"' in text)
+    place = f"./bad.xmi:{line}:{lines[line - 1].index('rate=') + 1}"
+    assert result.stdout.startswith(f"{place}: error: JML425 rate 0 of 'velocity' is out of range")
+    assert result.stderr == "1 error in 1 file\n"
+
+
+def test_reader_and_rules_report_in_one_run(jausml, folder):
+    text = (folder / "bad.xmi").read_text().replace('type="vehicle"', 'typ="vehicle"')
+    (folder / "bad.xmi").write_text(text)
+    result = jausml("validate", "bad.xmi", "--format", "json", "-q")
+    assert result.stderr == ""
+    content = json.loads(result.stdout)
+    assert [each["rule"] for each in content["diagnostics"]] == ["JML103", "JML425"]
+    assert content["diagnostics"][0]["hint"] == "did you mean 'type'?"
+    assert content["diagnostics"][1]["element"] == "minimal/sensor_bridge/velocity"
+
+
+def test_warnings_fail_only_with_strict(jausml, folder):
+    assert jausml("validate", "doubtful.xmi").exit_code == 0
+    result = jausml("validate", "--strict", "doubtful.xmi")
+    assert result.exit_code == 1
+    assert "warning: JML426" in result.stdout
+
+
+def test_folder(jausml, folder):
+    (folder / "sub" / ".hidden").mkdir(parents=True)
+    (folder / "good.xmi").rename(folder / "sub" / "good.xmi")
+    (folder / "bad.xmi").rename(folder / "sub" / ".hidden" / "bad.xmi")
+    result = jausml("validate", ".")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("doubtful.xmi:")
+    assert "1 warning in 2 files" in result.stderr
+
+
+def test_same_file_twice_is_one_file(jausml, folder):
+    result = jausml("validate", "bad.xmi", ".", "bad.xmi")
+    assert result.stdout.count("JML425") == 1
+
+
+def test_nothing_found_is_2(jausml, folder):
+    (folder / "empty").mkdir()
+    result = jausml("validate", "empty")
+    assert result.exit_code == 2
+    assert "no .xmi files in empty" in result.stderr
+
+
+def test_missing_path_is_2(jausml, folder):
+    result = jausml("validate", "good.xmi", "nowhere.xmi")
+    assert result.exit_code == 2
+    assert "nowhere.xmi: No such file or directory" in result.stderr
+    assert result.stdout == ""
+
+
+def test_output_goes_to_a_file(jausml, folder):
+    result = jausml("validate", "bad.xmi", "--format", "json", "--output", "report.json")
+    assert result.exit_code == 1
+    assert result.stdout == ""
+    assert json.loads((folder / "report.json").read_text())["diagnostics"][0]["rule"] == "JML425"
+    result = jausml("validate", "bad.xmi", "--output", "nowhere/report.json")
+    assert result.exit_code == 2
+    assert "cannot write nowhere/report.json" in result.stderr
+
+
+def test_references_out_of_the_project_need_permission(jausml, folder, model_text):
+    inside = folder / "project"
+    inside.mkdir()
+    (folder / "other.xmi").write_text(model_text)
+    (inside / "model.xmi").write_text(
+        model_text.replace('peers="sensor"', "").replace(
+            "<topics", '<peers href="../other.xmi#sensor"/><topics'
+        )
+    )
+    refused = jausml("validate", "project/model.xmi", "--project-root", "project")
+    assert refused.exit_code == 1
+    assert "JML209" in refused.stdout
+    allowed = jausml(
+        "validate", "project/model.xmi", "--project-root", "project", "--allow-outside"
+    )
+    assert allowed.exit_code == 0, allowed.stdout
+
+
+def test_same_bytes_in_every_process(folder):
+    (folder / "bad.xmi").write_text(
+        (folder / "bad.xmi").read_text().replace("Velocity_X", "V").replace("10.1.2", "10.1.1")
+    )
+    outputs = {
+        subprocess.run(
+            [sys.executable, "-m", "jausml.cli", "validate", "--format", "json", "."],
+            capture_output=True,
+            env={**os.environ, "PYTHONHASHSEED": str(seed)},
+        ).stdout
+        for seed in range(3)
+    }
+    assert len(outputs) == 1
+    assert b"JML302" in outputs.pop()
+
+
+def test_exit_status_of_the_process(folder):
+    def status(*arguments):
+        command = [sys.executable, "-m", "jausml.cli", "validate", *arguments]
+        return subprocess.run(command, capture_output=True).returncode
+
+    assert status("good.xmi") == 0
+    assert status("bad.xmi") == 1
+    assert status("none.xmi") == 2
+
+
+@pytest.mark.parametrize("content", [b"", b"<a", b"\xff\xfe\x00", b"<a/>", b"<<<<<<< HEAD\n"])
+def test_what_is_no_model_is_a_problem_with_a_place(jausml, folder, content):
+    (folder / "bad.xmi").write_bytes(content)
+    result = jausml("validate", "bad.xmi")
+    assert result.exit_code == 1
+    assert result.stdout.startswith("bad.xmi:1:")
+
+
+@settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.data())
+def test_spoilt_models_never_end_in_a_traceback(jausml, folder, model_text, data):
+    start = data.draw(st.integers(0, len(model_text) - 1))
+    end = data.draw(st.integers(start, min(len(model_text), start + 60)))
+    new = data.draw(st.text(max_size=12) | st.sampled_from(['"', "<a>", "&#10;", "-1", "NaN", ""]))
+    text = model_text[:start] + new + model_text[end:]
+    (folder / "bad.xmi").write_bytes(text.encode("utf-8", "surrogatepass"))
+    result = jausml("validate", "bad.xmi")
+    assert result.exit_code in (0, 1), result.stderr
