@@ -43,6 +43,7 @@ class Document:
         self.readable = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
         self._root_positions: dict[Any, int] | None = None
+        self._locations: dict[tuple[Node, tuple[str, str]], Location] = {}
 
     def __repr__(self) -> str:
         return f"<document {self.display}>"
@@ -62,8 +63,11 @@ class Document:
         """Returns the place of an XML element, or of its attribute (namespace, local name)."""
         if attribute is None:
             return Location(self.display, node.line, node.column)
-        line, column = attribute_position(self.data, self.encoding, node, *attribute)
-        return Location(self.display, line, column)
+        known = self._locations.get((node, attribute))
+        if known is None:
+            line, column = attribute_position(self.data, self.encoding, node, *attribute)
+            known = self._locations[node, attribute] = Location(self.display, line, column)
+        return known
 
     def children(self, node: Node, tag: str) -> list[Node]:
         """Returns the child elements of a name, in order."""
