@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml.generators.common.assignments import (
     Body,
     jaus_constants,
@@ -17,9 +19,6 @@ from jausml.generators.common.assignments import (
 from jausml.generators.common.layout import Call, signature, statement
 from jausml.generators.common.names import snake_case
 from jausml.generators.common.ros import RosType, ros_type
-
-from jausml.generation.errors import GenerationError
-from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -47,12 +46,14 @@ class ConnectionView:
     Args:
         connection: The `bridge.Connection`.
         name: Its name in Python.
+        ros_name: Name of its ROS message class in the generated modules.
         view_of: Returns the class of a JAUS message.
         requested: JAUS fields of the report that connections of the bridge read.
     """
 
     connection: Any
     name: str
+    ros_name: str
     view_of: Callable[[Any], MessageView]
     requested: frozenset[str] = frozenset()
 
@@ -91,12 +92,12 @@ class ConnectionView:
     @property
     def source_name(self) -> str:
         """Class of the message that is taken."""
-        return self.message_name if self.to_ros else self.ros_type.name
+        return self.message_name if self.to_ros else self.ros_name
 
     @property
     def target_name(self) -> str:
         """Class of the message that is made."""
-        return self.ros_type.name if self.to_ros else self.message_name
+        return self.ros_name if self.to_ros else self.message_name
 
     @property
     def kind(self) -> str:
@@ -156,7 +157,7 @@ class ConnectionView:
         connection = self.connection
         found: list[tuple[str, str | Call]] = [
             ("message", self.message_name),
-            ("type", self.ros_type.name),
+            ("type", self.ros_name),
         ]
         if self.query is not None:
             query = self._query_call(self.query) if self.to_ros else self.query.class_name
@@ -246,7 +247,7 @@ class ConnectionView:
         """The statements of the translation."""
         limit = f"self.{self.name}.limit"
         if self.to_ros:
-            return to_ros(self.connection.map, self.message, limit)
+            return to_ros(self.connection.map, self.message, limit, self.ros_name)
         return to_jaus(self.connection.map, self.message, limit)
 
     @property
@@ -277,7 +278,7 @@ class ConnectionView:
         """The statements that make the safe value."""
         constants = self.connection.safeValue
         if self.to_ros:
-            return ros_constants(self.connection.map.type, constants)
+            return ros_constants(self.connection.map.type, self.ros_name, constants)
         return jaus_constants(self.message, constants)
 
 

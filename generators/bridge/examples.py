@@ -11,11 +11,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.literals import python_literal
 from jausml.generators.common.assignments import ros_constant, ros_kind
 from jausml.generators.common.jaus_fields import BITS, INTEGER, REAL, jaus_field
 from jausml.generators.common.ros_types import ros_field
-
-from jausml.generation.literals import python_literal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

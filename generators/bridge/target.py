@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.artifact import Kind
+from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.messages import MessagesModule
 from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
 from jausml.generators.common.system import source_of, system_of
-
-from jausml.generation.artifact import Kind
-from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

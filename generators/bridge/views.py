@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.connections import ConnectionView, argument, query_of
 from jausml.generators.bridge.examples import Example, example_of
 from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.message_builder import build_message, build_messages
 from jausml.generators.common.names import Scope, class_name, package_name, snake_case
-from jausml.generators.common.ros import import_lines
-
-from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.literals import python_literal, python_string
+from jausml.generators.common.ros import RosType, import_lines, ros_type
 
 if TYPE_CHECKING:
     from jausml.generators.common.messages import MessageView
@@ -29,9 +28,26 @@ SUBSYSTEM_TYPES = {
     "payload": 50001,
     "component": 60001,
 }
-# Names that the base class has anyway.
-_TAKEN = frozenset(
-    ["settings", "connections", "ros", "component", "loop", "now", "open", "close", "running"]
+
+
+def _names(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+# Attributes that the base class has anyway.
+_TAKEN_ATTRIBUTES = _names(
+    """
+    accept close component connections loop now on_not_ready open publisher rate_parameter report
+    ros settings subscribe
+    """
+)
+# Classes of the runtime that generated modules import.
+_TAKEN_CLASSES = _names(
+    """
+    AbsentFieldError Bridge BridgeSettings ComponentSettings EventToTopics Guard JausAddress
+    MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
+    TopicsToReport TransportSettings
+    """
 )
 
 
@@ -82,11 +98,12 @@ class BridgeView:
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
         """The connections in model order, under names that are unique in Python."""
-        scope = Scope(_TAKEN)
+        scope = Scope(_TAKEN_ATTRIBUTES)
         return tuple(
             ConnectionView(
                 connection,
                 scope.claim(snake_case(connection.name)),
+                self.ros_names[ros_type(connection.map.type)],
                 self.message_of,
                 self._requested(connection.map.message),
             )
@@ -102,6 +119,24 @@ class BridgeView:
             for element in (connection.map.message, query_of(connection))
             if element is not None
         )
+
+    @functools.cached_property
+    def ros_names(self) -> dict[RosType, str]:
+        """Names of the ROS message classes in the generated modules.
+
+        A class that shares its name with another, as messages that mirror JAUS do, is imported
+        under a name with its package.
+        """
+        taken = {view.class_name for view in self.messages} | _TAKEN_CLASSES
+        taken |= {self.class_name, self.base_name}
+        found: dict[RosType, str] = {}
+        for connection in self.bridge.bridgeConnections:
+            kind = ros_type(connection.map.type)
+            if kind not in found:
+                package = "".join(word.capitalize() for word in kind.package.split("_"))
+                found[kind] = f"{package}{kind.name}" if kind.name in taken else kind.name
+                taken.add(found[kind])
+        return found
 
     def message_of(self, element: Any) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
@@ -216,7 +251,10 @@ class BridgeView:
         return SkeletonContract(self.class_name, self.base_name, methods)
 
     def _ros_names(self) -> set[tuple[str, str]]:
-        return {(view.ros_type.module, view.ros_type.name) for view in self.connections}
+        return {
+            (kind.module, kind.name if name == kind.name else f"{kind.name} as {name}")
+            for kind, name in self.ros_names.items()
+        }
 
     def _requested(self, message: Any) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""

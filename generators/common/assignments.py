@@ -7,9 +7,11 @@ statements only as literals and as names that were found in the model's types.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.literals import LINE_WIDTH, printable, python_literal, python_string
 from jausml.generators.common.jaus_fields import (
     BITS,
     INTEGER,
@@ -21,8 +23,6 @@ from jausml.generators.common.jaus_fields import (
 )
 from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.ros_types import INTEGER_RANGES, RosField, ros_field
-
-from jausml.generation.literals import LINE_WIDTH, printable, python_literal, python_string
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -155,13 +155,14 @@ class Body:
 # ---------------------------------------------------------------- to ROS
 
 
-def to_ros(attribute_map: Any, message: MessageView, limit: str) -> Body:
+def to_ros(attribute_map: Any, message: MessageView, limit: str, class_name: str) -> Body:
     """Returns the statements that make `target` (ROS) from `source` (JAUS).
 
     Args:
         attribute_map: The `bridge.AttributeMap`.
         message: Its JAUS message.
         limit: Python path of the limit of the connection.
+        class_name: Name of the ROS message class in the module.
 
     Raises:
         AssignmentError: A value does not fit its target.
@@ -172,7 +173,7 @@ def to_ros(attribute_map: Any, message: MessageView, limit: str) -> Body:
         if _needs_its_sources(assignment):
             for path in _paths(assignment.source):
                 body.require(jaus_field(message, path))
-    body.add(f"target = {attribute_map.type.name}()")
+    body.add(f"target = {class_name}()")
     for assignment in attribute_map.toRos:
         kind = assignment.eClass.name
         if kind == "Ignore":
@@ -189,10 +190,10 @@ def to_ros(attribute_map: Any, message: MessageView, limit: str) -> Body:
     return body
 
 
-def ros_constants(message_type: Any, assignments: Iterable[Any]) -> Body:
+def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]) -> Body:
     """Returns the statements that make `target` (ROS) of constants."""
     body = Body("")
-    body.add(f"target = {message_type.name}()")
+    body.add(f"target = {class_name}()")
     for assignment in assignments:
         target = ros_field(message_type, assignment.target)
         _store_ros(body, target, ros_constant(target, assignment.value))
@@ -205,7 +206,9 @@ def ros_constant(target: RosField, text: str) -> Value:
     Raises:
         AssignmentError: The text is no such value.
     """
-    return Value(_literal(ros_kind(target), text, target.path), ros_kind(target))
+    kind = ros_kind(target)
+    limits = INTEGER_RANGES.get(target.type, (-math.inf, math.inf))
+    return Value(_literal(kind, text, limits, target.path), kind, limits=limits)
 
 
 def _store_ros(body: Body, target: RosField, value: Value) -> None:
@@ -281,7 +284,8 @@ def jaus_constants(message: MessageView, assignments: Iterable[Any]) -> Body:
 
 
 def _store_constant(body: Body, target: JausField, text: str) -> None:
-    body.store(_literal(target.kind, text, target.path), f"target.{target.attribute}", target.units)
+    literal = _literal(target.kind, text, target.limits, target.path)
+    body.store(literal, f"target.{target.attribute}", target.units)
 
 
 def _make_containers(body: Body, target: JausField, made: set[str]) -> None:
@@ -370,14 +374,15 @@ def _limited(
     return Call(function, (python_string(name), code, low, high))
 
 
-def _literal(kind: str, text: str, place: str) -> str:
-    try:
-        if kind == REAL:
-            return python_literal(float(text))
-        if kind == INTEGER:
-            return python_literal(int(text, 0))
-    except ValueError as error:
-        raise AssignmentError(f"{text!a} is no number ({place})") from error
+def _literal(kind: str, text: str, limits: tuple[float, float], place: str) -> str:
+    if kind in {REAL, INTEGER}:
+        try:
+            number = float(text) if kind == REAL else int(text, 0)
+        except ValueError as error:
+            raise AssignmentError(f"{text!a} is no number ({place})") from error
+        if not limits[0] <= number <= limits[1]:
+            raise AssignmentError(f"{text!a} is out of the range of {place}")
+        return python_literal(number)
     if kind == BOOLEAN and text in {"true", "false"}:
         return python_literal(text == "true")
     if kind == TEXT:

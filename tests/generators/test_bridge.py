@@ -1,0 +1,437 @@
+"""Generated bridges: what stands in them, that they are clean, and that their own tests pass."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.generation import InternalError, Kind, render
+from jausml.generators.bridge.target import TARGET
+from jausml.generators.bridge.views import BridgeView
+from jausml.generators.common.system import system_of
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+
+ROOT = Path(__file__).resolve().parents[2]
+CASE = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
+MODELS = [CASE, ROOT / "models" / "minimal" / "minimal.xmi"]
+MODELS += [ROOT / "models" / "catvehicle" / "catvehicle.xmi"]
+LIBRARY = "http://www.jausml.org/library"
+
+
+def files_of(path):
+    result = read_models([path])
+    assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
+    return {artifact.path: artifact for artifact in render(result.model, [TARGET])}
+
+
+@pytest.fixture(scope="module")
+def loop_files():
+    return files_of(CASE)
+
+
+@pytest.fixture(scope="module")
+def base(loop_files):
+    return loop_files["loop_bridge/loop_bridge/loop_bridge_base.py"].text
+
+
+def write(files, folder):
+    for artifact in files:
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+
+
+# ------------------------------------------------------------------ what stands there
+
+
+def test_files(loop_files):
+    assert set(loop_files) == {
+        "loop_bridge/package.xml",
+        "loop_bridge/setup.cfg",
+        "loop_bridge/setup.py",
+        "loop_bridge/resource/loop_bridge",
+        "loop_bridge/loop_bridge/__init__.py",
+        "loop_bridge/loop_bridge/loop_bridge.py",
+        "loop_bridge/loop_bridge/loop_bridge_base.py",
+        "loop_bridge/loop_bridge/main.py",
+        "loop_bridge/loop_bridge/messages.py",
+        "loop_bridge/loop_bridge/py.typed",
+        "loop_bridge/test/test_loop_bridge_translations.py",
+    }
+    skeletons = [path for path, each in loop_files.items() if each.kind is Kind.SKELETON]
+    assert skeletons == ["loop_bridge/loop_bridge/loop_bridge.py"]
+
+
+def test_same_model_gives_the_same_bytes(loop_files):
+    again = files_of(CASE)
+    assert {path: each.text for path, each in again.items()} == {
+        path: each.text for path, each in loop_files.items()
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        # An optional field without which the message makes no sense, and one that may be absent.
+        """
+        if source.velocity_x is None:
+            raise AbsentFieldError("Velocity_X")
+        target = Odometry()
+""",
+        """
+        if source.velocity_y is not None:
+            target.twist.twist.linear.y = negate(source.velocity_y)  # meter per second
+""",
+        # A time, relative to the clock of the bridge.
+        """
+            set_time(target.header.stamp, timestamp_to_time(source.time_stamp, near=self.now()))
+""",
+        # Several sources of one conversion.
+        """
+        if source.roll is not None and source.pitch is not None and source.yaw is not None:
+            set_quaternion(
+                target.pose.orientation,
+                frd_angles_to_flu_quaternion(source.roll, source.pitch, source.yaw),
+            )
+""",
+        # Conversions in order, within the range of the target.
+        """
+        target.propulsive_rotational_effort_z = self.drive.limit(
+            "PropulsiveRotationalEffortZ", scale(negate(source.angular.z), 100.0), -100.0, 100.0
+        )
+""",
+        """
+        target.time_stamp = ReportLocalPose.TimeStamp(*time_to_timestamp(source.header.stamp))
+""",
+        # One query for two connections asks for what both of them read.
+        """
+            query=QueryVelocityState(presence_vector=0x0143),
+            rate=20.0,
+""",
+        """
+            control=Guard.READY,
+            priority=Priority.HIGH,
+            silence_timeout=0.4,
+            safe_value=self.safe_drive,
+            peers=[JausAddress(10, 1, 1), JausAddress(10, 1, 2)],
+""",
+        """
+    def safe_drive(self) -> SetWrenchEffort:
+        \"\"\"Sent once when drive hears nothing for 0.4 s.\"\"\"
+        target = SetWrenchEffort()
+        target.propulsive_linear_effort_x = 0.0
+        return target
+""",
+    ],
+)
+def test_base_holds(base, text):
+    assert text in base
+
+
+def test_exactly_the_messages_used(loop_files):
+    tree = ast.parse(loop_files["loop_bridge/loop_bridge/messages.py"].text)
+    assert [node.name for node in tree.body if isinstance(node, ast.ClassDef)] == [
+        "SetWrenchEffort",
+        "SetVelocityCommand",
+        "QueryLocalPose",
+        "QueryVelocityState",
+        "ReportLocalPose",
+        "ReportVelocityState",
+    ]
+
+
+def test_inherited_services_are_provided(base):
+    for name in (
+        "core:Events",
+        "core:AccessControl",
+        "core:Management",
+        "mobility:LocalPoseSensor",
+    ):
+        assert f'ServiceIdentity("urn:jaus:jss:{name}", 1, 0),' in base
+
+
+def test_contract_names_each_translation(loop_files):
+    contract = loop_files["loop_bridge/loop_bridge/loop_bridge.py"].contract
+    assert contract.base_name == "LoopBridgeBase"
+    assert [method.name for method in contract.methods] == [
+        f"translate_{name}" for name in ("odometry", "speed", "pose", "drive", "cruise", "estimate")
+    ]
+    assert all(method.optional for method in contract.methods)
+    for method in contract.methods:
+        ast.parse(f"class Stub:\n{method.stub}")
+
+
+# ------------------------------------------------------------------ clean
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
+def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
+    result = read_models([model])
+    artifacts = render(result.model, [TARGET])
+    write([*artifacts, *render(result.model, [RUNTIME])], tmp_path)
+    package = artifacts[0].path.split("/")[0]
+    config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+    folder = tmp_path / package
+
+    def tool(*arguments, **environment):
+        done = subprocess.run(
+            [sys.executable, "-m", *arguments],
+            cwd=folder,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    tool("ruff", "format", "--check", *config, ".")
+    tool("ruff", "check", *config, "--ignore", "S101", package, "test")
+    pytest.importorskip("rclpy")
+    path = os.pathsep.join([str(tmp_path / "jausml_runtime"), str(folder)])
+    tool("pytest", "-q", "-c", os.devnull, "--rootdir", str(folder), "test", PYTHONPATH=path)
+
+
+def test_output_passes_the_type_checker(tmp_path):
+    result = read_models([CASE])
+    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    settings = tmp_path / "mypy.ini"
+    settings.write_text(
+        "[mypy]\nstrict = True\npython_version = 3.10\ncache_dir = " + os.devnull + "\n"
+        "follow_imports = silent\n"
+        "[mypy-rclpy.*,diagnostic_msgs.*,geometry_msgs.*,nav_msgs.*,rcl_interfaces.*,std_msgs.*]\n"
+        "ignore_missing_imports = True\n"
+        "follow_imports = skip\n"
+    )
+    package = tmp_path / "loop_bridge" / "loop_bridge"
+    path = os.pathsep.join([str(tmp_path / "jausml_runtime"), str(package.parent)])
+    modules = sorted(str(each) for each in package.glob("*.py"))
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
+        env={**os.environ, "MYPYPATH": path},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+# ------------------------------------------------------------------ models of all kinds
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:bridge="http://www.jausml.org/bridge/1.0" xmlns:jaus="http://www.jausml.org/jaus/1.0"
+    xmlns:ros="http://www.jausml.org/ros/1.0" xmlns:system="http://www.jausml.org/system/1.0"
+    name="small">
+  <serviceSets name="set">
+    <services xmi:id="service" name="Things" urn="urn:example:Things">
+      <outputs xmi:id="jaus" name="Mixed" code="0xD001">
+        <body xsi:type="jaus:Sequence" name="MixedSeq" presenceVector="uint8">
+          <fields xsi:type="jaus:Record" name="Head" optional="true">
+            <fields xsi:type="jaus:FixedField" name="Count" type="uint8"/>
+            <fields xsi:type="jaus:FixedField" name="Wide" type="int32"/>
+            <fields xsi:type="jaus:FixedField" name="Number" type="float64"/>
+            <fields xsi:type="jaus:VariableLengthString" name="Word" countType="uint8"/>
+            <fields xsi:type="jaus:VariableLengthField" name="Blob" countType="uint8"/>
+            <fields xsi:type="jaus:FixedField" name="Effort" type="uint16" units="{units}">
+              <scale lower="-1.0" upper="1.0"/>
+            </fields>
+            <fields xsi:type="jaus:BitField" name="Flags" type="uint8">
+              <subFields name="Lamp" lowBit="0" highBit="0"/>
+              <subFields name="Level" lowBit="1" highBit="3"/>
+            </fields>
+          </fields>
+        </body>
+      </outputs>
+    </services>
+  </serviceSets>
+  <interfaces name="{package}">
+    <messages xmi:id="ros" name="{type}">
+      <fields xsi:type="ros:PrimitiveField" name="small" type="uint8"/>
+      <fields xsi:type="ros:PrimitiveField" name="large" type="int64"/>
+      <fields xsi:type="ros:PrimitiveField" name="real" type="float64"/>
+      <fields xsi:type="ros:PrimitiveField" name="flag" type="bool"/>
+      <fields xsi:type="ros:PrimitiveField" name="text" type="string"/>
+      <fields xsi:type="ros:PrimitiveField" name="matrix" arrayKind="fixedArray" arraySize="36"/>
+      <fields xsi:type="ros:PrimitiveField" name="octets" arrayKind="unboundedSequence"
+          type="uint8"/>
+    </messages>
+  </interfaces>
+  <bridges name="small" address="1.1.1">
+    <maps xmi:id="map" name="map" documentation="{documentation}">
+      <message href="#jaus"/>
+      <type href="#ros"/>
+{assignments}
+    </maps>
+    <bridgeConnections name="{name}" map="map" direction="{direction}">
+      <topics name="{topic}"/>
+      {extra}
+    </bridgeConnections>
+  </bridges>
+</system:System>
+"""
+DEFAULTS = {
+    "units": "",
+    "package": "demo_msgs",
+    "type": "Thing",
+    "documentation": "",
+    "assignments": "",
+    "name": "things",
+    "direction": "jausToRos",
+    "topic": "things",
+    "extra": "",
+}
+
+
+def small(tmp_path, **texts):
+    path = tmp_path / "small.xmi"
+    path.write_text(SYSTEM.format(**{**DEFAULTS, **texts}), encoding="utf-8")
+    result = read_models([path], project_root=tmp_path)
+    assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
+    return result.model
+
+
+def assignment(kind, feature, target, *, source=None, value=None, conversions=""):
+    origin = f' source="{source}"' if source else f' value="{value}"'
+    return (
+        f'      <{feature} xsi:type="bridge:{kind}" target="{target}"{origin}>{conversions}'
+        f"</{feature}>"
+    )
+
+
+def body(tmp_path, line, **texts):
+    """The statements of the only translation of a small model."""
+    model = small(tmp_path, assignments=line, **texts)
+    view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
+    text = view.connections[0].body.text
+    ast.parse(text.replace("\n        ", "\n"))
+    return text
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "expected"),
+    [
+        ("Head.Count", "small", "target.small = source.head.count"),
+        ("Head.Count", "large", "target.large = source.head.count"),
+        ("Head.Count", "real", "target.real = float(source.head.count)"),
+        ("Head.Count", "flag", "target.flag = bool(source.head.count)"),
+        ("Head.Wide", "small", 'self.things.limit.integer("small", source.head.wide, 0, 255)'),
+        ("Head.Number", "large", "limit.integer("),
+        ("Head.Number", "real", "target.real = source.head.number"),
+        ("Head.Number", "matrix[7]", "target.matrix[7] = source.head.number"),
+        ("Head.Word", "text", "target.text = source.head.word"),
+        ("Head.Blob", "octets", "target.octets = source.head.blob"),
+        ("Head.Flags.Lamp", "flag", "target.flag = bool(source.head.flags.lamp)"),
+        ("Head.Flags.Level", "small", "target.small = source.head.flags.level"),
+    ],
+)
+def test_kinds_to_ros(tmp_path, source, target, expected):
+    text = body(tmp_path, assignment("FieldAssignment", "toRos", target, source=source))
+    assert "if source.head is not None:" in text
+    assert expected in text
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "expected"),
+    [
+        ("small", "Head.Count", "target.head.count = self.things.limit.integer("),
+        ("large", "Head.Wide", "-2147483648, 2147483647"),
+        ("real", "Head.Number", "target.head.number = source.real"),
+        ("small", "Head.Number", "target.head.number = float(source.small)"),
+        ("text", "Head.Word", "target.head.word = source.text"),
+        ("octets", "Head.Blob", "target.head.blob = bytes(source.octets)"),
+        ("real", "Head.Effort", '("Head.Effort", source.real, -1.0, 1.0)'),
+        ("matrix[7]", "Head.Effort", '("Head.Effort", source.matrix[7], -1.0, 1.0)'),
+        ("flag", "Head.Flags.Lamp", '("Head.Flags.Lamp", source.flag, 0, 1)'),
+    ],
+)
+def test_kinds_to_jaus(tmp_path, source, target, expected):
+    line = assignment("FieldAssignment", "toJaus", target, source=source)
+    text = body(tmp_path, line, direction="rosToJaus")
+    assert "target.head = Mixed.Head()" in text
+    assert expected in text
+
+
+@pytest.mark.parametrize(
+    ("target", "value", "expected"),
+    [
+        ("small", "0x10", "target.small = 16"),
+        ("real", "1", "target.real = 1.0"),
+        ("flag", "true", "target.flag = True"),
+        ("text", "base", 'target.text = "base"'),
+    ],
+)
+def test_constants(tmp_path, target, value, expected):
+    assert expected in body(
+        tmp_path, assignment("ConstantAssignment", "toRos", target, value=value)
+    )
+
+
+@pytest.mark.parametrize(
+    ("target", "source", "value"),
+    [
+        ("small", "Head.Word", None),
+        ("text", "Head.Count", None),
+        ("real", "Nothing", None),
+        ("nothing", "Head.Number", None),
+        ("matrix", "Head.Number", None),
+        ("real.x", "Head.Number", None),
+        ("real", "Head.Number, Head.Wide", None),
+        ("small", None, "many"),
+        ("flag", None, "yes"),
+    ],
+)
+def test_what_does_not_fit_names_the_template(tmp_path, target, source, value):
+    """Validation tells users before; a target that is run all the same must not guess."""
+    kind = "FieldAssignment" if source else "ConstantAssignment"
+    line = assignment(kind, "toRos", target, source=source, value=value)
+    with pytest.raises(InternalError, match=r"base\.py\.j2"):
+        render(small(tmp_path, assignments=line), [TARGET])
+
+
+HOSTILE = "&quot;&quot;&quot;\\&#10;import os #{{ 7 * 7 }} {% raw %} \u202e\u2028'"
+
+
+def test_text_of_the_model_stays_data(tmp_path):
+    model = small(
+        tmp_path,
+        assignments=assignment("ConstantAssignment", "toRos", "text", value=HOSTILE)
+        + assignment("FieldAssignment", "toRos", "real", source="Head.Effort"),
+        units=HOSTILE,
+        documentation=HOSTILE,
+        topic=HOSTILE,
+        extra=f"<documentation>{HOSTILE}</documentation>",
+    )
+    (connection,) = system_of(model).bridges[0].bridgeConnections
+    for artifact in render(model, [TARGET]):
+        if artifact.path.endswith(".py"):
+            tree = ast.parse(artifact.text)
+            modules = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
+            assert "os" not in modules
+            assert "\u202e" not in artifact.text
+    base = next(a for a in render(model, [TARGET]) if a.path.endswith("_base.py"))
+    literals = {n.value for n in ast.walk(ast.parse(base.text)) if isinstance(n, ast.Constant)}
+    assert connection.topics[0].name in literals
+    assert connection.map.toRos[0].value in literals
+
+
+@pytest.mark.parametrize("name", ["class", "settings", "on", "2 x", "open", "def f(): pass"])
+def test_names_of_the_model_become_names(tmp_path, name):
+    line = assignment("FieldAssignment", "toRos", "real", source="Head.Number")
+    for artifact in render(small(tmp_path, assignments=line, name=name), [TARGET]):
+        if artifact.path.endswith(".py"):
+            ast.parse(artifact.text)
+
+
+def test_types_that_mirror_jaus_messages_get_their_own_name(tmp_path):
+    line = assignment("FieldAssignment", "toRos", "real", source="Head.Number")
+    artifacts = render(small(tmp_path, assignments=line, type="Mixed"), [TARGET])
+    base = next(a.text for a in artifacts if a.path.endswith("_base.py"))
+    assert "from demo_msgs.msg import Mixed as DemoMsgsMixed\n" in base
+    assert "def translate_things(self, source: Mixed) -> DemoMsgsMixed | None:" in base
+    assert "target = DemoMsgsMixed()" in base
