@@ -16,10 +16,19 @@ from jausml.generation import (
     TextTask,
 )
 
-SKELETON = '"""Yours."""\n\n\nclass Sensor(SensorBase):\n    def on_velocity(self, message):\n        pass\n'
+SKELETON = '''\
+"""Yours."""
+
+
+class Sensor(SensorBase):
+    def on_velocity(self, message):
+        pass
+'''
 CONTRACT = SkeletonContract(
     "Sensor", "SensorBase", (MethodContract("on_velocity", ("message",), "0x4404", "stub\n"),)
 )
+
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 class SmallTarget:
@@ -50,7 +59,7 @@ class BrokenTarget(SmallTarget):
 
     name = "broken"
 
-    def tasks(self, model):
+    def tasks(self, _):
         return [TextTask([TextFile("a.py", "def", "x", "m")])]
 
 
@@ -72,7 +81,7 @@ def test_generates_beside_the_current_folder_by_default(jausml, folder):
     assert '"processes"' in (out / ".jausml" / "manifest.json").read_text()
 
 
-def test_second_run_changes_nothing(jausml, folder):
+def test_second_run_changes_nothing(jausml):
     jausml("generate", "good.xmi", "-o", "out")
     before = {path: path.stat().st_mtime_ns for path in Path("out").rglob("*")}
     result = jausml("generate", "good.xmi", "-o", "out")
@@ -84,7 +93,7 @@ def test_second_run_changes_nothing(jausml, folder):
 
 
 @pytest.mark.parametrize("mode", ["--check", "--diff", "--dry-run"])
-def test_modes_write_nothing(jausml, folder, mode):
+def test_modes_write_nothing(jausml, mode):
     result = jausml("generate", "good.xmi", "-o", "out", mode)
     assert result.exit_code == (1 if mode == "--check" else 0)
     assert not Path("out").exists()
@@ -92,7 +101,7 @@ def test_modes_write_nothing(jausml, folder, mode):
     assert "4 to create" in result.stderr
 
 
-def test_diff_is_a_patch(jausml, folder):
+def test_diff_is_a_patch(jausml):
     jausml("generate", "good.xmi", "-o", "out")
     text = Path("good.xmi").read_text()
     Path("good.xmi").write_text(text.replace('"10.1.1"', '"10.1.9"'))
@@ -103,7 +112,7 @@ def test_diff_is_a_patch(jausml, folder):
     assert jausml("generate", "good.xmi", "-o", "out", "--check").exit_code == 1
 
 
-def test_modes_exclude_each_other(jausml, folder):
+def test_modes_exclude_each_other(jausml):
     assert jausml("generate", "good.xmi", "--check", "--diff").exit_code == 2
 
 
@@ -115,13 +124,13 @@ def test_invalid_model_stops_before_anything(jausml, folder):
     assert not (folder / "bad_ws").exists()
 
 
-def test_warnings_are_shown_and_do_not_stop(jausml, folder):
+def test_warnings_are_shown_and_do_not_stop(jausml):
     result = jausml("generate", "doubtful.xmi")
     assert result.exit_code == 0
     assert "JML426" in result.stderr
 
 
-def test_edited_file_is_refused_until_forced(jausml, folder):
+def test_edited_file_is_refused_until_forced(jausml):
     jausml("generate", "good.xmi", "-o", "out")
     Path("out/sensor_base.py").write_text("MINE = 1\n")
     refused = jausml("generate", "good.xmi", "-o", "out")
@@ -135,7 +144,7 @@ def test_edited_file_is_refused_until_forced(jausml, folder):
     assert "10.1.1" in Path("out/sensor_base.py").read_text()
 
 
-def test_drift_is_reported_with_a_place_and_a_stub(jausml, folder):
+def test_drift_is_reported_with_a_place_and_a_stub(jausml):
     jausml("generate", "good.xmi", "-o", "out")
     Path("out/sensor.py").write_text(SKELETON.replace("on_velocity", "on_nothing_like_it"))
     result = jausml("generate", "good.xmi", "-o", "out")
@@ -145,7 +154,7 @@ def test_drift_is_reported_with_a_place_and_a_stub(jausml, folder):
     assert "\nstub\n" in result.stderr
 
 
-def test_component_that_is_gone(jausml, folder, model_text):
+def test_component_that_is_gone(jausml, model_text):
     jausml("generate", "good.xmi", "-o", "out")
     Path("good.xmi").write_text(model_text.replace('name="sensor_bridge"', 'name="other_bridge"'))
     result = jausml("generate", "good.xmi", "-o", "out")
@@ -153,7 +162,7 @@ def test_component_that_is_gone(jausml, folder, model_text):
     assert not Path("out/sensor_bridge_base.py").exists()
 
 
-def test_only_some_targets(jausml, folder, targets):
+def test_only_some_targets(jausml, targets):
     targets["broken"] = BrokenTarget()
     assert jausml("generate", "good.xmi", "--target", "small").exit_code == 0
     result = jausml("generate", "good.xmi", "--target", "smal")
@@ -169,7 +178,7 @@ def test_faulty_target_is_an_internal_error_and_writes_nothing(jausml, folder, t
     assert not (folder / "good_ws").exists()
 
 
-def test_targets_that_cannot_be_loaded(jausml, folder, monkeypatch):
+def test_targets_that_cannot_be_loaded(jausml, monkeypatch):
     def fail():
         raise GenerationError("target 'x' is broken")
 
@@ -179,7 +188,7 @@ def test_targets_that_cannot_be_loaded(jausml, folder, monkeypatch):
     assert "target 'x' is broken" in result.stderr
 
 
-def test_model_without_a_system(jausml, folder):
+def test_model_without_a_system(jausml):
     Path("set.xmi").write_text(
         '<jaus:ServiceSet xmlns:jaus="http://www.jausml.org/jaus/1.0" name="set"/>'
     )
@@ -188,7 +197,7 @@ def test_model_without_a_system(jausml, folder):
     assert "set.xmi holds no system" in result.stderr
 
 
-def test_output_that_cannot_be_written(jausml, folder):
+def test_output_that_cannot_be_written(jausml):
     Path("out").write_text("a file")
     result = jausml("generate", "good.xmi", "-o", "out")
     assert result.exit_code == 2

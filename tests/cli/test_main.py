@@ -44,7 +44,8 @@ def test_wrong_use_is_2(jausml, arguments):
     assert jausml(*arguments).exit_code == 2
 
 
-def test_internal_error_is_3_and_short(jausml, folder, monkeypatch):
+@pytest.mark.usefixtures("folder")
+def test_internal_error_is_3_and_short(jausml, monkeypatch):
     def fail(*_, **__):
         raise KeyError("inside")
 
@@ -60,7 +61,7 @@ def test_internal_error_is_3_and_short(jausml, folder, monkeypatch):
     assert "in fail" in result.stderr
 
 
-def test_reader_of_the_output_may_go_away(folder):
+def test_reader_of_the_output_may_go_away():
     command = [sys.executable, "-m", "jausml.cli", "rules"]
     reader, writer = os.pipe()
     os.close(reader)

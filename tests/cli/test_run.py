@@ -25,7 +25,7 @@ while True:
 """
 OBEDIENT = READY.format(setup="signal.signal(signal.SIGINT, lambda *_: sys.exit(0))")
 DEAF = READY.format(
-    setup="signal.signal(signal.SIGINT, signal.SIG_IGN); signal.signal(signal.SIGTERM, signal.SIG_IGN)"
+    setup="for each in (signal.SIGINT, signal.SIGTERM): signal.signal(each, signal.SIG_IGN)"
 )
 
 

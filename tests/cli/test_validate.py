@@ -11,8 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+pytestmark = pytest.mark.usefixtures("folder")
 
-def test_clean_model(jausml, folder):
+
+def test_clean_model(jausml):
     result = jausml("validate", "good.xmi")
     assert (result.exit_code, result.stdout) == (0, "")
     assert result.stderr == "no problems in 1 file\n"
@@ -39,7 +41,7 @@ def test_reader_and_rules_report_in_one_run(jausml, folder):
     assert content["diagnostics"][1]["element"] == "minimal/sensor_bridge/velocity"
 
 
-def test_warnings_fail_only_with_strict(jausml, folder):
+def test_warnings_fail_only_with_strict(jausml):
     assert jausml("validate", "doubtful.xmi").exit_code == 0
     result = jausml("validate", "--strict", "doubtful.xmi")
     assert result.exit_code == 1
@@ -56,7 +58,7 @@ def test_folder(jausml, folder):
     assert "1 warning in 2 files" in result.stderr
 
 
-def test_same_file_twice_is_one_file(jausml, folder):
+def test_same_file_twice_is_one_file(jausml):
     result = jausml("validate", "bad.xmi", ".", "bad.xmi")
     assert result.stdout.count("JML425") == 1
 
@@ -68,7 +70,7 @@ def test_nothing_found_is_2(jausml, folder):
     assert "no .xmi files in empty" in result.stderr
 
 
-def test_missing_path_is_2(jausml, folder):
+def test_missing_path_is_2(jausml):
     result = jausml("validate", "good.xmi", "nowhere.xmi")
     assert result.exit_code == 2
     assert "nowhere.xmi: No such file or directory" in result.stderr
@@ -119,7 +121,7 @@ def test_same_bytes_in_every_process(folder):
     assert b"JML302" in outputs.pop()
 
 
-def test_exit_status_of_the_process(folder):
+def test_exit_status_of_the_process():
     def status(*arguments):
         command = [sys.executable, "-m", "jausml.cli", "validate", *arguments]
         return subprocess.run(command, capture_output=True).returncode
