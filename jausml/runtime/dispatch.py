@@ -51,7 +51,8 @@ class _Handler:
 @dataclass(slots=True)
 class _Route:
     handler: _Handler | None = None
-    listeners: dict[type[Message], list[Action]] = field(default_factory=dict)
+    # Replaced, never changed: a callback may add listeners while the route is in use.
+    listeners: dict[type[Message], tuple[Action, ...]] = field(default_factory=dict)
 
 
 class Router:
@@ -93,7 +94,8 @@ class Router:
     def add_listener(self, message_class: type[Message], action: Action) -> None:
         """Also call ``action`` for each such message."""
         route = self._routes.setdefault(message_class.CODE, _Route())
-        route.listeners.setdefault(message_class, []).append(action)
+        actions = (*route.listeners.get(message_class, ()), action)
+        route.listeners = {**route.listeners, message_class: actions}
 
     def receive(self, payload: bytes, sender: JausAddress) -> None:
         """Dispatch one message, given as code and body."""
@@ -110,8 +112,8 @@ class Router:
                     "component.command_refused",
                     f"{handler.message_class.NAME} of {sender} needs {handler.guard.value}",
                 )
-        for message_class, actions in tuple(route.listeners.items()):
-            self._deliver(message_class, tuple(actions), payload, sender)
+        for message_class, actions in route.listeners.items():
+            self._deliver(message_class, actions, payload, sender)
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call a function; an error is logged and counted, and None returned."""

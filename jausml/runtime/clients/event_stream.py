@@ -324,6 +324,7 @@ class EventStream:
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
+        self._client.suspect(self.provider)
 
     # ---- timers -----------------------------------------------------------------------------
 

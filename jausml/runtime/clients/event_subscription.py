@@ -175,7 +175,7 @@ class EventClient:
             del self._by_event[key]
 
     def suspect(self, provider: JausAddress) -> None:
-        """Verify all events of a provider that has lost one: it was probably restarted."""
+        """Verify all events of a provider that lost one or fell silent: was it restarted?"""
         for stream in list(self._streams.values()):
             if stream.provider == provider:
                 stream.verify()

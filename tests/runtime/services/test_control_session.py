@@ -342,6 +342,12 @@ class TestQuery:
         world.settle()
         assert answers == [0, 1]
 
+    def test_report_of_another_component_is_no_answer(self, world, client):
+        answers = []
+        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
+        world.probe("3.1.1").ask(ReportStatus(status=1, reserved=0), client)
+        assert answers == []
+
     def test_cancel(self, world, client):
         answers = []
         pending = client.query(TARGET, QueryStatus(), ReportStatus, lambda *_: answers.append(1))

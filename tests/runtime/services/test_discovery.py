@@ -308,6 +308,16 @@ def test_component_registers_with_a_server_that_comes_later_or_again(world, clie
         tested.stop()
 
 
+def test_component_registers_with_its_own_subsystem_only(world, client):
+    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
+    member.start()
+    report = ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu")
+    assert client.ask(report, member) == []
+    neighbour = world.probe("1.1.1")
+    (answer,) = neighbour.ask(report, member)
+    assert isinstance(answer, RegisterServices)
+
+
 def test_registering_costs_little(world):
     member = world.component("1.5.6", services=(SENSOR,), register_services=True)
     member.start()

@@ -131,6 +131,17 @@ def test_lost_confirmation_keeps_one_event(world, client):
     assert world.count(CancelEvent.CODE) == 0
 
 
+def test_events_hurry_the_confirmation(world, client):
+    provider(world)
+    world.lost = lambda *message: message[2] == ConfirmEventRequest.CODE
+    subscription = pulses(client, Inbox(), rate=5)
+    world.run(20.0)
+    assert not subscription.active
+    world.lost = lambda *_: False
+    world.run(0.8)
+    assert subscription.active
+
+
 class TestSharing:
     def test_fan_out_adds_no_packets(self, world, client):
         provider(world)
@@ -163,6 +174,16 @@ class TestSharing:
         slow.clear()
         world.run(4.0)
         assert len(slow) == pytest.approx(8, abs=1)
+
+    def test_highest_rate_wins_before_the_confirmation(self, world, client):
+        provider(world)
+        inbox = Inbox()
+        pulses(client, inbox, rate=2)
+        pulses(client, Inbox(), rate=20)
+        world.run(1.0)
+        inbox.clear()
+        world.run(2.0)
+        assert len(inbox) == pytest.approx(40, abs=1)
 
     def test_periodic_wins_over_every_change(self, world, client):
         provider(world)
@@ -315,6 +336,38 @@ class TestRecovery:
         second.fail("broken")
         world.settle()
         assert inbox[-1].status == 4
+
+    def test_silence_of_one_event_verifies_the_others(self, world, client):
+        first = provider(world)
+        inbox = Inbox()
+        statuses(client, inbox)
+        pulses(client, Inbox(), rate=10)
+        world.run(0.5)
+        kill(world, first)
+        provider(world)
+        world.run(3.0)
+        assert len(inbox) == 2
+
+    def test_one_lost_event_verifies_the_others(self, world, client):
+        first = provider(world)
+        statuses(client, Inbox())
+        world.run(5.0)
+        late = Inbox()
+        client.subscribe(PROVIDER, QueryControl(), ReportControl, late)
+        world.run(1.0)
+        kill(world, first)
+        provider(world)
+        world.run(5.0)
+        assert len(late) == 2
+
+    def test_silent_provider_of_an_every_change_event_is_noticed(self, world, client):
+        first = provider(world)
+        subscription = statuses(client, Inbox())
+        world.run(1.0)
+        kill(world, first)
+        world.run(15.0)
+        assert not subscription.active
+        assert world.counters.snapshot()["event_client.lost"] == 1
 
     def test_ids_that_a_restarted_provider_gives_to_other_queries(self, world, client):
         first = provider(world)

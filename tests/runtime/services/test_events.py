@@ -19,6 +19,7 @@ from jausml.runtime.core_messages import (
     QueryTime,
     RejectEventRequest,
     ReportAuthority,
+    ReportControl,
     ReportEvents,
     ReportEventTimeout,
     ReportHeartbeatPulse,
@@ -318,6 +319,8 @@ class TestDelivery:
         client.ask(RequestControl(authority_code=5), server)
         client.ask(RequestControl(authority_code=5), server)
         world.settle()
+        assert world.count(Event.CODE) == 2
+        server.report_changed(ReportControl)
         assert world.count(Event.CODE) == 2
 
     def test_sequence_number_wraps(self, server, client):
