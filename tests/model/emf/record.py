@@ -8,6 +8,7 @@ recorded is compared with ours by tests/model/test_oracle.py, which needs neithe
 """
 
 import json
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -26,7 +27,10 @@ def verdict(program: str, case: Path, ecores: list[Path]) -> dict[str, object]:
         done = subprocess.run(command, cwd=HERE, capture_output=True, text=True, timeout=20)
     except subprocess.TimeoutExpired:
         return {"verdict": "error", "messages": ["EMF does not end"]}
-    lines = [line.replace(str(HERE), ".") for line in done.stdout.splitlines()]
+    lines = [
+        re.sub("@[0-9a-f]{5,8}", "", line.replace(str(HERE), "."))
+        for line in done.stdout.splitlines()
+    ]
     said: dict[str, object] = {"verdict": "error" if done.returncode else "ok"}
     said["messages"] = [line for line in lines if not line.startswith("DUMP ")]
     if not done.returncode:
