@@ -48,14 +48,25 @@ def docstring(
     width = LINE_WIDTH - column
     if not paragraphs and not attributes and len(summary) + 6 <= width:
         return f'"""{summary}"""'
-    lines = _wrap(f'"""{summary}', width)
-    for paragraph in paragraphs:
+    first, rest = _summary(summary, width - 3)
+    lines = [f'"""{first}']
+    for paragraph in (*rest, *paragraphs):
         lines += ["", *_wrap(paragraph, width)]
     if attributes:
         lines += ["", "Attributes:"]
     for name, description in attributes:
         lines += _wrap(f"    {name}: {description}", width, "        ")
     return "\n".join([*lines, '"""'])
+
+
+def _summary(text: str, width: int) -> tuple[str, tuple[str, ...]]:
+    """Returns a first line that fits, and the text as a paragraph when it is not all of it."""
+    if len(text) <= width:
+        return text, ()
+    head, stop, _ = text.partition(". ")
+    if stop and len(head) < width:
+        return f"{head}.", (text[len(head) + 2 :],)
+    return textwrap.shorten(text, width, placeholder=" ..."), (text,)
 
 
 def _wrap(text: str, width: int, continued: str = "") -> list[str]:

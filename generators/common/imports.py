@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from jausml.generators.common.layout import LINE_WIDTH
+from jausml.generation.literals import LINE_WIDTH
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -14,7 +14,7 @@ STANDARD = {
     "struct": ("struct",),
     "dataclasses": ("dataclass", "field"),
     "enum": ("IntEnum",),
-    "typing": ("ClassVar",),
+    "typing": ("TYPE_CHECKING", "ClassVar"),
 }
 _CODEC = (
     "check_count check_presence exactly integer latin1 one_of padded real scaled scaled_down"

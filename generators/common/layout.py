@@ -6,13 +6,15 @@ model goes through here, so that generated files need no formatter.
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from jausml.generation.literals import LINE_WIDTH, python_string
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-LINE_WIDTH = 100
 _INDENT = "    "
 _LAMBDA = "lambda: "
 
@@ -96,6 +98,26 @@ def comprehension(name: str, element: Expression, source: str, column: int = 0) 
         first = statement(element, "", column + len(_INDENT))
         lines = [*first.split("\n"), f"for item in {source}"]
     return "\n".join([f"{name} = [", *(_INDENT + text for text in lines), "]"])
+
+
+def text(value: str, before: str, after: str, column: int = 0) -> str:
+    """Returns a string in a statement or argument, in pieces when it is long.
+
+    Args:
+        value: The string.
+        before: Text before it, e.g. `description=`.
+        after: Text after it, e.g. a comma.
+        column: Column at which it will stand; the lines themselves begin at 0.
+    """
+    line = f"{before}{python_string(value)}{after}"
+    if len(line) + column <= LINE_WIDTH:
+        return line
+    # Room for the quotes and for characters that become escapes.
+    width = (LINE_WIDTH - column - 8) // 2 if not value.isascii() else LINE_WIDTH - column - 16
+    pieces = [value]
+    if len(python_string(value)) + len(_INDENT) + column > LINE_WIDTH:
+        pieces = textwrap.wrap(value, width, drop_whitespace=False, break_on_hyphens=False)
+    return "\n".join([f"{before}(", *(_INDENT + python_string(p) for p in pieces), f"){after}"])
 
 
 def call(function: str, arguments: Sequence[Expression]) -> Call:

@@ -98,17 +98,28 @@ def build_messages(elements: Iterable[Any]) -> tuple[MessageView, ...]:
     Raises:
         GenerationError: A message cannot be encoded.
     """
+    return tuple(dict.fromkeys(build_message_map(elements).values()))
+
+
+def build_message_map(elements: Iterable[Any]) -> dict[Any, MessageView]:
+    """Returns the views of `build_messages` by model element.
+
+    Args:
+        elements: MessageDefs of the model.
+
+    Raises:
+        GenerationError: A message cannot be encoded.
+    """
     scope = names.Scope(names.RESERVED_CLASSES, separator="")
-    found: dict[MessageView, str] = {}
-    plain = {id(element): element for element in elements}.values()
-    for element in sorted(plain, key=lambda e: (int(str(e.code), 16), str(e.name))):
+    classes: dict[MessageView, MessageView] = {}
+    found: dict[Any, MessageView] = {}
+    for element in sorted(elements, key=lambda e: (int(str(e.code), 16), str(e.name))):
         view = build_message(element)
-        if view not in found:
-            found[view] = scope.claim(view.class_name)
-            if found[view] != view.class_name:
-                found[build_message(element, found[view])] = found[view]
-                del found[view]
-    return tuple(found)
+        if view not in classes:
+            name = scope.claim(view.class_name)
+            classes[view] = view if name == view.class_name else build_message(element, name)
+        found[element] = classes[view]
+    return found
 
 
 class MessageBuilder:

@@ -73,9 +73,11 @@ RESERVED_ATTRIBUTES = _names(
     sized start struct tag take text to_integer from_integer unpadded whole write_to
     """
 )
+# Imports of the modules that use generated messages.
 RESERVED_CLASSES = _names(
     """
-    ClassVar DecodeError EncodeError IntEnum Message Struct
+    Callable ClassVar ComponentSettings DecodeError EncodeError Guard IntEnum JausAddress
+    JausComponent Message Sequence ServiceIdentity Scope Struct Transport TransportSettings
     """
 )
 

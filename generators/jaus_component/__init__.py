@@ -1,0 +1,1 @@
+"""JAUS components with skeletons."""

@@ -1,0 +1,89 @@
+"""One package for each modelled JAUS component that is no bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.artifact import Kind
+from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generators.common.messages import MessagesModule
+from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generators.common.system import source_of, system_of
+from jausml.generators.jaus_component.views import ComponentView
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
+
+
+class JausComponentTarget:
+    """Messages, base, skeleton, entry point and tests of each component."""
+
+    name = "jaus_component"
+    description = "JAUS components with skeletons, one ament_python package each."
+    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
+
+    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
+        """Returns the files of every component.
+
+        Args:
+            model: A valid model.
+        """
+        system, source = system_of(model), source_of(model)
+        plain = [c for c in system.components if c.eClass.name == "Component"]
+        views = [ComponentView(component, system, source) for component in plain]
+        packages = [
+            package_view(
+                system,
+                view.package,
+                element_id=view.element_id,
+                source=source,
+                description=view.documentation,
+                dependencies=("jausml_runtime",),
+                executables=((view.package, f"{view.package}.main"),),
+            )
+            for view in views
+        ]
+        by_id = {view.element_id: view for view in views}
+        return [
+            *package_tasks(packages),
+            FileTask(
+                "messages.py.j2",
+                [_messages(view) for view in views],
+                lambda module: _module(by_id[module.element_id], "messages"),
+            ),
+            FileTask(
+                "component_base.py.j2", views, lambda view: _module(view, f"{view.package}_base")
+            ),
+            FileTask(
+                "component.py.j2",
+                views,
+                lambda view: _module(view, view.package),
+                kind=Kind.SKELETON,
+                contract=ComponentView.contract,
+            ),
+            FileTask("component_main.py.j2", views, lambda view: _module(view, "main")),
+            FileTask(
+                "test_component.py.j2",
+                views,
+                lambda view: f"{view.package}/test/test_{view.package}.py",
+            ),
+        ]
+
+
+def _messages(view: ComponentView) -> MessagesModule:
+    return MessagesModule(
+        summary=f"The JAUS messages of the component {view.name} and their codecs.",
+        runtime="jausml_runtime",
+        messages=view.messages,
+        source=view.source,
+        element_id=view.element_id,
+    )
+
+
+def _module(view: ComponentView, name: str) -> str:
+    return f"{view.package}/{view.package}/{name}.py"
+
+
+TARGET = JausComponentTarget()
