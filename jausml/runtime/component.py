@@ -42,8 +42,9 @@ class JausComponent(ComponentBase):
     The core services among ``services`` are provided: Events, AccessControl, Management,
     Liveness and Discovery; every other message is handled by what ``handle`` and ``provide``
     are given. All methods may be called from any thread. Handlers, providers, callbacks and
-    hooks run on the loop's thread and hold ``loop.lock``; they must not block. When one raises,
-    the error is logged and counted as ``component.handler_failed``.
+    hooks hold ``loop.lock`` and must not block; they run on the loop's thread, or on the thread
+    that calls ``start``, ``stop``, ``fail`` or ``report_changed``. When one raises, the error is
+    logged and counted as ``component.handler_failed``.
 
     A generated component derives from this class, calls ``handle``, ``provide``, ``subscribe``
     and ``control`` in its constructor, and overrides the ``on_...`` hooks.

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from ..message import Message
     from .access_control import AccessControlService
 
+# JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
 EMERGENCY_CODES = (0, 1)
-"""Codes taken for STOP: AS5710 says 1, components made with the JAUS Tool Set send 0."""
+"""Emergency codes that are taken for STOP; others are ignored."""
 
 MAX_EMERGENCY_CLIENTS = 1024
 """Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
@@ -95,8 +96,8 @@ class ManagementService:
             self.shut_down(Reject.NOT_AVAILABLE)
 
     def _reset(self, _message: Reset, _sender: JausAddress) -> None:
-        # Emergency has no controller, so that Reset and Shutdown have no effect before the last
-        # emergency is cleared.
+        # Emergency has no controller, so that neither Reset nor Shutdown has an effect before
+        # the last emergency is cleared.
         if self.status in (Status.STANDBY, Status.READY):
             self._enter(Status.INITIALIZE)
             self._access.drop(Reject.CONTROL_RELEASED)

@@ -340,8 +340,9 @@ class TestRecovery:
     def test_silence_of_one_event_verifies_the_others(self, world, client):
         first = provider(world)
         inbox = Inbox()
-        statuses(client, inbox)
         pulses(client, Inbox(), rate=10)
+        world.settle()
+        statuses(client, inbox)
         world.run(0.5)
         kill(world, first)
         provider(world)

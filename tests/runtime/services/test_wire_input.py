@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.runtime.address import JausAddress
+from jausml.runtime.component import Scope
 from jausml.runtime.core_messages import QueryStatus, ReportStatus
 
 FAILURES = ("component.handler_failed", "loop.callback_failed")
@@ -30,7 +31,7 @@ def payloads(classes):
 def test_any_messages(world, message_classes, data):
     for address in ("1.1.1", str(PROVIDER), "3.1.1"):
         world.detach(JausAddress.parse(address))
-    tested = world.component("1.1.1", discovery_scope=2)
+    tested = world.component("1.1.1", discovery_scope=Scope.SUBSYSTEM)
     tested.subscribe(PROVIDER, QueryStatus(), ReportStatus, lambda *_: None, rate=5)
     tested.control(PROVIDER, authority=9)
     tested.start()
