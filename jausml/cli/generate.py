@@ -10,8 +10,10 @@ import click
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
 from jausml.generation import (
     ActionKind,
+    Artifact,
     Finding,
     GenerationError,
+    InternalError,
     Plan,
     RefusedError,
     Target,
@@ -83,7 +85,7 @@ def command(
     folder = _out_folder(model, out)
     valid = _valid_model(model, project_root, allow_outside=allow_outside)
     targets = _targets(names)
-    artifacts = render(valid, targets)
+    artifacts = _rendered(valid, targets)
     manifest = read_manifest(folder)
     plan = make_plan(
         artifacts,
@@ -130,6 +132,16 @@ def _targets(names: tuple[str, ...]) -> list[Target[Any]]:
         known = ", ".join(installed) or "none"
         raise click.UsageError(f"no target '{unknown[0]}'; installed: {known}")
     return [installed[name] for name in sorted(set(names) or installed)]
+
+
+def _rendered(model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
+    try:
+        return render(model, targets)
+    except InternalError:
+        raise
+    except GenerationError as error:
+        # A target's view found what no rule demands.
+        raise click.ClickException(f"cannot generate from this model: {error}") from error
 
 
 def _extra(model: Model, targets: Sequence[Target[Any]]) -> dict[str, Any]:

@@ -7,7 +7,6 @@ import re
 import sys
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
-_PACKAGE = re.compile("[a-z](?:_?[a-z0-9]+)*")
 _WORD_START = re.compile("(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 _LONGEST = 60
@@ -33,11 +32,6 @@ _TOOLING = frozenset(
 def is_identifier(name: str) -> bool:
     """Tells whether a name is of letters, digits and underscores and starts with a letter."""
     return _IDENTIFIER.fullmatch(name) is not None
-
-
-def is_package_name(name: str) -> bool:
-    """Tells whether a name is a ROS package name: lower case, no doubled or trailing underscore."""
-    return _PACKAGE.fullmatch(name) is not None
 
 
 def snake_case(name: str) -> str:

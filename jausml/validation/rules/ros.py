@@ -8,7 +8,6 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.names import is_package_name
 from jausml.validation.facts.paths import primitive, ros_name
 from jausml.validation.facts.topics import Endpoint, endpoints, namespace_fault, topic_fault
 from jausml.validation.facts.values import constant_fault, is_integer, is_real
@@ -19,9 +18,18 @@ if TYPE_CHECKING:
 
     from jausml.validation.subject import Subject
 
-_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*")
-_FIELD_NAME = re.compile("[a-z](?:_?[a-z0-9]+)*")
-_CONSTANT_NAME = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+# The parts of services and actions are named SetBool_Request and the like.
+_TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
+_LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
+_UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+_INTERFACE_NAMES = (
+    ("ros.InterfacePackage", _LOWER_CASE, "package", "lower case, words joined by one underscore"),
+    ("ros.MessageType", _TYPE_NAME, "type", "CamelCase"),
+    ("ros.ServiceType", _TYPE_NAME, "type", "CamelCase"),
+    ("ros.ActionType", _TYPE_NAME, "type", "CamelCase"),
+    ("ros.Field", _LOWER_CASE, "field", "lower case, words joined by one underscore"),
+    ("ros.Constant", _UPPER_CASE, "constant", "UPPER_CASE"),
+)
 _NAMED = (
     ("ros.TopicEndpoint", "topic", "topic"),
     ("ros.ServiceEndpoint", "service", "service"),
@@ -164,22 +172,14 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
 
     Good: `<messages name="WheelSpeeds">` with a field named front_left
     """
-    for package in subject.instances("ros.InterfacePackage"):
-        if package.name and not is_package_name(package.name):
-            yield Finding(package, f"{package.name!a} is no package name", "name")
-        for each in (*package.messages, *package.services, *package.actions):
-            if each.name and not _TYPE_NAME.fullmatch(each.name):
-                yield Finding(each, f"{each.name!a} is no type name", "name", "CamelCase")
+    for kind, pattern, noun, hint in _INTERFACE_NAMES:
+        for element in subject.instances(kind):
+            if element.name and not pattern.fullmatch(element.name):
+                yield Finding(element, f"{element.name!a} is no {noun} name", "name", hint)
     for field in subject.instances("ros.Field"):
-        if field.name and not _FIELD_NAME.fullmatch(field.name):
-            hint = "lower case, words joined by one underscore"
-            yield Finding(field, f"{field.name!a} is no field name", "name", hint)
         if field.arrayKind.name in ("fixedArray", "boundedSequence") and field.arraySize < 1:
             message = f"'{field.name}' is a {field.arrayKind.name} of size {field.arraySize}"
             yield Finding(field, message, "arraySize")
-    for constant in subject.instances("ros.Constant"):
-        if constant.name and not _CONSTANT_NAME.fullmatch(constant.name):
-            yield Finding(constant, f"{constant.name!a} is no constant name", "name", "UPPER_CASE")
 
 
 @rule("JML407", Severity.ERROR, "impossible frequency")

@@ -1,0 +1,139 @@
+"""Text of a model is data: it is refused with a place, or it stays data in everything generated."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import pytest
+
+from jausml.generation import GenerationError, load_targets
+from jausml.metamodel import ValueKind, load_metamodels
+from jausml.model import read_models
+from jausml.validation.engine import validate
+
+MODEL = Path(__file__).parents[1] / "cases" / "hostile_strings" / "model.xmi"
+TEXT = MODEL.read_text(encoding="utf-8")
+
+# Ends strings, comments, docstrings, tags and templates of all languages that are generated.
+PAYLOAD = (
+    "x'\"'''\"\"\"\\\n{{ 7 * 7 }}{% raw %}{# #}${HOME}`id`%s{0}--> ]]> */\r"
+    "__import__('os').system('touch INJECTED')\n# \u2028import INJECTED\n\\N{BULLET}\\u0022é€"
+)
+# The texts that are free: everything else has rules of its own and must be refused.
+FREE = {
+    *("documentation", "units", "format", "defaultValue"),
+    *("EnumeratedValue.name", "Format.name", "Alternative.name"),
+    *("Parameter.value", "Constant.value", "ConstantAssignment.value"),
+}
+
+
+def string_features():
+    """Yields class, feature and span of the value of every text in the model."""
+    model = read_models([MODEL]).model
+    lines = TEXT.splitlines(keepends=True)
+    starts = [sum(map(len, lines[:number])) for number in range(len(lines))]
+    for element in model.elements(library=False):
+        for feature in model.metamodels.class_of(element).features.values():
+            data_type = feature.data_type
+            if data_type is None or data_type.kind is not ValueKind.STRING:
+                continue
+            place = model.location(element, feature.name)
+            start = starts[place.line - 1] + place.column - 1
+            found = re.compile(rf'{feature.name}="[^"]*"').match(TEXT, start)
+            if found:
+                yield element.eClass.name, feature.name, found.span()
+
+
+FEATURES = list(string_features())
+
+
+def is_field_name(class_name, feature):
+    """Whether it is a name within a message body, which may be any text with a letter."""
+    classes = load_metamodels().classes
+    table = classes.get(f"jaus.{class_name}")
+    is_field = table is not None and classes["jaus.Field"] in table.supertypes
+    return feature == "name" and (is_field or class_name == "SubField")
+
+
+def is_free(class_name, feature):
+    return (
+        feature in FREE or f"{class_name}.{feature}" in FREE or is_field_name(class_name, feature)
+    )
+
+
+def with_payload(spans):
+    """Returns the model with the payload in some features, each made unique."""
+    text = TEXT
+    for number, (_, feature, (start, end)) in reversed(
+        list(enumerate(sorted(spans, key=lambda each: each[2])))
+    ):
+        value = quoteattr(f"x{number} {PAYLOAD}", {"\n": "&#10;", "\r": "&#13;"})
+        text = f"{text[:start]}{feature}={value}{text[end:]}"
+    return text
+
+
+def test_model_has_every_string_feature():
+    declared = {
+        (table.name, feature.name)
+        for table in load_metamodels().classes.values()
+        if not table.abstract
+        for feature in table.features.values()
+        if feature.data_type is not None and feature.data_type.kind is ValueKind.STRING
+    }
+    present = {(class_name, feature) for class_name, feature, _ in FEATURES}
+    assert declared - present == set()
+
+
+@pytest.mark.parametrize(
+    "feature", FEATURES, ids=lambda feature: f"{feature[0]}.{feature[1]}-{feature[2][0]}"
+)
+def test_each_text_is_refused_where_it_stands_or_free(feature, tmp_path):
+    class_name, name, (start, _) = feature
+    path = tmp_path / "model.xmi"
+    path.write_text(with_payload([feature]), encoding="utf-8")
+    errors = [each for each in validate([path]).diagnostics if each.severity.value == "error"]
+    if is_free(class_name, name) and not is_used_in_a_path(class_name, name, start):
+        assert errors == []
+        return
+    line = TEXT[:start].count("\n") + 1
+    assert errors, f"{class_name}.{name} was accepted"
+    assert all("\n" not in str(each) or each.location.line for each in errors)
+    if not is_free(class_name, name):
+        assert line in {each.location.line for each in errors}
+
+
+def is_used_in_a_path(class_name, name, start):
+    """Whether a path of the map leads through the field, which then has no such attribute."""
+    report = TEXT.index('xmi:id="Lamp.ReportLamp"')
+    return class_name == "FixedField" and name == "name" and start > report
+
+
+def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkeypatch):
+    try:
+        load_targets()
+    except GenerationError as error:
+        pytest.skip(f"targets are not complete: {error}")
+    monkeypatch.chdir(tmp_path)
+    free = [
+        (class_name, name, span)
+        for class_name, name, span in FEATURES
+        if is_free(class_name, name) and not is_used_in_a_path(class_name, name, span[0])
+    ]
+    Path("model.xmi").write_text(with_payload(free), encoding="utf-8")
+    result = jausml("--debug", "generate", "model.xmi", "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    sources = list(Path("out").rglob("*.py"))
+    assert len(sources) > 10
+    for source in sources:
+        names = {
+            getattr(node, "id", None) or getattr(node, "name", None)
+            for node in ast.walk(ast.parse(source.read_bytes()))
+            if isinstance(node, (ast.Name, ast.alias))
+        }
+        assert not {"__import__", "INJECTED"} & names, source
+        compile(source.read_bytes(), str(source), "exec")
+    assert not list(tmp_path.rglob("INJECTED"))
+    assert jausml("generate", "model.xmi", "-o", "out", "--check").exit_code == 0
