@@ -265,13 +265,19 @@ class ConnectionView:
     @property
     def safe_documentation(self) -> str:
         """When the safe value is sent."""
-        seconds = python_literal(float(self.connection.silenceTimeout))
-        return f"Sent once when {self.connection.name} hears nothing for {seconds} s."
+        moments = []
+        if self.connection.silenceTimeout > 0:
+            seconds = python_literal(float(self.connection.silenceTimeout))
+            moments.append(f"when {self.connection.name} hears nothing for {seconds} s")
+        if self._handler_guard == "READY":
+            moments.append("when the bridge leaves Ready")
+        return f"Sent once {', and '.join(moments)}."
 
     @property
     def has_safe_value(self) -> bool:
-        """Whether the model says what is sent when the source is silent."""
-        return bool(self.connection.safeValue) and self.connection.silenceTimeout > 0
+        """Whether the model says what is sent when the source is lost, and it can be lost."""
+        can_be_lost = self.connection.silenceTimeout > 0 or self._handler_guard == "READY"
+        return bool(self.connection.safeValue) and can_be_lost
 
     @functools.cached_property
     def safe_body(self) -> Body:

@@ -354,7 +354,7 @@ def _result(literal: Any) -> str:
 
 def _needs_its_sources(assignment: Any) -> bool:
     is_field = assignment.eClass.name == "FieldAssignment"
-    return is_field and assignment.whenAbsent.name == "dropMessage"
+    return bool(is_field and assignment.whenAbsent.name == "dropMessage")
 
 
 def _paths(text: str) -> list[str]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .bridge import Bridge
+    from .loop import Timer
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -90,6 +91,7 @@ class Connection(Generic[SourceT, TargetT]):
         self._translate = translate
         self._safe_value = safe_value
         self._heard = 0.0
+        self._watch: Timer | None = None
         self._bridge: Bridge
         self._reported: tuple[float, int, int] | None = None
 
@@ -149,33 +151,37 @@ class Connection(Generic[SourceT, TargetT]):
 
     def watch(self) -> None:
         """Starts to watch for silence, which a source that never spoke also is."""
+        self._heard = self._bridge.loop.now()
+        self._arm(self.silence_timeout)
+
+    def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
-            self._heard = self._bridge.loop.now()
-            self._bridge.loop.call_later(self.silence_timeout, self._check_silence)
+            self._watch = self._bridge.loop.call_later(delay, self._check_silence)
 
     def _note_arrival(self) -> None:
         loop = self._bridge.loop
         self.statistics.last_arrival = now = loop.now()
-        if self.silence_timeout > 0:
+        if self.silence_timeout > 0 or self.is_silent:
             # With the lock the check either sees this arrival, or has sent the safe value before
             # the value that arrived.
             with loop.lock:
                 self._heard = now
                 if self.is_silent:
                     self.is_silent = False
-                    loop.call_later(self.silence_timeout, self._check_silence)
+                    self._arm(self.silence_timeout)
 
     def _check_silence(self) -> None:
         """Runs on the loop, which holds its lock."""
-        loop = self._bridge.loop
-        remaining = self._heard + self.silence_timeout - loop.now()
+        remaining = self._heard + self.silence_timeout - self._bridge.loop.now()
         if remaining > 0:
-            loop.call_later(remaining, self._check_silence)
-            return
-        self.fall_silent()
+            self._arm(remaining)
+        else:
+            self.fall_silent()
 
     def fall_silent(self) -> None:
-        """Sends the safe value; the next message from the source ends the silence."""
+        """Sends the safe value, once: the next message from the source ends the silence."""
+        if self._watch is not None:
+            self._watch.cancel()
         self.is_silent = True
         self.send_safe_value()
 

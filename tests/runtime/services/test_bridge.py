@@ -299,6 +299,24 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     world.settle()
     assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
     assert not connection.is_silent
+    world.run(60.0, step=0.5)
+    assert setting.ros.numbers("times") == [2.0, -1.0, 3.0, -1.0]  # one silence, one safe value
+
+
+def test_losing_control_is_safe_without_a_timeout_too(world, setting):
+    connection = setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=200), Resume(), minutes(2), ReleaseControl()):
+        operator.send(message, OWN)
+    world.run(60.0, step=0.5)
+    assert setting.ros.numbers("times") == [2.0, -1.0]
+    for message in (RequestControl(authority_code=200), Resume(), minutes(3)):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
+    assert not connection.is_silent
 
 
 # ------------------------------------------------------------------ ROS to JAUS
