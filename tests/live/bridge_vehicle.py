@@ -1,6 +1,6 @@
 """A vehicle for the live tests: reports its motion, obeys efforts, says on stdout what happens.
 
-One line of JSON for each command obeyed and for each event asked for.
+One line of JSON for each command obeyed and for each report made.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import threading
 
 from jausml_runtime.address import JausAddress
 from jausml_runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
-from jausml_runtime.core_messages import CreateEvent
 from jausml_runtime.process import run
 from loop_bridge.messages import (
     QueryLocalPose,
@@ -41,7 +40,6 @@ class Vehicle(JausComponent):
         self.provide(QueryVelocityState, ReportVelocityState, self.velocity)
         self.provide(QueryLocalPose, ReportLocalPose, self.pose)
         self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
-        self.on_message(CreateEvent, self.on_create_event)
 
     def velocity(self, query, _sender):
         self.reports += 1
@@ -58,10 +56,6 @@ class Vehicle(JausComponent):
             rotational=message.propulsive_rotational_effort_z,
             sender=str(sender),
         )
-
-    def on_create_event(self, message, sender):
-        code = int.from_bytes(message.query_message[:2], "little")
-        say(kind="event", query=code, sender=str(sender))
 
     def on_ready(self):
         say(kind="ready")

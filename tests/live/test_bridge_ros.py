@@ -1,0 +1,169 @@
+"""The ROS side of bridges on real rclpy: names, quality of service, parameters, clock, log."""
+
+from __future__ import annotations
+
+import logging
+import os
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.runtime.bridge_connection import ConnectionStatus
+from jausml.runtime.topics import Qos, Topic
+
+from .bridge_support import RosPeer, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+
+@pytest.fixture(scope="module")
+def peer():
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 45) % 90))
+        made = RosPeer()
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def node(peer):
+    from jausml.runtime.ros import RosNode
+
+    del peer  # it sets the domain
+    nodes = []
+
+    def make(*ros_arguments, namespace=""):
+        line = ["--ros-args", *ros_arguments] if ros_arguments else []
+        nodes.append(RosNode("tested", namespace, line))
+        return nodes[-1]
+
+    yield make
+    for made in nodes:
+        made.close()
+
+
+def test_names_are_relative_and_can_be_remapped(node, peer):
+    from std_msgs.msg import Float64
+
+    tested = node("-r", "speed:=measured_speed", namespace="fleet")
+    publish = tested.publisher(Float64, Topic("speed"))
+    assert tested.name == "/fleet/tested"
+    found = peer.listen(Float64, "/fleet/measured_speed")
+    wait_for(lambda: publish(Float64(data=2.0)) or found, "remapped topic")
+    assert found[0].data == 2.0
+
+
+def test_quality_of_service_is_the_models(node, peer):
+    from rclpy.qos import DurabilityPolicy, LivelinessPolicy, ReliabilityPolicy
+    from std_msgs.msg import Float64
+
+    qos = Qos(
+        reliability="best_effort",
+        durability="transient_local",
+        depth=3,
+        deadline=0.5,
+        lifespan=2.0,
+        liveliness="manual_by_topic",
+        lease_duration=1.0,
+    )
+    node().publisher(Float64, Topic("qos_topic", qos))
+    infos = wait_for(lambda: peer.node.get_publishers_info_by_topic("/qos_topic"), "publisher")
+    profile = infos[0].qos_profile
+    assert profile.reliability is ReliabilityPolicy.BEST_EFFORT
+    assert profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
+    assert profile.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC
+    assert profile.deadline.nanoseconds == 500_000_000
+    assert profile.lifespan.nanoseconds == 2_000_000_000
+    assert profile.liveliness_lease_duration.nanoseconds == 1_000_000_000
+
+
+def test_quality_of_service_can_be_overridden(node, peer):
+    from rclpy.qos import ReliabilityPolicy
+    from std_msgs.msg import Float64
+
+    tested = node("-p", "qos_overrides./overridden.publisher.reliability:=best_effort")
+    tested.publisher(Float64, Topic("overridden"))
+    infos = wait_for(lambda: peer.node.get_publishers_info_by_topic("/overridden"), "publisher")
+    assert infos[0].qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+
+
+def test_parameters(node):
+    from rclpy.exceptions import InvalidParameterValueException
+
+    tested = node("-p", "rate:=5.0", "-p", "depth:=70000")
+    assert tested.parameter("rate", 20.0, "Rate.", (0.1, 100.0)) == 5.0
+    assert tested.parameter("other", "text", "Text.") == "text"
+    with pytest.raises(InvalidParameterValueException):
+        tested.parameter("depth", 1, "Depth.", (1, 65535))
+
+
+def test_subscription_delivers_on_the_ros_thread(node, peer):
+    import threading
+
+    from std_msgs.msg import Float64
+
+    tested, found = node(), []
+    tested.subscribe(
+        Float64,
+        Topic("heard"),
+        lambda message: found.append((message.data, threading.current_thread().name)),
+    )
+    publisher = peer.publisher(Float64, "heard")
+    tested.start()
+    wait_for(lambda: publisher.publish(Float64(data=3.0)) or found, "message")
+    assert found[0] == (3.0, "ros")
+
+
+def test_clock_follows_the_simulation(node, peer):
+    from rosgraph_msgs.msg import Clock
+
+    tested = node("-p", "use_sim_time:=true")
+    tested.start()
+    clock = peer.publisher(Clock, "/clock")
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = 1234, 500
+    wait_for(lambda: clock.publish(message) or tested.now() == (1234, 500), "simulated time")
+
+
+def test_diagnostics(node, peer):
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    tested = node(namespace="fleet")
+    found = peer.listen(DiagnosticArray, "/diagnostics")
+    status = ConnectionStatus("odometry", "warning", "slower", "10.1.9", (("age (s)", "0.1"),))
+    wait_for(lambda: tested.publish_diagnostics([status]) or found, "diagnostics")
+    (shown,) = found[0].status
+    assert (shown.name, shown.level) == ("/fleet/tested: odometry", b"\x01")
+    assert (shown.message, shown.hardware_id) == ("slower", "10.1.9")
+    assert [(value.key, value.value) for value in shown.values] == [("age (s)", "0.1")]
+    assert found[0].header.stamp.sec > 0
+
+
+def test_log_goes_through_ros(node, peer):
+    from rcl_interfaces.msg import Log
+
+    tested = node()
+    found = peer.listen(Log, "/rosout")
+    tested.start()
+    logger = logging.getLogger("jausml")
+    levels = {logging.ERROR: 40, logging.WARNING: 30, logging.INFO: 20}
+    logger.setLevel(logging.INFO)
+    try:
+        for level, shown in levels.items():
+            wait_for(
+                lambda level=level, shown=shown: (
+                    logger.log(level, "dropped %d", level)
+                    or [m for m in found if m.msg == f"dropped {level}" and m.level == shown]
+                ),
+                "log message",
+            )
+    finally:
+        logger.setLevel(logging.NOTSET)
+    tested.close()
+    assert logger.propagate
+    assert all("RosLogHandler" not in type(each).__name__ for each in logger.handlers)
