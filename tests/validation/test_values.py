@@ -45,6 +45,7 @@ def test_legal_constants(text, attribute):
         ("1.0", BYTE, "not an integer"),
         ("0x10", BYTE, "not an integer"),
         ("1_0", BYTE, "not an integer"),
+        ("010", BYTE, "not an integer"),
         ("٣", BYTE, "not an integer"),
         ("9" * 5000, BYTE, "not an integer"),
         ("2", LEVEL, "value set"),

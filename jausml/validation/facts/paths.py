@@ -20,6 +20,7 @@ from jausml.validation.facts.layouts import (
 NUMBER = "number"
 BOOL = "bool"
 TEXT = "text"
+OCTETS = "octets"
 TIME_STAMP = "TimeStamp"
 TIME = "builtin_interfaces/Time"
 
@@ -36,7 +37,7 @@ class Attribute:
     """What a path leads to.
 
     Attributes:
-        kind: `number`, `bool`, `text`, `TimeStamp`, the full name of a ROS type
+        kind: `number`, `bool`, `text`, `octets`, `TimeStamp`, the full name of a ROS type
             (`geometry_msgs/Quaternion`), or empty for what no assignment can fill or read.
         name: How messages call it, such as `a list` or `geometry_msgs/Pose`.
         integral: Whether a number is an integer.
@@ -121,9 +122,12 @@ def ros_attribute(message_type: Any, path: str) -> Found:
         fault = _index_fault(field, indices)
         if fault is not None:
             return fault
-    if field.arrayKind.name != "single" and not indices:
-        return Attribute("", f"an array of {_ros_element(field).name}")
-    return _ros_element(field)
+    if field.arrayKind.name == "single" or indices:
+        return _ros_element(field)
+    is_octets = class_name(field) == "PrimitiveField" and field.type.name == "uint8"
+    if is_octets and field.arrayKind.name == "unboundedSequence":
+        return Attribute(OCTETS, "a sequence of uint8")
+    return Attribute("", f"an array of {_ros_element(field).name.removeprefix('a ')}")
 
 
 def ros_name(message_type: Any) -> str:
@@ -183,6 +187,8 @@ def _jaus_value(field: Any) -> Attribute:
         limits = integer_range(field.countType.name)
         length = field.maximumLength or (limits[1] if limits else None)
         return Attribute(TEXT, "text", length=length, encoding="latin-1")
+    if kind == "VariableLengthField":
+        return Attribute(OCTETS, "a field of octets")
     names = {"BitField": "bit field", "VariableField": "variable field", "List": "list"}
     return Attribute("", f"a {names.get(kind, kind.lower())}")
 

@@ -7,7 +7,7 @@ import re
 
 from jausml.validation.facts.paths import BOOL, NUMBER, TEXT, TIME, TIME_STAMP, Attribute
 
-_INTEGER = re.compile(r"[+-]?[0-9]{1,25}")
+_INTEGER = re.compile(r"[+-]?(?:0|[1-9][0-9]{0,24})")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -30,7 +30,7 @@ def constant_fault(text: str, attribute: Attribute) -> str:
 
 
 def is_integer(text: str) -> bool:
-    """Tells whether a text is an integer in decimal digits."""
+    """Tells whether a text is an integer in decimal digits, without leading zeros."""
     return _INTEGER.fullmatch(text) is not None
 
 

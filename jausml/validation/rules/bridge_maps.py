@@ -86,9 +86,10 @@ def paths(subject: Subject) -> Iterator[Finding]:
 def types(subject: Subject) -> Iterator[Finding]:
     """What an assignment yields is of the kind that its target takes.
 
-    Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back. A JAUS
-    TimeStamp becomes a builtin_interfaces/Time, and angles become a quaternion, by a conversion.
-    Whole records, lists and arrays are translated in the skeleton of the bridge.
+    Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
+    a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
+    builtin_interfaces/Time, and angles become a quaternion, by a conversion. Whole records, lists
+    and arrays are translated in the skeleton of the bridge.
 
     Bad: `target="header.stamp" source="TimeStamp"` without a conversion
 
