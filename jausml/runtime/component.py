@@ -82,10 +82,10 @@ class JausComponent(ComponentBase):
             component_type=component_type,
             settings=settings,
         )
-        self._event_client = EventClient(self)
-        self._control_client = ControlClient(self)
-        self._query_client = QueryClient(self)
-        self._discovery_client = DiscoveryClient(self)
+        self._jaus_event_client = EventClient(self)
+        self._jaus_control_client = ControlClient(self)
+        self._jaus_query_client = QueryClient(self)
+        self._jaus_discovery_client = DiscoveryClient(self)
 
     def subscribe(
         self,
@@ -122,7 +122,7 @@ class JausComponent(ComponentBase):
             ValueError: The rate is out of range or the provider is not one component.
         """
         with self.loop.lock:
-            return self._event_client.subscribe(
+            return self._jaus_event_client.subscribe(
                 provider, query, report_class, on_report, rate, silence_timeout, on_silence
             )
 
@@ -152,7 +152,7 @@ class JausComponent(ComponentBase):
             ValueError: The authority is out of range or the target is not one component.
         """
         with self.loop.lock:
-            return self._control_client.control(target, authority, resume, on_change)
+            return self._jaus_control_client.control(target, authority, resume, on_change)
 
     def query(
         self,
@@ -184,7 +184,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._query_client.ask(
+            return self._jaus_query_client.ask(
                 target, query, report_class, on_report, on_failure, timeout, retries
             )
 
@@ -196,7 +196,7 @@ class JausComponent(ComponentBase):
             on_found: Takes the component.
         """
         with self.loop.lock:
-            self._discovery_client.discover(urn, on_found)
+            self._jaus_discovery_client.discover(urn, on_found)
 
     def start(self) -> None:
         """Receive messages, initialise, and begin subscriptions and sessions.
@@ -207,7 +207,7 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             super().start()
-            self._discovery_client.start()
+            self._jaus_discovery_client.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.
@@ -216,9 +216,9 @@ class JausComponent(ComponentBase):
         is released and reports the status SHUTDOWN to whoever watches it.
         """
         with self.loop.lock:
-            if self._running:
-                self._query_client.stop()
-                self._discovery_client.stop()
-                self._control_client.stop()
-                self._event_client.stop()
+            if self._jaus_running:
+                self._jaus_query_client.stop()
+                self._jaus_discovery_client.stop()
+                self._jaus_control_client.stop()
+                self._jaus_event_client.stop()
                 super().stop()

@@ -65,14 +65,17 @@ class ComponentBase:
         self.services = tuple(services)
         self.component_type = component_type
         self.settings = ComponentSettings() if settings is None else settings
-        self._running = False
-        self._starters: list[Callable[[], None]] = []
-        self._enders: list[Callable[[], None]] = []
-        self._router = Router(transport.counters, self.allows)
+        # Sub-classes are user code: the prefix keeps their private attributes apart from these.
+        self._jaus_running = False
+        self._jaus_starters: list[Callable[[], None]] = []
+        self._jaus_enders: list[Callable[[], None]] = []
+        self._jaus_router = Router(transport.counters, self.allows)
         provided = {service.urn.removeprefix(CORE) for service in self.services}
-        self._events = EventsService(self, enabled="Events" in provided)
-        self._access = AccessControlService(self, enabled="AccessControl" in provided)
-        self._management = ManagementService(self, self._access, enabled="Management" in provided)
+        self._jaus_events = EventsService(self, enabled="Events" in provided)
+        self._jaus_access = AccessControlService(self, enabled="AccessControl" in provided)
+        self._jaus_management = ManagementService(
+            self, self._jaus_access, enabled="Management" in provided
+        )
         if "Liveness" in provided:
             LivenessService(self)
         if "Discovery" in provided:
@@ -99,7 +102,7 @@ class ComponentBase:
             ValueError: The message has a handler or a provider already.
         """
         with self.loop.lock:
-            self._router.set_handler(message_class, handler, when)
+            self._jaus_router.set_handler(message_class, handler, when)
 
     def provide(
         self,
@@ -126,12 +129,12 @@ class ComponentBase:
         """
         with self.loop.lock:
             provision = Provision(query_class, report_class, provider, periodic, every_change)
-            self._router.set_provision(provision, self._answer)
+            self._jaus_router.set_provision(provision, self._jaus_answer)
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one sent."""
         with self.loop.lock:
-            self._events.report_changed(report_class)
+            self._jaus_events.report_changed(report_class)
 
     def on_message(
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
@@ -141,7 +144,7 @@ class ComponentBase:
         Any number of callbacks may listen to one message, next to its handler.
         """
         with self.loop.lock:
-            self._router.add_listener(message_class, callback)
+            self._jaus_router.add_listener(message_class, callback)
 
     def send(
         self,
@@ -180,12 +183,12 @@ class ComponentBase:
             ValueError: Another component of this process has the address.
         """
         with self.loop.lock:
-            if self._running:
+            if self._jaus_running:
                 raise RuntimeError(f"component {self.address} runs already")
-            self.transport.attach(self.address, self._receive)
-            self._running = True
-            self._management.initialize()
-            starters, self._starters = self._starters, []
+            self.transport.attach(self.address, self._jaus_receive)
+            self._jaus_running = True
+            self._jaus_management.initialize()
+            starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()
 
@@ -196,10 +199,10 @@ class ComponentBase:
         watches it.
         """
         with self.loop.lock:
-            if self._running:
-                self._management.shut_down()
-                self._events.stop()
-                self._running = False
+            if self._jaus_running:
+                self._jaus_management.shut_down()
+                self._jaus_events.stop()
+                self._jaus_running = False
                 self.transport.detach(self.address)
 
     def fail(self, reason: str) -> None:
@@ -209,7 +212,7 @@ class ComponentBase:
             reason: For the log.
         """
         with self.loop.lock:
-            self._management.fail(reason)
+            self._jaus_management.fail(reason)
 
     # ---- hooks ------------------------------------------------------------------------------
 
@@ -246,72 +249,72 @@ class ComponentBase:
     @property
     def running(self) -> bool:
         """Whether the component is between ``start`` and ``stop``."""
-        return self._running
+        return self._jaus_running
 
     @property
     def status(self) -> Status:
         """Management state (AS5710, ReportStatus)."""
-        return self._management.status
+        return self._jaus_management.status
 
     @property
     def controller(self) -> JausAddress | None:
         """The component that controls this one."""
-        return self._access.controller
+        return self._jaus_access.controller
 
     @property
     def authority(self) -> int:
         """Authority code of the controller, or the default authority without one."""
-        return self._access.authority
+        return self._jaus_access.authority
 
     @property
     def control_available(self) -> bool:
         """Whether control may be requested: not in Init, Failure, Shutdown or Emergency."""
-        return self._access.available
+        return self._jaus_access.available
 
     @control_available.setter
     def control_available(self, available: bool) -> None:
         with self.loop.lock:
-            self._access.offered = available
+            self._jaus_access.offered = available
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
         """Whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
-        if sender != self._access.controller:
+        if sender != self._jaus_access.controller:
             return False
-        return guard is Guard.CONTROLLED or self._management.status is Status.READY
+        return guard is Guard.CONTROLLED or self._jaus_management.status is Status.READY
 
     # ---- for the services and clients of the component --------------------------------------
 
     def when_started(self, action: Callable[[], None]) -> None:
         """Run an action now, or at the start of a component that does not run yet."""
-        if self._running:
+        if self._jaus_running:
             action()
         else:
-            self._starters.append(action)
+            self._jaus_starters.append(action)
 
     def when_shut_down(self, action: Callable[[], None]) -> None:
         """Also run an action when the component enters Shutdown."""
-        self._enders.append(action)
+        self._jaus_enders.append(action)
 
     def shut_down(self) -> None:
         """Run the hook and the actions of Shutdown; called by the Management service."""
-        for action in (self.on_shutdown, *self._enders):
+        for action in (self.on_shutdown, *self._jaus_enders):
             self.call(action)
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""
-        return self._router.call(function, *arguments)
+        return self._jaus_router.call(function, *arguments)
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
         """Return what answers a query."""
-        return self._router.provision(query_code)
+        return self._jaus_router.provision(query_code)
 
     def report(
         self, provision: Provision[Any, Any], query: Message, sender: JausAddress
     ) -> bytes | None:
         """Return the encoded report that answers a query now, or None without one."""
-        report = self._router.call(provision.provider, query, sender)
+        report = self._jaus_router.call(provision.provider, query, sender)
         if report is None:
             return None
         try:
@@ -320,10 +323,12 @@ class ComponentBase:
             self.counters.count("component.report_not_encodable", str(error))
             return None
 
-    def _receive(self, received: ReceivedMessage) -> None:
-        self._router.receive(received.payload, received.source)
+    def _jaus_receive(self, received: ReceivedMessage) -> None:
+        self._jaus_router.receive(received.payload, received.source)
 
-    def _answer(self, provision: Provision[Any, Any], query: Message, sender: JausAddress) -> None:
+    def _jaus_answer(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> None:
         payload = self.report(provision, query, sender)
         if payload is not None:
             self.transport.send(self.address, sender, payload)

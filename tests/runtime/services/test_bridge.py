@@ -542,6 +542,16 @@ def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting)
     assert received == [minutes(0)]
 
 
+def test_silence_timeout_is_a_parameter(world, setting):
+    peer = world.probe(str(PEER))
+    setting.ros.parameters["drive.silence_timeout"] = 5.0
+    setting.open(command(silence_timeout=1.0, safe_value=safe))
+    world.run(4.9)
+    assert peer.take() == []
+    world.run(0.2)
+    assert peer.take() == [minutes(0)]
+
+
 def test_silence_without_safe_value_is_only_told(world, setting):
     connection = setting.open(event(rate=1.0, silence_timeout=1.0))
     world.run(2.0)

@@ -7,10 +7,11 @@ import math
 
 from catvehicle.parameters import VehicleParameters
 from jausml_runtime.address import JausAddress
+from jausml_runtime.component import ComponentSettings
 from jausml_runtime.transport import Transport
 
 from .messages import ReportLocalPose, SetVelocityCommand
-from .operator_control_unit_base import OperatorControlUnitBase
+from .operator_control_unit_base import ADDRESS, SETTINGS, OperatorControlUnitBase
 
 COMMAND_PERIOD = 0.5
 """Seconds between two cruise commands; the bridge stops the vehicle after two seconds without."""
@@ -27,8 +28,13 @@ _log = logging.getLogger("operator")
 class OperatorControlUnit(OperatorControlUnitBase):
     """Drives the vehicle by a cruise speed and says how it goes."""
 
-    def __init__(self, transport: Transport) -> None:
-        super().__init__(transport)
+    def __init__(
+        self,
+        transport: Transport,
+        address: JausAddress = ADDRESS,
+        settings: ComponentSettings = SETTINGS,
+    ) -> None:
+        super().__init__(transport, address, settings)
         self._cruise_speed = VehicleParameters().reference_speed
         self._position: tuple[float, float] | None = None
         self._estimate: tuple[float, float] | None = None

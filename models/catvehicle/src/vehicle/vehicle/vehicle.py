@@ -12,6 +12,7 @@ from catvehicle.metrics import COLUMNS
 from catvehicle.parameters import VehicleParameters
 from catvehicle.realtime import RealTimePlant
 from jausml_runtime.address import JausAddress
+from jausml_runtime.component import ComponentSettings
 from jausml_runtime.transport import Transport
 
 from .messages import (
@@ -23,7 +24,7 @@ from .messages import (
     ReportWrenchEffort,
     SetWrenchEffort,
 )
-from .vehicle_base import VehicleBase
+from .vehicle_base import ADDRESS, SETTINGS, VehicleBase
 
 
 class Vehicle(VehicleBase):
@@ -38,8 +39,13 @@ class Vehicle(VehicleBase):
     # drive by wire kit of the original vehicle takes them; no standard mobility message carries a
     # tyre angle.
 
-    def __init__(self, transport: Transport) -> None:
-        super().__init__(transport)
+    def __init__(
+        self,
+        transport: Transport,
+        address: JausAddress = ADDRESS,
+        settings: ComponentSettings = SETTINGS,
+    ) -> None:
+        super().__init__(transport, address, settings)
         self._parameters = VehicleParameters()
         self._plant = RealTimePlant(self._parameters, time.monotonic)
         self._truth = EventLog.from_environment("vehicle")
