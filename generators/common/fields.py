@@ -282,6 +282,18 @@ def as_real(value: Fixed) -> Fixed:
     return replace(value, python_type="float", check="whole", limits=tuple(map(str, limits)))
 
 
+def count_limits(count_type: str, lower: int, upper: int) -> tuple[int, int]:
+    """Returns the smallest and the largest legal count.
+
+    Args:
+        count_type: Wire type of the count.
+        lower: Smallest count.
+        upper: Largest count; 0 means as many as the type can say.
+    """
+    largest = integer_limits(count_type)[1]
+    return lower, min(upper, largest) if upper > 0 else largest
+
+
 def size_of(struct_format: str) -> int:
     """Returns the bytes of a struct format."""
     return struct.calcsize(f"<{struct_format}")

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
 from jausml.generators.common import docs, fields, names
 from jausml.generators.common.layout import Call
-from jausml.generators.common.messages import (
+from jausml.generators.common.members import Member, Run, Single
+from jausml.generators.common.messages import MessageView
+from jausml.generators.common.nested import (
     Alternative,
-    BitFieldClass,
     ContainerClass,
-    Enumeration,
-    Member,
-    MessageView,
-    Run,
-    Single,
-    SubField,
     VariableFieldClass,
     VariantAlias,
 )
+from jausml.generators.common.nesting import Nest, Resolved, resolve
 from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
 
 if TYPE_CHECKING:
@@ -28,49 +24,6 @@ if TYPE_CHECKING:
 
 Value = fields.Fixed | fields.Blob | PartValue | VariantValue | ListValue | ArrayValue
 Element = fields.Fixed | fields.Blob | PartValue | VariantValue
-
-
-@dataclass(frozen=True)
-class Resolved:
-    """A field of the model with its type references followed.
-
-    Attributes:
-        name: Its name, the outermost reference's.
-        optional: Whether it is optional, as the outermost reference says.
-        documentation: Clean text.
-        type: The element that is no TypeReference.
-    """
-
-    name: str
-    optional: bool
-    documentation: str
-    type: Any
-
-    @property
-    def kind(self) -> str:
-        """Class of the type in the metamodel."""
-        return str(self.type.eClass.name)
-
-
-def resolve(element: Any) -> Resolved:
-    """Follows the type references of a field.
-
-    Args:
-        element: A Field of the model.
-
-    Raises:
-        GenerationError: The references lead nowhere or in a circle.
-    """
-    target, seen = element, []
-    while target is not None and target.eClass.name == "TypeReference":
-        if target in seen:
-            raise GenerationError(f"type reference '{element.name}' refers to itself")
-        seen.append(target)
-        target = target.target
-    if target is None:
-        raise GenerationError(f"type reference '{element.name}' has no target")
-    text = docs.clean(element.documentation or target.documentation)
-    return Resolved(str(element.name), bool(element.optional), text, target)
 
 
 def build_message(element: Any, class_name: str | None = None) -> MessageView:
@@ -133,14 +86,7 @@ class MessageBuilder:
     def __init__(self, element: Any, class_name: str) -> None:
         self._element = element
         self._class_name = class_name
-        self._scope = names.Scope(
-            names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"}, separator=""
-        )
-        self._nested: list[
-            Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
-        ] = []
-        self._structs: dict[str, str] = {}
-        self._known: dict[object, Any] = {}
+        self._nest = Nest(class_name, str(element.name))
         self._open: list[Any] = []
         self._kinds: dict[str, Callable[[Resolved, str], Value]] = {
             "FixedField": self._number,
@@ -172,8 +118,8 @@ class MessageBuilder:
             code=code,
             is_command=bool(element.isCommand),
             body=container,
-            nested=tuple(self._nested),
-            structs=tuple(sorted(self._structs.items())),
+            nested=tuple(self._nest.classes),
+            structs=tuple(sorted(self._nest.structs.items())),
             body_name=body.name if body else "",
             body_kind=body.kind if body else "",
         )
@@ -189,7 +135,7 @@ class MessageBuilder:
         tag: int | None = None,
     ) -> ContainerClass:
         """Builds a class of members: those of a record or sequence, or the one field itself."""
-        path = self._path(name)
+        path = self._nest.path(name)
         presence = "none"
         elements: Sequence[Any] = ()
         if body is not None and body.kind in ("Record", "Sequence"):
@@ -217,7 +163,7 @@ class MessageBuilder:
             paragraphs=paragraphs,
             members=members,
             segments=self._segments(members, presence_format),
-            presence_struct=self._use(presence_format) if presence_format else "",
+            presence_struct=self._nest.use(presence_format) if presence_format else "",
             presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
             tag=tag,
             jaus_name=body.name if body else "",
@@ -245,7 +191,7 @@ class MessageBuilder:
                 item="" if not repeated else "item" if first else scope.claim(f"{attribute}_item"),
                 units=docs.clean(getattr(field.type, "units", "")),
                 documentation=field.documentation,
-                enumeration=self._enumeration(field, getattr(field.type, "values", None)),
+                enumeration=self._nest.enumeration(field, getattr(field.type, "values", None)),
             )
             bit <<= optional
             members.append(member)
@@ -288,24 +234,24 @@ class MessageBuilder:
         formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
         items = [presence_format, *formats] if presence_format else formats
         size = sum(fields.size_of(item) for item in items)
-        name = self._use("".join(items))
+        name = self._nest.use("".join(items))
         return Run(name, tuple(members), bool(presence_format), size)
 
     def _class(self, field: Resolved, tag: int | None = None) -> PartValue:
         """Returns the class of a field as a part; each option of a variant has its own."""
         key = (id(field.type), field.name, tag)
-        if tag is not None or key not in self._known:
-            name = self._scope.claim(names.class_name(field.name))
-            summary = self._summary(field)
+        if tag is not None or key not in self._nest.known:
+            name = self._nest.scope.claim(names.class_name(field.name))
+            summary = self._nest.summary(field)
             if field.kind == "VariableField":
                 part: ContainerClass | VariableFieldClass = self._variable(field, name, summary)
             elif field.kind == "VariableFormatField":
                 part = self._format(field, name, summary)
             else:
                 part = self._container(name, field, summary, tag=tag)
-            self._nested.append(part)
-            self._known[key] = PartValue(part, part.path)
-        part_value: PartValue = self._known[key]
+            self._nest.classes.append(part)
+            self._nest.known[key] = PartValue(part, part.path)
+        part_value: PartValue = self._nest.known[key]
         return part_value
 
     def _variable(self, field: Resolved, name: str, summary: str) -> VariableFieldClass:
@@ -316,19 +262,21 @@ class MessageBuilder:
         python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
         alternatives = []
         for element, value in zip(field.type.alternatives, numbers, strict=True):
-            self._use(value.format)
+            self._nest.use(value.format)
             text = " ".join(filter(None, [value.range_text, docs.clean(element.units)]))
             number = fields.as_real(value) if python_type == "float" else value
             description = text or docs.clean(element.name)
             alternatives.append(Alternative(int(element.index), number, description))
-        self._use("B")
-        return VariableFieldClass(name, self._path(name), summary, python_type, tuple(alternatives))
+        self._nest.use("B")
+        return VariableFieldClass(
+            name, self._nest.path(name), summary, python_type, tuple(alternatives)
+        )
 
     def _format(self, field: Resolved, name: str, summary: str) -> ContainerClass:
         """Builds the class of a variable format field: the index of a format, and bytes."""
-        path = self._path(name)
+        path = self._nest.path(name)
         indices = [(int(f.index), str(f.name)) for f in field.type.formats]
-        enumeration = self._listed(f"{name}Format", docs.clean(field.name), indices)
+        enumeration = self._nest.listed(f"{name}Format", docs.clean(field.name), indices)
         ranges = fields.merge((index, index) for index, _ in indices)
         index = Member(
             "format",
@@ -342,55 +290,6 @@ class MessageBuilder:
         members = (index, data)
         return ContainerClass(name, path, summary, (), members, self._segments(members, ""))
 
-    def _bit_field(self, field: Resolved) -> BitFieldClass:
-        """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
-        scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
-        subs = tuple(self._sub_field(sub, scope) for sub in field.type.subFields)
-        key = (field.name, subs)
-        if key not in self._known:
-            name = self._scope.claim(names.class_name(field.name))
-            self._known[key] = BitFieldClass(name, self._path(name), self._summary(field), subs)
-            self._nested.append(self._known[key])
-        found: BitFieldClass = self._known[key]
-        return found
-
-    def _sub_field(self, element: Any, scope: names.Scope) -> SubField:
-        low, mask = int(element.lowBit), 2 ** (int(element.highBit) - int(element.lowBit) + 1) - 1
-        text = docs.clean(element.documentation)
-        resolved = Resolved(str(element.name), optional=False, documentation=text, type=element)
-        return SubField(
-            jaus_name=resolved.name,
-            attribute=scope.claim(names.snake_case(resolved.name)),
-            low=low,
-            mask=mask,
-            value=fields.integer("", fields.value_ranges(element.values, 0, mask)),
-            documentation=resolved.documentation,
-            enumeration=self._enumeration(resolved, element.values),
-        )
-
-    def _enumeration(self, field: Resolved, value_set: Any) -> str:
-        """Returns the name of the class of the listed values of a field, or nothing."""
-        listed = [
-            (int(value.value), str(value.name))
-            for value in (value_set.values if value_set is not None else ())
-            if value.eClass.name == "EnumeratedValue"
-        ]
-        return self._listed(names.class_name(field.name), docs.clean(field.name), listed)
-
-    def _listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:
-        if not listed:
-            return ""
-        scope = names.Scope()
-        # Of several names of one value the first is kept, as an enumeration needs.
-        first = dict(reversed(listed))
-        constants = tuple((scope.claim(names.constant_name(first[v])), v) for v in dict(listed))
-        key = (name, constants)
-        if key not in self._known:
-            self._known[key] = Enumeration(self._scope.claim(name), of, constants)
-            self._nested.append(self._known[key])
-        enumeration: Enumeration = self._known[key]
-        return enumeration.name
-
     # -- values ----------------------------------------------------------------------------------
 
     def _value(self, field: Resolved, path: str) -> Value:
@@ -400,19 +299,19 @@ class MessageBuilder:
         del path
         element = field.type
         value = fields.number(fields.name_of(element.type), element.scale, element.values)
-        self._use(value.format)
+        self._nest.use(value.format)
         return value
 
     def _bits(self, field: Resolved, path: str) -> fields.Fixed:
         del path
-        struct_format = self._used(fields.length_format(fields.name_of(field.type.type)))
-        name = self._bit_field(field).path
+        struct_format = self._nest.used(fields.length_format(fields.name_of(field.type.type)))
+        name = self._nest.bit_field(field).path
         return fields.Bits(struct_format, name, "", "", (), reader=f"{name}.from_integer")
 
     def _fixed_text(self, field: Resolved, path: str) -> fields.Fixed:
         del path
         value = fields.fixed_text(int(field.type.length))
-        self._use(value.format)
+        self._nest.use(value.format)
         return value
 
     def _text(self, field: Resolved, path: str) -> fields.Blob:
@@ -425,10 +324,10 @@ class MessageBuilder:
 
     def _counted(self, field: Resolved, content: str, *, is_text: bool) -> fields.Blob:
         count_type = fields.name_of(field.type.countType)
-        lower, upper = self._limits(
+        lower, upper = fields.count_limits(
             count_type, int(field.type.minimumLength), int(field.type.maximumLength)
         )
-        count_format = self._used(fields.length_format(count_type))
+        count_format = self._nest.used(fields.length_format(count_type))
         return fields.Blob(count_format, lower, upper, is_text, content)
 
     def _part(self, field: Resolved, path: str) -> PartValue:
@@ -438,17 +337,17 @@ class MessageBuilder:
     def _list(self, field: Resolved, path: str) -> ListValue:
         element = field.type
         count_type = fields.name_of(element.countType)
-        lower, upper = self._limits(
+        lower, upper = fields.count_limits(
             count_type, int(element.minimumCount), int(element.maximumCount)
         )
-        count_format = self._used(fields.length_format(count_type))
+        count_format = self._nest.used(fields.length_format(count_type))
         return ListValue(self._item(resolve(element.element), path), count_format, lower, upper)
 
     def _array(self, field: Resolved, path: str) -> ArrayValue:
         item = self._item(resolve(field.type.element), path)
         array = ArrayValue(item, tuple(int(size) for size in field.type.dimensions))
         if isinstance(item, fields.Fixed) and not item.format.endswith("s"):
-            name = self._use(f"{array.count}{item.format}")
+            name = self._nest.use(f"{array.count}{item.format}")
             return replace(array, struct=name)
         return array
 
@@ -459,14 +358,16 @@ class MessageBuilder:
 
     def _variant(self, field: Resolved, path: str) -> fields.Fixed | VariantValue:
         del path
-        tag_format = self._used(fields.length_format(fields.name_of(field.type.tagType)))
+        tag_format = self._nest.used(fields.length_format(fields.name_of(field.type.tagType)))
         resolved = [resolve(option) for option in field.type.options]
         if not resolved:
             return fields.Tag(tag_format, "int", "0", "integer", ("0", "0"))
-        alias = self._scope.claim(names.class_name(field.name))
+        alias = self._nest.scope.claim(names.class_name(field.name))
         options = tuple(self._class(option, tag) for tag, option in enumerate(resolved))
-        self._nested.append(VariantAlias(alias, tuple(option.part.name for option in options)))
-        return VariantValue("", alias, self._path(alias), tag_format, options)
+        self._nest.classes.append(
+            VariantAlias(alias, tuple(option.part.name for option in options))
+        )
+        return VariantValue("", alias, self._nest.path(alias), tag_format, options)
 
     def _default(self, value: Value, path: str) -> Call | str:
         if isinstance(value, ListValue):
@@ -491,27 +392,3 @@ class MessageBuilder:
             return f"[{element.default}] * {array.count}"
         first = element.options[0] if isinstance(element, VariantValue) else element
         return f"[{first.python_type}() for _ in range({array.count})]"
-
-    # -- names and limits ------------------------------------------------------------------------
-
-    def _summary(self, field: Resolved) -> str:
-        return docs.sentence(
-            field.documentation or f"{docs.clean(field.name)} of {docs.clean(self._element.name)}"
-        )
-
-    def _path(self, name: str) -> str:
-        return name if name == self._class_name else f"{self._class_name}.{name}"
-
-    def _use(self, struct_format: str) -> str:
-        """Returns the name of the shared constant for one wire item, which the module then has."""
-        name = fields.struct_name(struct_format)
-        self._structs[name] = f"<{struct_format}"
-        return name
-
-    def _used(self, struct_format: str) -> str:
-        self._use(struct_format)
-        return struct_format
-
-    def _limits(self, count_type: str, lower: int, upper: int) -> tuple[int, int]:
-        largest = fields.integer_limits(count_type)[1]
-        return lower, min(upper, largest) if upper > 0 else largest

@@ -7,10 +7,14 @@ to something else than itself.
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from jausml.generators.common.fields import Bits, Blob, Fixed
+from jausml.generators.common.nested import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
 
 if TYPE_CHECKING:
-    from jausml.generators.common.messages import BitFieldClass, ContainerClass, MessageView
+    from jausml.generators.common.messages import MessageView
 
 
 def example_bytes(view: MessageView) -> bytes:
@@ -19,51 +23,54 @@ def example_bytes(view: MessageView) -> bytes:
     Args:
         view: The message.
     """
-    bits = {item.path: item for item in view.nested if item.kind == "bit_field"}
+    bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
     return struct.pack("<H", view.code) + _Examples(bits).container(view.body)
 
 
 class _Examples:
-    def __init__(self, bits: dict[str, Any]) -> None:
-        self._bits: dict[str, BitFieldClass] = bits
+    def __init__(self, bits: dict[str, BitFieldClass]) -> None:
+        self._bits = bits
 
     def container(self, part: ContainerClass) -> bytes:
         # A definition with more optional members than bits (CBRNDetection) sends those with bits.
-        known = 2 ** (8 * part.presence_size) - 1
+        known = (1 << 8 * part.presence_size) - 1
         present = [member for member in part.members if member.bit <= known]
         presence = sum(member.bit for member in present)
         body = b"".join(self.value(member.value) for member in present)
         return presence.to_bytes(part.presence_size, "little") + body
 
-    def value(self, value: Any) -> bytes:
-        if value.kind == "fixed":
+    def value(
+        self, value: Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
+    ) -> bytes:
+        if isinstance(value, Fixed):
             return self._fixed(value)
-        if value.kind == "blob":
+        if isinstance(value, Blob):
             content = b"x" * max(1, value.lower)
             return len(content).to_bytes(value.count_size, "little") + content
-        if value.kind == "list":
+        if isinstance(value, ListValue):
             count = max(1, value.lower)
             return count.to_bytes(value.count_size, "little") + self.value(value.element) * count
-        if value.kind == "array":
+        if isinstance(value, ArrayValue):
             return self.value(value.element) * value.count
-        if value.kind == "variant":
+        if isinstance(value, VariantValue):
             last = len(value.options) - 1
-            tag = last.to_bytes(value.tag_size, "little")
-            return tag + self.container(value.options[last].part)
-        if value.part.kind == "variable_field":
+            return last.to_bytes(value.tag_size, "little") + self.value(value.options[last])
+        if isinstance(value.part, VariableFieldClass):
             first = value.part.alternatives[0]
             return first.index.to_bytes(1, "little") + self._fixed(first.value)
         return self.container(value.part)
 
-    def _fixed(self, value: Any) -> bytes:
+    def _fixed(self, value: Fixed) -> bytes:
         if value.python_type == "str":
             return b"x".ljust(value.size, b"\0")
-        if value.python_type in self._bits:
+        if isinstance(value, Bits):
             subs = self._bits[value.python_type].sub_fields
-            number = sum(int(sub.value.default) << sub.low for sub in subs)
-            return number.to_bytes(value.size, "little")
+            bits = sum(int(sub.value.default) << sub.low for sub in subs)
+            return bits.to_bytes(value.size, "little")
         if value.scale is not None:
             # A third of the range is a whole number of steps for every width.
-            return ((2 ** (8 * value.size) - 1) // 3).to_bytes(value.size, "little")
-        number = float(value.default) if value.format in "fd" else int(value.default)
-        return struct.pack(f"<{value.format}", number)
+            return (((1 << 8 * value.size) - 1) // 3).to_bytes(value.size, "little")
+        number = float(value.default)
+        if value.format in "fd":
+            return struct.pack(f"<{value.format}", number)
+        return struct.pack(f"<{value.format}", int(number))

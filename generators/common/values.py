@@ -11,7 +11,7 @@ from jausml.generators.common.layout import Call
 
 if TYPE_CHECKING:
     from jausml.generators.common.fields import Blob, Fixed
-    from jausml.generators.common.messages import ContainerClass, VariableFieldClass
+    from jausml.generators.common.nested import ContainerClass, VariableFieldClass
 
 MAXIMUM_COMPLEXITY = 10
 

@@ -1,4 +1,4 @@
-"""Codecs generated from the library for tests, and their objects in the shape of the golden vectors."""
+"""Codecs generated from the library, and their objects in the shape of the golden vectors."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ import json
 import sys
 import tempfile
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.engine import FileTask, Renderer
 from jausml.generators.common.fields import Tag
 from jausml.generators.common.message_builder import build_messages
-from jausml.generators.common.messages import (
-    BitFieldClass,
-    ContainerClass,
-    MessagesModule,
-    MessageView,
-)
+from jausml.generators.common.messages import MessagesModule, MessageView
+from jausml.generators.common.nested import BitFieldClass, ContainerClass
 from jausml.model import read_models
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "generators" / "common" / "templates"
@@ -48,7 +46,7 @@ class OneModule:
     def __init__(self, view: MessagesModule) -> None:
         self.view = view
 
-    def tasks(self, model: object) -> list[FileTask[MessagesModule]]:
+    def tasks(self, _model: object) -> list[FileTask[MessagesModule]]:
         return [FileTask("messages.py.j2", [self.view], lambda _: "messages.py")]
 
 

@@ -6,11 +6,11 @@ import math
 from typing import Any
 
 import pytest
+from codec_support import FieldNames, golden_vectors, library, shipped_sets
 
 from jausml.runtime.message import EncodeError
-from support import FieldNames, golden_vectors, library, shipped_sets
 
-# A list that the definition wants at least one element in: we take it from a peer, but do not send it.
+# A list that shall have an element but has none: we take it from a peer, but do not send it.
 TOO_SHORT = "042b0000"
 VECTORS = [vector for vector in golden_vectors() if vector["set"] in shipped_sets()]
 
