@@ -2,38 +2,33 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
 
-from jausml.validation.facts.services import same_code
+from jausml.validation.facts.services import code
 from jausml.validation.facts.topics import resolve_topic, topic_fault
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Flow:
     """A connection with its bridge.
 
     Attributes:
         connection: The `bridge.Connection`.
         owner: The bridge that has it.
+        to_ros: Whether it publishes.
+        code: Code of its message.
+        topics: Full names of the topics that are named legally.
+        peers: The components at the other end; empty means any.
     """
 
     connection: Any
     owner: Any
-
-    @property
-    def to_ros(self) -> bool:
-        """Whether it publishes."""
-        return bool(self.connection.direction.name == "jausToRos")
-
-    @property
-    def topics(self) -> frozenset[str]:
-        """Full names of the topics that are named legally."""
-        namespace, node = self.owner.namespace or "", self.owner.name or ""
-        names = [each.name for each in self.connection.topics if each.name]
-        return frozenset(
-            resolve_topic(name, namespace, node) for name in names if not topic_fault(name)
-        )
+    to_ros: bool
+    code: int
+    topics: frozenset[str]
+    peers: frozenset[Any]
 
     @property
     def is_message(self) -> bool:
@@ -42,8 +37,28 @@ class Flow:
 
     def has_peer(self, component: Any) -> bool:
         """Tells whether messages are exchanged with a component; no peers means any."""
-        peers = self.connection.peers
-        return component in peers or not peers
+        return component in self.peers or not self.peers
+
+
+def flow_of(connection: Any, bridge: Any) -> Flow:
+    """Returns a connection as a flow.
+
+    Args:
+        connection: A `bridge.Connection` with its map.
+        bridge: The bridge that has it.
+    """
+    namespace, node = bridge.namespace or "", bridge.name or ""
+    names = [each.name for each in connection.topics if each.name]
+    return Flow(
+        connection,
+        bridge,
+        to_ros=connection.direction.name == "jausToRos",
+        code=code(connection.map.message),
+        topics=frozenset(
+            resolve_topic(name, namespace, node) for name in names if not topic_fault(name)
+        ),
+        peers=frozenset(connection.peers),
+    )
 
 
 def find_loops(flows: list[Flow]) -> list[list[Flow]]:
@@ -55,7 +70,19 @@ def find_loops(flows: list[Flow]) -> list[list[Flow]]:
     Returns:
         Loops in the order of the connections, each from its first connection on.
     """
-    after = {flow: [other for other in flows if _feeds(flow, other)] for flow in flows}
+    subscribers: dict[str, list[Flow]] = defaultdict(list)
+    takers: dict[int, list[Flow]] = defaultdict(list)
+    for flow in flows:
+        if flow.to_ros:
+            takers[flow.code].append(flow)
+        for topic in () if flow.to_ros else flow.topics:
+            subscribers[topic].append(flow)
+    after = {
+        flow: [other for topic in sorted(flow.topics) for other in subscribers[topic]]
+        if flow.to_ros
+        else [other for other in takers[flow.code] if _crosses_jaus(flow, other)]
+        for flow in flows
+    }
     loops: list[list[Flow]] = []
     reported: set[Flow] = set()
     for flow in flows:
@@ -73,7 +100,7 @@ def _way_back(start: Flow, after: dict[Flow, list[Flow]]) -> list[Flow]:
     seen: set[Flow] = set()
     for way in ways:
         for following in after[way[-1]]:
-            if following == start:
+            if following is start:
                 return way
             if following not in seen:
                 seen.add(following)
@@ -81,23 +108,10 @@ def _way_back(start: Flow, after: dict[Flow, list[Flow]]) -> list[Flow]:
     return []
 
 
-def _feeds(first: Flow, second: Flow) -> bool:
-    """Tells whether what one connection delivers is taken up by another."""
-    if first.to_ros:
-        return not second.to_ros and not first.topics.isdisjoint(second.topics)
-    return second.to_ros and _crosses_jaus(first, second)
-
-
 def _crosses_jaus(sender: Flow, receiver: Flow) -> bool:
     """Tells whether a message that one bridge sends enters ROS again at some bridge."""
-    if not same_code(sender.connection.map.message, receiver.connection.map.message):
-        return False
     if sender.is_message:
-        to_bridge = receiver.owner in sender.connection.peers and receiver.has_peer(sender.owner)
-        return to_bridge or _is_echo(sender, receiver)
-    return sender.owner in receiver.connection.peers and sender.has_peer(receiver.owner)
-
-
-def _is_echo(sender: Flow, receiver: Flow) -> bool:
-    """Tells whether a message goes to the very peer that sends the same message."""
-    return any(peer in receiver.connection.peers for peer in sender.connection.peers)
+        to_bridge = receiver.owner in sender.peers and receiver.has_peer(sender.owner)
+        # Or the message goes to the very peer that sends the same message.
+        return to_bridge or not sender.peers.isdisjoint(receiver.peers)
+    return sender.owner in receiver.peers and sender.has_peer(receiver.owner)

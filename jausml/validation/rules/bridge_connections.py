@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.flows import Flow, find_loops
+from jausml.validation.facts.flows import find_loops, flow_of
 from jausml.validation.facts.layouts import attributes
 from jausml.validation.facts.services import (
     find_query,
@@ -187,7 +187,7 @@ def loops(subject: Subject) -> Iterator[Finding]:
         for bridge in group:
             if subject.is_kind_of(bridge, "bridge.Bridge"):
                 flows += [
-                    Flow(connection, bridge)
+                    flow_of(connection, bridge)
                     for connection in bridge.bridgeConnections
                     if not subject.is_broken(connection) and _is_complete(subject, connection)
                 ]
