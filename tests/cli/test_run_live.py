@@ -1,0 +1,61 @@
+"""`jausml generate` and `jausml run` with the shipped targets, JUDP and ROS 2."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from jausml.generation import GenerationError, load_targets
+
+pytestmark = [pytest.mark.live, pytest.mark.usefixtures("folder")]
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        return sock.getsockname()[1]
+
+
+@pytest.fixture
+def workspace(folder, jausml, model_text):
+    pytest.importorskip("rclpy")
+    try:
+        load_targets()
+    except GenerationError as error:
+        pytest.skip(f"targets are not complete: {error}")
+    host = f'<hosts name="here" port="{free_port()}"/>'
+    text = model_text.replace("</system:System>", f"{host}</system:System>")
+    (folder / "model.xmi").write_text(text, encoding="utf-8")
+    result = jausml("generate", "model.xmi", "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    return folder / "out"
+
+
+def test_component_and_bridge_start_and_stop(workspace):
+    environment = {
+        **os.environ,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": "83",
+        "PYTHONUNBUFFERED": "1",
+    }
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jausml.cli", "run", str(workspace)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+    seen = ""
+    wanted = ("sensor runs as 10.1.1", "sensor_bridge runs as 10.1.2")
+    while not all(text in seen for text in wanted):
+        line = process.stdout.readline()
+        assert line, f"ended early: {seen}{process.stderr.read()}"
+        seen += line
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (0, "")
