@@ -15,6 +15,7 @@ from .process import (
     add_component_arguments,
     component_settings,
     configure_log,
+    log_counts,
     running_transport,
 )
 from .ros import RosNode, without_ros_arguments
@@ -87,5 +88,7 @@ def _run(
             finally:
                 # JAUS first: control is released while ROS still delivers.
                 bridge.close()
+                passed = {each.name: each.statistics.passed for each in bridge.connections}
+                log_counts("messages", passed)
     finally:
         ros.close()

@@ -56,6 +56,11 @@ class Counters:
         times = total - before
         LOGGER.warning("%s (%d times): %s", name, times, detail, exc_info=error)
 
+    def drops(self) -> dict[str, int]:
+        """Return the counts of drops and failures alone, sorted by name."""
+        with self._lock:
+            return {name: self._counts[name] for name in sorted(self._logged)}
+
     def snapshot(self) -> dict[str, int]:
         """Return a copy of all counts, sorted by name."""
         with self._lock:

@@ -17,7 +17,7 @@ from .settings import TransportSettings, add_arguments, from_arguments
 from .transport import JudpTransport
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import FrameType
 
     from .transport import Transport
@@ -156,6 +156,18 @@ def running_transport(settings: TransportSettings) -> Iterator[JudpTransport]:
             yield transport
         finally:
             transport.close()
+            log_counts("drops", transport.counters.drops())
+
+
+def log_counts(label: str, counts: Mapping[str, int]) -> None:
+    """Log names and numbers on one line, as the last word of a process on what it did.
+
+    Args:
+        label: What is counted.
+        counts: Numbers by name.
+    """
+    pairs = " ".join(f"{name}={number}" for name, number in counts.items())
+    LOGGER.info("%s: %s", label, pairs or "none")
 
 
 class StopRequest:

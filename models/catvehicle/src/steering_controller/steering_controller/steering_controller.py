@@ -17,7 +17,11 @@ from .steering_controller_base import SteeringControllerBase
 
 
 class SteeringController(SteeringControllerBase):
-    """Commands a tyre angle for each velocity that the vehicle reports."""
+    """Commands a tyre angle for each state that the vehicle reports.
+
+    Velocity and tyre angle come in messages of their own at the same rate. A step waits for both,
+    since an angle of the period before would make the dead reckoning drift.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -26,15 +30,32 @@ class SteeringController(SteeringControllerBase):
         self._controller = steering.SteeringController(parameters, path)
         self._dead_reckoning = DeadReckoning(parameters)
         self._tyre_angle = 0.0
+        self._angle_is_new = False
+        self._odometry: Odometry | None = None
+        self._received = 0.0
         self._log = EventLog.from_environment("steering_controller")
 
     def on_steering_angle(self, message: Float64) -> None:
         """Keeps the tyre angle that the vehicle reports, rad."""
         self._tyre_angle = message.data
+        self._angle_is_new = True
+        if self._odometry is not None:
+            self._step(self._odometry)
 
     def on_odometry(self, message: Odometry) -> None:
+        """Keeps the velocity; one that got no angle before the next one came is used without."""
+        self._received = time.monotonic()
+        if self._odometry is not None:
+            self._step(self._odometry)
+        self._odometry = message
+        if self._angle_is_new:
+            self._step(message)
+
+    def _step(self, message: Odometry) -> None:
         """Integrates the pose, publishes it and answers with a command."""
-        received = time.monotonic()
+        self._odometry = None
+        self._angle_is_new = False
+        received = self._received
         stamp = message.header.stamp
         speed = message.twist.twist.linear.x
         pose = self._dead_reckoning.update(
