@@ -103,19 +103,29 @@ class Peer:
         import rclpy
         from geometry_msgs.msg import TwistStamped
         from jausml_runtime.address import JausAddress
+        from jausml_runtime.component import ComponentSettings, JausComponent
         from jausml_runtime.loop import Loop
         from jausml_runtime.settings import TransportSettings
         from jausml_runtime.transport import JudpTransport
-        from measured_bridge.messages import ReportVelocityState
+        from measured_bridge.messages import SetVelocityCommand
         from rclpy.executors import SingleThreadedExecutor
 
-        self.address = JausAddress.parse(CLIENT)
         self.targets = {name: JausAddress.parse(name) for name in (BRIDGE, ECHO)}
         self.loop = Loop()
         self.transport = JudpTransport(TransportSettings(port=port), self.loop)
         self.transport.open()
-        self.transport.attach(self.address, self._received)
-        self.report = ReportVelocityState(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25).encode()
+        self.client = JausComponent(
+            self.transport,
+            JausAddress.parse(CLIENT),
+            name="client",
+            services=(),
+            settings=ComponentSettings(register_services=False),
+        )
+        self.client.on_message(SetVelocityCommand, self._received)
+        # The bridge obeys commands of its controller alone.
+        self.client.control(self.targets[BRIDGE], authority=200)
+        self.client.start()
+        self.command = SetVelocityCommand(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25)
         rclpy.init()
         self.node = rclpy.create_node("measure")
         self.executor = SingleThreadedExecutor()
@@ -129,7 +139,7 @@ class Peer:
             self.node.create_subscription(TwistStamped, topic, self._received, 1)
         self.arrived = 0.0
 
-    def _received(self, _message: object) -> None:
+    def _received(self, *_message: object) -> None:
         self.arrived = time.perf_counter()
 
     def exchange(self, send: Callable[[], None], wait: Callable[[float], Any]) -> float | None:
@@ -156,8 +166,8 @@ class Peer:
         self.publishers[topic].publish(self.twist)
 
     def send(self, target: str) -> None:
-        """Sends a report."""
-        self.transport.send(self.address, self.targets[target], self.report)
+        """Sends a command."""
+        self.client.send(self.command, self.targets[target])
 
     def measure(self, rounds: int) -> dict[str, list[float]]:
         """Runs the exchanges by turns; the first tenth warms up."""
@@ -170,6 +180,7 @@ class Peer:
         for name, kind in kinds.items():
             end = time.monotonic() + PATIENCE
             while kind() is None:
+                self.loop.run_once(0.1)
                 if time.monotonic() > end:
                     raise SystemExit(f"{name}: nothing comes back")
         found: dict[str, list[float]] = {name: [] for name in kinds}

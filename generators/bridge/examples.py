@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.literals import python_literal
 from jausml.generators.common.assignments import ros_constant, ros_kind
 from jausml.generators.common.jaus_fields import BITS, INTEGER, REAL, jaus_field
-from jausml.generators.common.ros_types import ros_field
+from jausml.generators.common.ros_fields import ros_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

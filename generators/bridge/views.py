@@ -38,7 +38,7 @@ def _names(text: str) -> frozenset[str]:
 _TAKEN_ATTRIBUTES = _names(
     """
     accept close component connections loop now on_not_ready open publisher rate_parameter report
-    ros settings subscribe
+    ros settings silence_parameter subscribe
     """
 )
 # Classes of the runtime that generated modules import.

@@ -22,7 +22,7 @@ from jausml.generators.common.jaus_fields import (
     jaus_field,
 )
 from jausml.generators.common.layout import Call, statement
-from jausml.generators.common.ros_types import INTEGER_RANGES, RosField, ros_field
+from jausml.generators.common.ros_fields import INTEGER_RANGES, RosField, ros_field
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

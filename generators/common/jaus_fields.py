@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.fields import Bits, Blob, Fixed
 from jausml.generators.common.messages import BitFieldClass, Member
-from jausml.generators.common.ros_types import PathError
+from jausml.generators.common.ros_fields import PathError
 from jausml.generators.common.values import PartValue
 
 if TYPE_CHECKING:

@@ -231,6 +231,16 @@ class Bridge:
         )
         return value
 
+    def silence_parameter(self, connection: str, seconds: float) -> float:
+        """Returns the silence timeout of a connection, which a parameter may change; 0 is never."""
+        value: float = self.ros.parameter(
+            f"{connection}.silence_timeout",
+            seconds,
+            f"Seconds without a message that count as silence of the source of {connection}.",
+            (0.0, 3600.0),
+        )
+        return value
+
     # ------------------------------------------------------------------ diagnostics
 
     def _diagnose(self) -> None:

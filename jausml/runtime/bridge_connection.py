@@ -104,6 +104,8 @@ class Connection(Generic[SourceT, TargetT]):
             bridge: The bridge, whose two sides are there.
         """
         self._bridge = bridge
+        if self.silence_timeout > 0:
+            self.silence_timeout = bridge.silence_parameter(self.name, self.silence_timeout)
 
     def deliver(self, target: TargetT) -> bool:
         """Hands a message to the target side; False when it was dropped and counted."""
