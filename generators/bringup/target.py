@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 from jausml.generators.bringup.views import BringupView, ProcessView
 from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
 from jausml.generators.common.system import source_of, system_of
-from jausml.model.model import Model
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from jausml.model.model import Model
 
 
 class BringupTarget:

@@ -3,14 +3,67 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import yaml_string
+from jausml.generation.literals import python_string, yaml_string
 from jausml.generators.common.names import package_name
+from jausml.generators.common.ros import import_lines, parameter_value
 
-_DEFAULT_HOST = {"interface": "127.0.0.1", "port": 3794, "group": "239.255.0.1", "ttl": 16}
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_YAML_WORDS = frozenset(["y", "n", "yes", "no", "on", "off", "true", "false", "null"])
+"""Plain scalars that YAML 1.1 reads as another type than text, in any case."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting of the JAUS transport.
+
+    Attributes:
+        name: Launch argument, e.g. `jaus_port`; the option of a process is `--jaus-port`.
+        feature: Feature of a host that has the value.
+        default: Value of the runtime.
+        description: What it is, for `ros2 launch --show-args`.
+    """
+
+    name: str
+    feature: str
+    default: str
+    description: str
+
+    @property
+    def option(self) -> str:
+        """Command line option of a process."""
+        return f"--{self.name.replace('_', '-')}"
+
+
+SETTINGS = (
+    Setting(
+        "jaus_interface", "interface", "127.0.0.1", "IPv4 address of the network interface of JAUS"
+    ),
+    Setting("jaus_port", "port", "3794", "UDP port of JAUS"),
+    Setting("jaus_multicast_group", "multicastGroup", "239.255.0.1", "Multicast group of JAUS"),
+    Setting(
+        "jaus_multicast_ttl", "multicastTtl", "16", "Routers that a multicast of JAUS may pass"
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A launch argument.
+
+    Attributes:
+        name: Its name.
+        default: Default value as a Python expression.
+        description: What it is.
+    """
+
+    name: str
+    default: str
+    description: str
 
 
 @dataclass(frozen=True)
@@ -22,7 +75,7 @@ class ProcessView:
         kind: `component`, `node` or `bridge`.
         namespace: ROS namespace; empty for the root and for JAUS components.
         host: Name of the host that it runs on; empty when the model has no hosts.
-        transport: JAUS transport settings of the host: interface, port, group, ttl.
+        transport: Values of SETTINGS on that host.
         parameters: ROS parameters with their default values.
     """
 
@@ -30,7 +83,7 @@ class ProcessView:
     kind: str
     namespace: str
     host: str
-    transport: Mapping[str, str | int]
+    transport: tuple[str, ...]
     parameters: Mapping[str, bool | float | str]
 
     @property
@@ -54,18 +107,19 @@ class ProcessView:
         return f"{self.package}.main"
 
     @property
+    def command(self) -> tuple[str, ...]:
+        """Command line in a launch file, as Python text."""
+        package = python_string(self.package)
+        return (f"ExecutableInPackage(executable={package}, package={package})", "*TRANSPORT")
+
+    @property
     def transport_arguments(self) -> tuple[str, ...]:
         """Command line options of the JAUS transport, where they differ from its defaults."""
         if not self.speaks_jaus:
             return ()
-        options = {
-            "interface": "--jaus-interface",
-            "port": "--jaus-port",
-            "group": "--jaus-multicast-group",
-            "ttl": "--jaus-multicast-ttl",
-        }
-        changed = {key: self.transport[key] for key in options if self.transport[key] != _DEFAULT_HOST[key]}
-        return tuple(text for key, value in changed.items() for text in (options[key], str(value)))
+        values = zip(SETTINGS, self.transport, strict=True)
+        changed = [(each.option, value) for each, value in values if value != each.default]
+        return tuple(text for pair in changed for text in pair)
 
 
 @dataclass(frozen=True)
@@ -73,15 +127,21 @@ class LaunchView:
     """A launch file: the whole system, or what runs on one host.
 
     Attributes:
-        system: Name of the system.
         name: Name of the launch file without its suffix.
+        documentation: What it starts.
+        package: The bring-up package.
         source: Model file.
+        ros_domain: ROS domain of the system.
+        transport: Values of SETTINGS that the launch arguments have by default.
         processes: What it starts.
     """
 
-    system: str
     name: str
+    documentation: str
+    package: str
     source: str
+    ros_domain: int
+    transport: tuple[str, ...]
     processes: tuple[ProcessView, ...]
 
     @property
@@ -90,22 +150,65 @@ class LaunchView:
         return f"launch:{self.name}"
 
     @property
-    def package(self) -> str:
-        """The bring-up package."""
-        return f"{self.system}_bringup"
+    def speaks_jaus(self) -> bool:
+        """Whether some process takes the options of the JAUS transport."""
+        return any(process.speaks_jaus for process in self.processes)
 
     @property
-    def transport(self) -> Mapping[str, str | int]:
-        """JAUS transport settings that the launch arguments have by default."""
-        settings = [process.transport for process in self.processes if process.speaks_jaus]
-        return settings[0] if settings else _DEFAULT_HOST
+    def speaks_ros(self) -> bool:
+        """Whether some process is a ROS 2 node."""
+        return any(process.speaks_ros for process in self.processes)
+
+    @property
+    def has_components(self) -> bool:
+        """Whether some process is a JAUS component without ROS."""
+        return any(not process.speaks_ros for process in self.processes)
+
+    @property
+    def settings(self) -> tuple[Setting, ...]:
+        """The settings of the JAUS transport."""
+        return SETTINGS if self.speaks_jaus else ()
+
+    @property
+    def arguments(self) -> tuple[Argument, ...]:
+        """The launch arguments; a ROS domain that the environment names is kept."""
+        domain = python_string(self.ros_domain)
+        values = zip(self.settings, self.transport, strict=False)
+        return (
+            Argument(
+                "ros_domain_id",
+                f'EnvironmentVariable("ROS_DOMAIN_ID", default_value={domain})',
+                "Domain of ROS 2",
+            ),
+            *(
+                Argument(each.name, python_string(value), each.description)
+                for each, value in values
+            ),
+        )
+
+    @property
+    def import_lines(self) -> tuple[str, ...]:
+        """Import lines of the launch file, without those of the standard library."""
+        names = {
+            ("launch", "LaunchDescription"),
+            ("launch.actions", "DeclareLaunchArgument"),
+            ("launch.actions", "SetEnvironmentVariable"),
+            ("launch.substitutions", "EnvironmentVariable"),
+            ("launch.substitutions", "LaunchConfiguration"),
+        }
+        if self.speaks_ros:
+            names.add(("ament_index_python.packages", "get_package_share_directory"))
+            names.add(("launch_ros.actions", "Node"))
+        if self.has_components:
+            names.add(("launch.actions", "ExecuteProcess"))
+            names.add(("launch_ros.substitutions", "ExecutableInPackage"))
+        return import_lines(names)
 
 
 @dataclass(frozen=True)
 class ConfigView:
     """The parameter file of one ROS 2 node."""
 
-    package: str
     source: str
     process: ProcessView
 
@@ -116,8 +219,9 @@ class ConfigView:
 
     @property
     def parameters(self) -> tuple[tuple[str, str], ...]:
-        """Names and values of the parameters, the values as YAML."""
-        return tuple((name, _yaml(value)) for name, value in self.process.parameters.items())
+        """Names and values of the parameters as YAML."""
+        values = {"use_sim_time": False, **self.process.parameters}
+        return tuple((_yaml_key(name), _yaml(value)) for name, value in values.items())
 
 
 @dataclass(frozen=True)
@@ -140,7 +244,7 @@ class BringupView:
     @property
     def name(self) -> str:
         """Package name."""
-        return f"{self.system.name}_bringup"
+        return package_name(f"{self.system.name}_bringup")
 
     @functools.cached_property
     def processes(self) -> tuple[ProcessView, ...]:
@@ -152,23 +256,27 @@ class BringupView:
 
     @property
     def launches(self) -> tuple[LaunchView, ...]:
-        """One launch file for the system, and one for each host when there are several."""
-        name = self.system.name
-        views = [LaunchView(name, name, self.source, self.processes)]
-        hosts = [host.name for host in self.system.hosts]
+        """One launch file for the system, and one for each host when there are several.
+
+        The one of the system starts everything on one computer, where the settings of the first
+        host hold for all.
+        """
+        system, hosts = self.system.name, list(self.system.hosts)
+        title = f"Starts the processes of {system}."
         if len(hosts) > 1:
-            views += [
-                LaunchView(name, host, self.source, self._on_host(host)) for host in hosts
-            ]
+            title += f"\n\nAll run on this computer, with the JAUS transport of {hosts[0].name}."
+        views = [self._launch(system, title, hosts[0] if hosts else None, self.processes)]
+        for host in hosts if len(hosts) > 1 else ():
+            title = f"Starts the processes of {system} on the host {host.name}."
+            processes = tuple(each for each in self.processes if each.host == host.name)
+            views.append(self._launch(f"{system}_{host.name}", title, host, processes))
         return tuple(views)
 
     @property
     def configs(self) -> tuple[ConfigView, ...]:
         """One parameter file for each ROS 2 node."""
         return tuple(
-            ConfigView(self.name, self.source, process)
-            for process in self.processes
-            if process.speaks_ros
+            ConfigView(self.source, process) for process in self.processes if process.speaks_ros
         )
 
     @property
@@ -177,26 +285,29 @@ class BringupView:
         packages = {process.package for process in self.processes}
         return tuple(sorted(packages | {"ament_index_python", "launch", "launch_ros"}))
 
-    def _on_host(self, host: str) -> tuple[ProcessView, ...]:
-        return tuple(process for process in self.processes if process.host == host)
+    def _launch(
+        self, name: str, documentation: str, host: Any, processes: tuple[ProcessView, ...]
+    ) -> LaunchView:
+        return LaunchView(
+            name=name,
+            documentation=documentation,
+            package=self.name,
+            source=self.source,
+            ros_domain=self.system.rosDomain,
+            transport=_transport(host),
+            processes=processes,
+        )
 
     def _process(self, element: Any, kind: str) -> ProcessView:
         host = self._host_of(element)
-        transport = dict(_DEFAULT_HOST)
-        if host is not None:
-            transport = {
-                "interface": host.interface,
-                "port": host.port,
-                "group": host.multicastGroup,
-                "ttl": host.multicastTtl,
-            }
+        parameters = element.parameters if kind == "node" else ()
         return ProcessView(
             name=element.name,
             kind=kind,
             namespace=str(element.namespace or "") if kind != "component" else "",
             host=host.name if host is not None else "",
-            transport=transport,
-            parameters=_parameters(element) if kind == "node" else {},
+            transport=_transport(host),
+            parameters={each.name: parameter_value(each) for each in parameters},
         )
 
     def _host_of(self, element: Any) -> Any:
@@ -206,23 +317,21 @@ class BringupView:
         return self.system.hosts[0] if self.system.hosts else None
 
 
-def _yaml(value: bool | float | str) -> str:
+def _transport(host: Any) -> tuple[str, ...]:
+    if host is None:
+        return tuple(each.default for each in SETTINGS)
+    return tuple(str(getattr(host, each.feature)) for each in SETTINGS)
+
+
+def _yaml_key(name: str) -> str:
+    return yaml_string(name) if name.lower() in _YAML_WORDS else name
+
+
+def _yaml(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
-    return yaml_string(value) if isinstance(value, str) else repr(value)
-
-
-def _parameters(node: Any) -> dict[str, bool | float | str]:
-    values: dict[str, bool | float | str] = {}
-    for parameter in node.parameters:
-        text = parameter.value
-        kind = parameter.type.name
-        if kind == "bool":
-            values[parameter.name] = text.strip().lower() == "true"
-        elif kind == "integer":
-            values[parameter.name] = int(text)
-        elif kind == "double":
-            values[parameter.name] = float(text)
-        else:
-            values[parameter.name] = text
-    return values
+    if isinstance(value, str):
+        return yaml_string(value)
+    mantissa, mark, exponent = repr(value).partition("e")
+    # YAML 1.1 reads 1e-07 as text.
+    return f"{mantissa}.0e{exponent}" if mark and "." not in mantissa else repr(value)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.engine import ArtifactTask, FileTask, TextFile, TextTask, templates_beside
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -30,6 +32,7 @@ class PackageView:
         executables: Console scripts as (name, module with a function `main`).
         data: Installed files as (folder below share/<package>, pattern).
         python: Whether it holds a Python package of its name.
+        has_own_init: Whether the target makes the `__init__.py` of that package itself.
     """
 
     name: str
@@ -43,13 +46,9 @@ class PackageView:
     dependencies: tuple[str, ...] = ()
     test_dependencies: tuple[str, ...] = ("python3-pytest",)
     executables: tuple[tuple[str, str], ...] = ()
-    data: tuple[tuple[str, str], ...] = field(default=())
+    data: tuple[tuple[str, str], ...] = ()
     python: bool = True
-
-    @property
-    def modules(self) -> tuple[str, ...]:
-        """Python packages to install."""
-        return (self.name,) if self.python else ()
+    has_own_init: bool = False
 
 
 def package_view(system: Any, name: str, **attributes: Any) -> PackageView:
@@ -58,20 +57,19 @@ def package_view(system: Any, name: str, **attributes: Any) -> PackageView:
     Args:
         system: The `system.System`.
         name: Package name.
-        **attributes: The other attributes of PackageView.
+        **attributes: The other attributes of PackageView; they precede what the system says.
     """
-    return PackageView(
-        name=name,
-        version=system.version,
-        maintainer=system.maintainer,
-        maintainer_email=system.maintainerEmail,
-        license=system.license,
-        **attributes,
-    )
+    metadata = {
+        "version": system.version,
+        "maintainer": system.maintainer,
+        "maintainer_email": system.maintainerEmail,
+        "license": system.license,
+    }
+    return PackageView(name=name, **{**metadata, **attributes})
 
 
 def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
-    """Returns the tasks for package.xml, setup.py, setup.cfg, the resource marker and markers.
+    """Returns the tasks for package.xml, setup.py, setup.cfg, `__init__.py` and empty markers.
 
     Args:
         packages: The packages.
@@ -84,7 +82,9 @@ def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
         FileTask("setup.py.j2", packages, lambda package: f"{package.name}/setup.py"),
         FileTask("setup.cfg.j2", packages, lambda package: f"{package.name}/setup.cfg"),
         FileTask(
-            "init.py.j2", with_code, lambda package: f"{package.name}/{package.name}/__init__.py"
+            "init.py.j2",
+            [package for package in with_code if not package.has_own_init],
+            lambda package: f"{package.name}/{package.name}/__init__.py",
         ),
         TextTask(markers),
     ]

@@ -1,10 +1,17 @@
-"""What templates may ask about ROS 2 names, types and quality of service."""
+"""What templates may ask about ROS 2 types, quality of service, parameters and imports."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections import Counter, defaultdict
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import LINE_WIDTH
+from jausml.generators.common.names import Scope, class_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 _POLICIES = {
     "reliability": ("ReliabilityPolicy", "reliable"),
@@ -17,6 +24,8 @@ _DURATIONS = {
     "lifespan": "lifespan",
     "leaseDuration": "liveliness_lease_duration",
 }
+LONGEST_DURATION = 9e9
+"""Seconds; ROS counts nanoseconds in 64 bits, and a longer time is no limit to anything."""
 
 
 @dataclass(frozen=True, order=True)
@@ -50,16 +59,38 @@ def ros_type(element: Any) -> RosType:
     return RosType(element.eContainer().name, kind, element.name)
 
 
+def local_names(types: Iterable[RosType], taken: Iterable[str]) -> dict[RosType, str]:
+    """Returns the name that each type has in a module.
+
+    It is the type's own, e.g. `Pose`, unless two types share it, the module has it already or it
+    hides a builtin; then it is that of package and type, e.g. `TurtlesimPose`.
+
+    Args:
+        types: The types that the module imports.
+        taken: Other names of the module.
+    """
+    unique, reserved = sorted(set(types)), frozenset(taken)
+    uses = Counter(kind.name for kind in unique)
+    scope = Scope(reserved)
+    names = {}
+    for kind in unique:
+        is_builtin = class_name(kind.name).endswith("_")
+        is_clear = uses[kind.name] == 1 and kind.name not in reserved and not is_builtin
+        package = kind.package.title().replace("_", "")
+        names[kind] = scope.claim(kind.name if is_clear else f"{package}{kind.name}")
+    return names
+
+
 @dataclass(frozen=True)
 class Qos:
     """A quality of service profile as Python text.
 
     Attributes:
-        expression: Constructor call, e.g. `QoSProfile(depth=10)`.
-        imports: Names that the expression needs, as (module, name).
+        arguments: Arguments of QoSProfile, e.g. `depth=10`.
+        imports: Names that the profile needs, as (module, name).
     """
 
-    expression: str
+    arguments: tuple[str, ...]
     imports: tuple[tuple[str, str], ...]
 
 
@@ -78,23 +109,54 @@ def qos(profile: Any) -> Qos:
                 imports.append(("rclpy.qos", policy))
         for feature, argument in _DURATIONS.items():
             seconds = getattr(profile, feature)
-            if seconds > 0:
+            if 0 < seconds <= LONGEST_DURATION:
                 arguments.append(f"{argument}=Duration(seconds={seconds!r})")
                 imports.append(("rclpy.duration", "Duration"))
-    return Qos(f"QoSProfile({', '.join(arguments)})", tuple(imports))
+    return Qos(tuple(arguments), tuple(imports))
+
+
+def parameter_value(parameter: Any) -> bool | int | float | str:
+    """Returns the default value of a valid modelled Parameter."""
+    text = str(parameter.value)
+    kind = parameter.type.name
+    if kind == "bool":
+        return text == "true"
+    if kind == "integer":
+        return int(text)
+    return float(text) if kind == "double" else text
 
 
 def import_lines(names: Iterable[tuple[str, str]]) -> tuple[str, ...]:
-    """Returns sorted `from module import names` lines, as ruff's import sorter writes them."""
-    modules: dict[str, set[str]] = {}
+    """Returns `from module import names` lines as ruff's import sorter writes them.
+
+    Args:
+        names: Pairs of module and name; the name may be `Pose as TurtlesimPose`.
+    """
+    statements: dict[tuple[str, str], set[str]] = defaultdict(set)
     for module, name in names:
-        modules.setdefault(module, set()).add(name)
-    return tuple(_import_line(module, sorted(modules[module])) for module in sorted(modules))
+        statements[module, name if " as " in name else ""].add(name)
+    ordered = sorted(
+        (
+            (module, sorted(members, key=_member_order))
+            for (module, _), members in statements.items()
+        ),
+        key=lambda line: (_natural(line[0]), _member_order(line[1][0])),
+    )
+    return tuple(_import_line(module, members) for module, members in ordered)
+
+
+def _member_order(name: str) -> tuple[int, str, str]:
+    """Constants come before classes, classes before functions; numbers count as numbers."""
+    group = 0 if len(name) > 1 and name.isupper() else 1 if name[0].isupper() else 2
+    return group, _natural(name), name
+
+
+def _natural(text: str) -> str:
+    return re.sub(r"\d+", lambda number: number.group().zfill(20), text.lower())
 
 
 def _import_line(module: str, names: list[str]) -> str:
-    # isort's default order: CONSTANTS, Classes, functions; ours are all classes.
     line = f"from {module} import {', '.join(names)}"
-    if len(line) <= 100:
+    if len(line) <= LINE_WIDTH:
         return line
     return "\n".join([f"from {module} import (", *(f"    {name}," for name in names), ")"])

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from jausml.model.model import Model
+from jausml.generation.errors import GenerationError
+
+if TYPE_CHECKING:
+    from jausml.model.model import Model
 
 
 def system_of(model: Model) -> Any:
-    """Returns the `system.System` of a valid model."""
-    return model.instances("system.System")[0]
+    """Returns the `system.System` of a valid model.
+
+    Raises:
+        GenerationError: There is none, or more than one: a workspace is made of one system.
+    """
+    systems = model.instances("system.System")
+    if len(systems) != 1:
+        names = ", ".join(repr(system.name) for system in systems) or "none"
+        raise GenerationError(f"a workspace is generated from one system; the model has {names}")
+    return systems[0]
 
 
 def source_of(model: Model) -> str:
-    """Returns the name of the file that holds the system: no path, so output is the same anywhere."""
+    """Returns the name of the system's file, without a path: output is the same anywhere."""
     return PurePath(model.location(system_of(model)).path).name
-
-
-def component_kind(element: Any) -> str:
-    """Returns `bridge` for a bridge, which is a component too, and else `component`."""
-    return "bridge" if element.eClass.name == "Bridge" else "component"

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import Kind
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
 from jausml.generators.common.system import source_of, system_of
 from jausml.generators.ros_node.views import NodeView
-from jausml.model.model import Model
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
 
 
 class RosNodeTarget:

@@ -3,54 +3,139 @@
 from __future__ import annotations
 
 import functools
+import math
+import textwrap
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generators.common.names import class_name, package_name
-from jausml.generators.common.ros import Qos, RosType, import_lines, qos, ros_type
+from jausml.generation.literals import call_args, python_literal, python_string
+from jausml.generators.common.names import Scope, class_name, package_name, snake_case
+from jausml.generators.common.ros import (
+    LONGEST_DURATION,
+    Qos,
+    RosType,
+    import_lines,
+    local_names,
+    parameter_value,
+    qos,
+    ros_type,
+)
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+_LONG = 2**63
+_DESCRIPTION = 70
+"""Characters of a piece of a description, with room for escapes."""
+
+_OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
+"""Parameters that every rclpy node declares itself."""
+
+# Names of the base's module and of the skeleton's that no message type may hide.
+_BASE_NAMES = frozenset(
+    [
+        *("DurabilityPolicy", "Duration", "FloatingPointRange", "HistoryPolicy", "IntegerRange"),
+        *("LivelinessPolicy", "Node", "ParameterDescriptor", "QoSOverridingOptions", "QoSProfile"),
+        "ReliabilityPolicy",
+    ]
+)
 
 
 @dataclass(frozen=True)
-class TopicView:
-    """A publisher or subscription: its names, type and quality of service."""
+class EndpointView:
+    """A publisher, subscription, service server or service client.
+
+    Attributes:
+        name: End of its names in Python, e.g. `pose` of `on_pose` and `publisher_pose`.
+        ros_name: Topic or service.
+        type: Its type.
+        type_name: Name of the type in the module.
+        qos: Quality of service of a topic; that of services is rclpy's.
+        documentation: What the model says of it.
+    """
 
     name: str
-    topic: str
+    ros_name: str
     type: RosType
+    type_name: str
     qos: Qos
     documentation: str
 
+    @property
+    def message_signature(self) -> str:
+        """First line of the method that handles messages."""
+        parameters = ("self", f"message: {self.type_name}")
+        return call_args(parameters, f"def on_{self.name}(", ") -> None:", 4)
 
-@dataclass(frozen=True)
-class ServiceView:
-    """A service server or client."""
+    @property
+    def request_signature(self) -> str:
+        """First line or lines of the method that answers requests."""
+        kind = self.type_name
+        parameters = ("self", f"request: {kind}.Request", f"response: {kind}.Response")
+        return call_args(parameters, f"def on_{self.name}(", f") -> {kind}.Response:", 4)
 
-    name: str
-    service: str
-    type: RosType
-    documentation: str
+    @property
+    def publish_signature(self) -> str:
+        """First line of the method that publishes."""
+        parameters = ("self", f"message: {self.type_name}")
+        return call_args(parameters, f"def publish_{self.name}(", ") -> None:", 4)
 
 
 @dataclass(frozen=True)
 class ParameterView:
-    """A parameter: default value as a Python literal and what its descriptor says."""
+    """A parameter: default value as a Python literal and what its descriptor says.
+
+    Attributes:
+        name: End of the property that returns the value, e.g. `gain` of `parameter_gain`.
+        ros_name: Name in ROS.
+        default: Default value.
+        documentation: What the model says of it.
+        range_class: Class of the range; empty when there is none.
+        limits: Smallest and largest value.
+        read_only: Whether it cannot change after the start.
+    """
 
     name: str
+    ros_name: str
     default: bool | float | str
-    python_type: str
     documentation: str
     range_class: str
-    range_argument: str
-    minimum: float
-    maximum: float
+    limits: tuple[float, float]
     read_only: bool
+
+    @property
+    def python_type(self) -> str:
+        """Type of the value in Python."""
+        return type(self.default).__name__
+
+    @property
+    def default_expression(self) -> str:
+        """Default value as Python text."""
+        return _literal(self.default)
+
+    @property
+    def summary(self) -> str:
+        """Name and documentation, for a docstring."""
+        return f"Value of the parameter '{self.ros_name}'.\n\n{self.documentation}"
 
     @property
     def range_expression(self) -> str:
         """Constructor call of the range."""
-        return f"{self.range_class}(from_value={self.minimum!r}, to_value={self.maximum!r})"
+        low, high = (_literal(limit) for limit in self.limits)
+        return f"{self.range_class}(from_value={low}, to_value={high})"
+
+    @property
+    def range_argument(self) -> str:
+        """Argument of the descriptor that takes the range."""
+        return snake_case(self.range_class)
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Text of the descriptor as string literals that follow each other."""
+        text = " ".join(self.documentation.split())
+        pieces = textwrap.wrap(text, _DESCRIPTION, drop_whitespace=False) or [""]
+        return tuple(python_string(piece) for piece in pieces)
 
 
 @dataclass(frozen=True)
@@ -93,9 +178,15 @@ class NodeView:
         return f"{self.class_name}Base"
 
     @property
-    def namespace(self) -> str:
-        """Namespace of the node; empty for the root."""
-        return str(self.node.namespace or "")
+    def full_name(self) -> str:
+        """Node name with its namespace, e.g. `/robot/controller`."""
+        return "/".join(["", *filter(None, str(self.node.namespace or "").split("/")), self.name])
+
+    @property
+    def constructor_arguments(self) -> tuple[str, ...]:
+        """Arguments of rclpy's Node."""
+        name, namespace = python_string(self.name), self.node.namespace
+        return (name, f"namespace={python_string(namespace)}") if namespace else (name,)
 
     @property
     def description(self) -> str:
@@ -108,79 +199,89 @@ class NodeView:
         return f"ROS 2 node {self.name}.\n\n{self.description}"
 
     @property
+    def frequency(self) -> float:
+        """Calls of `on_timer` each second; 0 means no timer."""
+        return float(self.node.frequency)
+
+    @property
     def period(self) -> float:
-        """Seconds between two calls of `on_timer`; 0 means no timer."""
-        return 1.0 / self.node.frequency if self.node.frequency > 0 else 0.0
+        """Seconds between two calls of `on_timer`."""
+        return min(1.0 / self.frequency, LONGEST_DURATION)
+
+    @property
+    def period_ns(self) -> int:
+        """Nanoseconds between two calls of `on_timer`, rounded as rclpy does."""
+        return int(self.period * 1e9)
 
     @functools.cached_property
-    def publishers(self) -> tuple[TopicView, ...]:
+    def publishers(self) -> tuple[EndpointView, ...]:
         """Publishers in model order."""
-        return tuple(_topic(publisher, "Publishes") for publisher in self.node.publishers)
+        return tuple(self._topic(each, "Publishes on") for each in self.node.publishers)
 
     @functools.cached_property
-    def subscriptions(self) -> tuple[TopicView, ...]:
+    def subscriptions(self) -> tuple[EndpointView, ...]:
         """Subscriptions in model order."""
-        return tuple(_topic(subscription, "Handles") for subscription in self.node.subscriptions)
+        return tuple(self._topic(each, "Handles messages of") for each in self.node.subscriptions)
 
     @functools.cached_property
-    def service_servers(self) -> tuple[ServiceView, ...]:
+    def service_servers(self) -> tuple[EndpointView, ...]:
         """Service servers in model order."""
-        return tuple(_service(server, "Answers") for server in self.node.serviceServers)
+        return tuple(
+            self._service(each, "Answers requests of") for each in self.node.serviceServers
+        )
 
     @functools.cached_property
-    def service_clients(self) -> tuple[ServiceView, ...]:
+    def service_clients(self) -> tuple[EndpointView, ...]:
         """Service clients in model order."""
-        return tuple(_service(client, "Calls") for client in self.node.serviceClients)
+        return tuple(self._service(each, "Calls") for each in self.node.serviceClients)
 
     @functools.cached_property
     def parameters(self) -> tuple[ParameterView, ...]:
         """Parameters in model order."""
-        return tuple(_parameter(parameter) for parameter in self.node.parameters)
+        names = _python_names(self.node.parameters)
+        return tuple(_parameter(each, names[each]) for each in self.node.parameters)
 
     @property
     def base_imports(self) -> tuple[str, ...]:
         """Import lines of the base class."""
-        names = {("rclpy.node", "Node")}
         topics = (*self.publishers, *self.subscriptions)
-        services = (*self.service_servers, *self.service_clients)
-        for view in (*topics, *services):
-            names.add((view.type.module, view.type.name))
+        names = {("rclpy.node", "Node"), *map(_import, self._endpoints)}
         for topic in topics:
             names.update(topic.qos.imports)
         if topics:
             names.add(("rclpy.qos_overriding_options", "QoSOverridingOptions"))
-        if self.parameters:
+        for parameter in self.declared_parameters:
             names.add(("rcl_interfaces.msg", "ParameterDescriptor"))
-        names.update(
-            ("rcl_interfaces.msg", parameter.range_class)
-            for parameter in self.parameters
-            if parameter.range_class
-        )
+            if parameter.range_class:
+                names.add(("rcl_interfaces.msg", parameter.range_class))
         return import_lines(names)
+
+    @property
+    def declared_parameters(self) -> tuple[ParameterView, ...]:
+        """Parameters that the base declares: rclpy has declared the others by then."""
+        return tuple(each for each in self.parameters if each.ros_name not in _OWN_PARAMETERS)
 
     @property
     def skeleton_imports(self) -> tuple[str, ...]:
         """Import lines of the user's skeleton."""
-        views = (*self.subscriptions, *self.service_servers)
-        return import_lines((view.type.module, view.type.name) for view in views)
+        return import_lines(map(_import, (*self.subscriptions, *self.service_servers)))
 
     @property
     def dependencies(self) -> tuple[str, ...]:
         """ROS packages that the package needs at run time, sorted."""
-        views = (
-            *self.publishers,
-            *self.subscriptions,
-            *self.service_servers,
-            *self.service_clients,
-        )
-        names = {"rclpy", *(view.type.package for view in views)}
-        return tuple(sorted(names | ({"rcl_interfaces"} if self.parameters else set())))
+        names = {"rclpy", *(endpoint.type.package for endpoint in self._endpoints)}
+        if self.declared_parameters:
+            names.add("rcl_interfaces")
+        return tuple(sorted(names))
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
         methods = [
             MethodContract(
-                f"on_{topic.name}", ("message",), f"subscription:{topic.name}", _stub(topic)
+                f"on_{topic.name}",
+                ("message",),
+                f"topic:{topic.ros_name}",
+                f"    {topic.message_signature}\n        super().on_{topic.name}(message)\n",
             )
             for topic in self.subscriptions
         ]
@@ -188,69 +289,98 @@ class NodeView:
             MethodContract(
                 f"on_{server.name}",
                 ("request", "response"),
-                f"service:{server.name}",
-                _service_stub(server),
+                f"service:{server.ros_name}",
+                f"    {server.request_signature}\n"
+                f"        return super().on_{server.name}(request, response)\n",
             )
             for server in self.service_servers
         ]
-        if self.period:
+        if self.frequency:
             methods.append(MethodContract("on_timer", (), "timer", _TIMER_STUB))
         return SkeletonContract(self.class_name, self.base_name, tuple(methods), ("on_",))
+
+    @property
+    def _endpoints(self) -> tuple[EndpointView, ...]:
+        return (
+            *self.publishers,
+            *self.subscriptions,
+            *self.service_servers,
+            *self.service_clients,
+        )
+
+    @functools.cached_property
+    def _names(self) -> Mapping[Any, str]:
+        """Name of each endpoint in Python."""
+        node = self.node
+        timer = {"on_timer"} if self.frequency else set()
+        sending = _python_names((*node.publishers, *node.serviceClients))
+        return sending | _python_names((*node.subscriptions, *node.serviceServers), timer)
+
+    @functools.cached_property
+    def _type_names(self) -> Mapping[RosType, str]:
+        """Names of the types, the same in base and skeleton."""
+        return local_names(
+            (ros_type(endpoint.type) for endpoint in self._names),
+            _BASE_NAMES | {self.class_name, self.base_name},
+        )
+
+    def _topic(self, element: Any, summary: str) -> EndpointView:
+        summary = f"{summary} the topic '{element.topic}'."
+        return self._endpoint(element, element.topic, qos(element.qos), summary)
+
+    def _service(self, element: Any, summary: str) -> EndpointView:
+        summary = f"{summary} the service '{element.service}'."
+        return self._endpoint(element, element.service, Qos((), ()), summary)
+
+    def _endpoint(self, element: Any, ros_name: str, profile: Qos, summary: str) -> EndpointView:
+        kind = ros_type(element.type)
+        return EndpointView(
+            name=self._names[element],
+            ros_name=ros_name,
+            type=kind,
+            type_name=self._type_names[kind],
+            qos=profile,
+            documentation=f"{summary}\n\n{element.documentation or ''}",
+        )
 
 
 _TIMER_STUB = "    def on_timer(self) -> None:\n        super().on_timer()\n"
 
 
-def _stub(topic: TopicView) -> str:
-    return (
-        f"    def on_{topic.name}(self, message: {topic.type.name}) -> None:\n"
-        f"        super().on_{topic.name}(message)\n"
-    )
+def _literal(value: float | str) -> str:
+    """Returns a value as Python text; ruff's formatter writes 1e22 for what repr calls 1e+22."""
+    text = python_literal(value)
+    return text.replace("e+", "e") if isinstance(value, float) else text
 
 
-def _service_stub(server: ServiceView) -> str:
-    name = server.type.name
-    return (
-        f"    def on_{server.name}(\n"
-        f"        self, request: {name}.Request, response: {name}.Response\n"
-        f"    ) -> {name}.Response:\n"
-        f"        return super().on_{server.name}(request, response)\n"
-    )
+def _import(endpoint: EndpointView) -> tuple[str, str]:
+    name, local = endpoint.type.name, endpoint.type_name
+    return endpoint.type.module, name if name == local else f"{name} as {local}"
 
 
-def _topic(endpoint: Any, verb: str) -> TopicView:
-    kind = ros_type(endpoint.type)
-    default = f"{verb} {kind.full_name} on the topic '{endpoint.topic}'."
-    documentation = endpoint.documentation or default
-    return TopicView(endpoint.name, endpoint.topic, kind, qos(endpoint.qos), documentation)
+def _python_names(elements: Iterable[Any], taken: Iterable[str] = ()) -> dict[Any, str]:
+    """Returns the end of each element's names: behind a prefix no keyword and no builtin is hit."""
+    scope = Scope(frozenset(taken))
+    names = {each: scope.claim(snake_case(f"on_{each.name}")) for each in elements}
+    return {element: name.removeprefix("on_") for element, name in names.items()}
 
 
-def _service(endpoint: Any, verb: str) -> ServiceView:
-    kind = ros_type(endpoint.type)
-    default = f"{verb} {kind.full_name} of the service '{endpoint.service}'."
-    return ServiceView(endpoint.name, endpoint.service, kind, endpoint.documentation or default)
-
-
-def _parameter(parameter: Any) -> ParameterView:
-    kind = parameter.type.name
-    default: bool | float | str = {
-        "bool": lambda text: text.strip().lower() == "true",
-        "integer": int,
-        "double": float,
-        "string": str,
-    }[kind](parameter.value)
-    limited = kind in ("integer", "double") and parameter.minimum < parameter.maximum
-    number = int if kind == "integer" else float
+def _parameter(parameter: Any, name: str) -> ParameterView:
+    default = parameter_value(parameter)
+    limits: tuple[float, float] = (parameter.minimum, parameter.maximum)
+    range_class = ""
+    if parameter.minimum < parameter.maximum:
+        range_class = {"integer": "IntegerRange", "double": "FloatingPointRange"}.get(
+            parameter.type.name, ""
+        )
+    if range_class == "IntegerRange":
+        limits = (max(math.ceil(limits[0]), -_LONG), min(math.floor(limits[1]), _LONG - 1))
     return ParameterView(
-        name=parameter.name,
+        name=name,
+        ros_name=parameter.name,
         default=default,
-        python_type={"bool": "bool", "integer": "int", "double": "float", "string": "str"}[kind],
         documentation=parameter.documentation or "",
-        range_class={"integer": "IntegerRange", "double": "FloatingPointRange"}[kind]
-        if limited
-        else "",
-        range_argument={"integer": "integer_range"}.get(kind, "floating_point_range"),
-        minimum=number(parameter.minimum),
-        maximum=number(parameter.maximum),
+        range_class=range_class,
+        limits=limits,
         read_only=parameter.readOnly,
     )

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jausml
 from jausml.generation.engine import ArtifactTask, TextFile, TextTask
-from jausml.generators.common.package import PACKAGE_TEMPLATES, PackageView, package_tasks
+from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
 from jausml.generators.common.system import system_of
-from jausml.model.model import Model
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
 
 NAME = "jausml_runtime"
 DEPENDENCIES = ("diagnostic_msgs", "rcl_interfaces", "rclpy")
@@ -25,38 +28,32 @@ class RuntimeTarget:
 
     def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
         """Returns the package files and a copy of each module of the runtime."""
-        system = system_of(model)
-        package = PackageView(
-            name=NAME,
+        package = package_view(
+            system_of(model),
+            NAME,
+            version=jausml.__version__,
+            license="Apache-2.0",
             element_id="runtime",
             source="jausml",
             description="JAUS over UDP, the core services, and what bridges run on.",
-            version=jausml.__version__,
-            maintainer=system.maintainer,
-            maintainer_email=system.maintainerEmail,
-            license="Apache-2.0",
             dependencies=DEPENDENCIES,
             test_dependencies=(),
+            has_own_init=True,
         )
-        return [*_without_init(package), TextTask(_modules())]
-
-
-def _without_init(package: PackageView) -> list[ArtifactTask[Any]]:
-    # The runtime brings its own __init__.py.
-    return [task for task in package_tasks([package]) if getattr(task, "template_name", "") != "init.py.j2"]
+        return [*package_tasks([package]), TextTask(_modules())]
 
 
 def _modules() -> list[TextFile]:
     folder = Path(jausml.__file__).parent / "runtime"
-    files = sorted(path.relative_to(folder) for path in folder.rglob("*.py"))
+    names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.py"))
     return [
         TextFile(
-            path=f"{NAME}/{NAME}/{path.as_posix()}",
-            content=(folder / path).read_text(encoding="utf-8"),
-            element_id=f"runtime:{path.as_posix()}",
-            source=f"jausml/runtime/{path.as_posix()}",
+            path=f"{NAME}/{NAME}/{name}",
+            content=(folder / name).read_text(encoding="utf-8"),
+            element_id=f"runtime:{name}",
+            source=f"jausml/runtime/{name}",
         )
-        for path in files
+        for name in names
     ]
 
 
