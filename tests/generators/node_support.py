@@ -1,0 +1,61 @@
+"""Workspaces generated from the models in tests/cases/ros_node, and processes that use them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from jausml import generation as gen
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.model import read_models
+
+ROOT = Path(__file__).resolve().parents[2]
+CASES = ROOT / "tests" / "cases" / "ros_node"
+PATIENCE = 60
+
+
+def model_of(path):
+    result = read_models([path])
+    assert not result.diagnostics, result.diagnostics
+    return result.model
+
+
+def write(case, out, targets=(ROS_NODE, BRINGUP)):
+    """Generates into a folder as the command line does; returns the plan."""
+    model = model_of(CASES / f"{case}.xmi")
+    plan = gen.make_plan(gen.render(model, targets), out, gen.read_manifest(out), targets=None)
+    gen.apply(plan)
+    return plan
+
+
+def artifacts(case, *targets):
+    rendered = gen.render(model_of(CASES / f"{case}.xmi"), targets or (ROS_NODE, BRINGUP))
+    return {artifact.path: artifact for artifact in rendered}
+
+
+def ros_environment(workspace=None, **more):
+    """An environment with DDS on this computer and in a domain of this process alone."""
+    folders = [str(path) for path in sorted(workspace.iterdir())] if workspace else []
+    return {
+        **{key: value for key, value in os.environ.items() if not key.startswith("ROS_")},
+        "PYTHONPATH": os.pathsep.join(folders),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+        **more,
+    }
+
+
+def run(*arguments, cwd=None, **environment):
+    """Runs Python; returns the finished process."""
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )

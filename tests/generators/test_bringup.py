@@ -1,0 +1,321 @@
+"""The bring-up package: launch files that are run against a stand-in, parameters, processes."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+import yaml
+
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.bringup.views import SETTINGS
+from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.runtime.settings import TransportSettings
+
+from .node_support import CASES, artifacts, model_of, ros_environment, run, write
+
+# As much of launch as the generated files use; every call is checked like a real one would be.
+STAND_IN = {
+    "ament_index_python/packages.py": """
+        def get_package_share_directory(package_name):
+            return "/share/" + package_name
+        """,
+    "launch/__init__.py": """
+        class LaunchDescription:
+            def __init__(self, initial_entities=None):
+                self.entities = list(initial_entities)
+        """,
+    "launch/actions.py": """
+        class DeclareLaunchArgument:
+            def __init__(self, name, *, default_value=None, description=None):
+                assert isinstance(name, str) and isinstance(description, str)
+                self.said = {"argument": name, "default": default_value}
+        class SetEnvironmentVariable:
+            def __init__(self, name, value):
+                self.said = {"variable": name, "value": value}
+        class ExecuteProcess:
+            def __init__(self, *, cmd, name=None, output="log"):
+                self.said = {"command": cmd, "name": name, "output": output}
+        """,
+    "launch/substitutions.py": """
+        class LaunchConfiguration:
+            def __init__(self, variable_name):
+                self.said = "$" + variable_name
+        class EnvironmentVariable:
+            def __init__(self, name, *, default_value=None):
+                assert isinstance(default_value, str)
+                self.said = "env " + name + " or " + default_value
+        """,
+    "launch_ros/actions.py": """
+        class Node:
+            def __init__(self, *, package, executable, name=None, namespace=None,
+                         parameters=None, arguments=None, output="log"):
+                self.said = {
+                    "node": package + "/" + executable, "name": name, "namespace": namespace,
+                    "parameters": parameters, "arguments": arguments, "output": output,
+                }
+        """,
+    "launch_ros/substitutions.py": """
+        class ExecutableInPackage:
+            def __init__(self, executable, package):
+                self.said = package + "/" + executable
+        """,
+}
+RUN = """
+import json, runpy, sys
+namespace = runpy.run_path(sys.argv[1])
+description = namespace["generate_launch_description"]()
+print(json.dumps([each.said for each in description.entities], default=lambda each: each.said))
+"""
+TRANSPORT = [
+    *("--jaus-interface", "$jaus_interface", "--jaus-port", "$jaus_port"),
+    *("--jaus-multicast-group", "$jaus_multicast_group"),
+    *("--jaus-multicast-ttl", "$jaus_multicast_ttl"),
+]
+
+
+@pytest.fixture(scope="module")
+def stand_in(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stand_in")
+    for name, text in STAND_IN.items():
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        (path.parent / "__init__.py").touch()
+        lines = text.splitlines()
+        path.write_text("\n".join(line[8:] for line in lines))
+    return folder
+
+
+class Launch:
+    """What a launch file describes."""
+
+    def __init__(self, file, stand_in):
+        done = run("-c", RUN, file, PYTHONPATH=str(stand_in))
+        assert done.returncode == 0, done.stderr
+        self.entities = json.loads(done.stdout)
+        self.arguments = {e["argument"]: e["default"] for e in self.entities if "argument" in e}
+        self.variables = {e["variable"]: e["value"] for e in self.entities if "variable" in e}
+        self.commands = {e["name"]: e["command"] for e in self.entities if "command" in e}
+        self.nodes = {e["name"]: e for e in self.entities if "node" in e}
+        processes = [*self.nodes.values(), *(e for e in self.entities if "command" in e)]
+        assert all(each["output"] == "screen" for each in processes)
+
+
+def launches(case, out, stand_in):
+    write(case, out, (BRINGUP,))
+    (folder,) = out.glob("*_bringup/launch")
+    files = sorted(folder.iterdir())
+    return {file.name.removesuffix(".launch.py"): Launch(file, stand_in) for file in files}
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory, stand_in):
+    return launches("hosts", tmp_path_factory.mktemp("fleet"), stand_in)
+
+
+def settings(interface, port="3794", group="239.255.0.1", ttl="16"):
+    return {
+        "ros_domain_id": "env ROS_DOMAIN_ID or 9",
+        "jaus_interface": interface,
+        "jaus_port": port,
+        "jaus_multicast_group": group,
+        "jaus_multicast_ttl": ttl,
+    }
+
+
+def test_one_host_has_one_launch_file(tmp_path, stand_in):
+    ((name, launch),) = launches("one_host", tmp_path, stand_in).items()
+    assert name == "alone"
+    assert launch.arguments["jaus_port"] == "4000"
+    assert launch.arguments["jaus_interface"] == "127.0.0.1"
+    assert launch.commands == {"arm": ["arm/arm", *TRANSPORT]}
+    assert list(launch.nodes) == ["display"]
+
+
+def test_several_hosts_have_a_launch_file_each(fleet):
+    # A host may have the name of the system.
+    assert list(fleet) == ["fleet", "fleet_eye", "fleet_fleet", "fleet_robot"]
+
+
+def test_a_host_has_its_own_transport(fleet):
+    assert fleet["fleet_robot"].arguments == settings("192.168.0.7", port="3800", ttl="4")
+    assert fleet["fleet_fleet"].arguments == settings("192.168.0.8", group="239.1.2.3")
+    assert fleet["fleet_eye"].arguments == {"ros_domain_id": "env ROS_DOMAIN_ID or 9"}
+
+
+def test_a_host_starts_what_is_placed_there(fleet):
+    assert {name: [*each.commands, *each.nodes] for name, each in fleet.items()} == {
+        "fleet": ["arm", "operator", "camera", "display"],
+        "fleet_eye": ["camera"],
+        "fleet_fleet": ["operator", "display"],
+        "fleet_robot": ["arm"],
+    }
+
+
+def test_everything_on_one_computer_has_one_transport(fleet):
+    whole = fleet["fleet"]
+    assert whole.arguments == settings("192.168.0.7", port="3800", ttl="4")
+    # Named like a module of Python, so the package is named otherwise.
+    assert whole.commands["operator"] == ["operator_jaus/operator_jaus", *TRANSPORT]
+
+
+def test_arguments_are_declared_before_they_are_used(fleet):
+    for launch in fleet.values():
+        kinds = ["argument" in each for each in launch.entities]
+        assert kinds == sorted(kinds, reverse=True)
+        assert launch.variables == {"ROS_DOMAIN_ID": "$ros_domain_id"}
+
+
+def test_a_node_has_its_name_namespace_and_parameters(fleet):
+    assert fleet["fleet"].nodes["camera"] == {
+        "node": "camera/camera",
+        "name": "camera",
+        "namespace": "front",
+        "parameters": ["/share/fleet_bringup/config/camera.yaml"],
+        "arguments": None,
+        "output": "screen",
+    }
+    assert fleet["fleet"].nodes["display"]["namespace"] is None
+
+
+def test_a_bridge_takes_arguments_of_both_sides(tmp_path, stand_in):
+    model = CASES.parents[2] / "models" / "minimal" / "minimal.xmi"
+    write(model.with_suffix(""), tmp_path, (BRINGUP,))
+    launch = Launch(tmp_path / "minimal_bringup" / "launch" / "minimal.launch.py", stand_in)
+    bridge = launch.nodes["sensor_bridge"]
+    assert bridge["arguments"] == TRANSPORT
+    assert bridge["parameters"] == ["/share/minimal_bringup/config/sensor_bridge.yaml"]
+    assert launch.commands["sensor"] == ["sensor/sensor", *TRANSPORT]
+
+
+def test_hostile_launch_files_run_nothing(tmp_path, stand_in, monkeypatch):
+    canary = tmp_path / "canary"
+    monkeypatch.setenv("CANARY", str(canary))
+    launch = launches("hostile", tmp_path / "ws", stand_in)["hostile"]
+    assert launch.nodes["quiet"]["namespace"] == 'x", y="\\'
+    assert not canary.exists()
+
+
+# ------------------------------------------------------------------ parameters
+
+
+def parameters(case, name):
+    (text,) = (
+        a.text for path, a in artifacts(case, BRINGUP).items() if path.endswith(f"/{name}.yaml")
+    )
+    content = yaml.safe_load(text)
+    assert list(content) == ["/**"]
+    assert list(content["/**"]) == ["ros__parameters"]
+    return content["/**"]["ros__parameters"]
+
+
+def test_parameters_are_the_modelled_values():
+    values = parameters("features", "everything")
+    assert values == {
+        "use_sim_time": False,
+        "gain": 1e-7,
+        "tries": 3,
+        "limit": -(2**63),
+        "frame": "base_link",
+        "nothing": "",
+        "number_like": "1e3",
+        "active": True,
+        "passive": False,
+        "plain": 1e22,
+    }
+    assert [type(values[name]) for name in ("gain", "plain", "tries")] == [float, float, int]
+
+
+def test_words_of_yaml_are_names_and_nothing_is_there_twice():
+    values = parameters("features", "Odometry")
+    assert list(values) == ["use_sim_time", "context", "publishers", "on", "lambda"]
+    assert values["on"] is True
+
+
+def test_hostile_values_arrive_unchanged():
+    values = parameters("hostile", "victim")
+    node = next(
+        n for n in model_of(CASES / "hostile.xmi").instances("ros.Node") if n.name == "victim"
+    )
+    assert {p.name: p.value for p in node.parameters} == {
+        name: value for name, value in values.items() if name != "use_sim_time"
+    }
+
+
+READ = """
+import json, sys, rclpy
+from PACKAGE.PACKAGE import CLASS
+rclpy.init(args=["--ros-args", "--params-file", sys.argv[1]])
+node = CLASS()
+print(json.dumps({name: node.get_parameter(name).value for name in json.loads(sys.argv[2])}))
+node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+@pytest.mark.live
+@pytest.mark.parametrize("name", ["everything", "Odometry"])
+def test_rclpy_accepts_the_parameter_file(name, tmp_path):
+    pytest.importorskip("rclpy")
+    write("features", tmp_path, (ROS_NODE, BRINGUP))
+    file = tmp_path / "features_bringup" / "config" / f"{name}.yaml"
+    # Other values than the defaults of the code, so that they can only come from the file.
+    text = file.read_text().replace("1.0e-07", "2.0e-07").replace('"no context"', '"a context"')
+    text = text.replace('"base_link"', '"h\\u00f6h\\U0001f600"').replace(
+        '"on": true', '"on": false'
+    )
+    file.write_text(text)
+    expected = yaml.safe_load(text)["/**"]["ros__parameters"]
+    package = name.lower()
+    script = READ.replace("PACKAGE", package).replace("CLASS", package.capitalize())
+    done = run("-c", script, file, json.dumps([*expected]), **ros_environment(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout.splitlines()[-1]) == expected
+
+
+# ------------------------------------------------------------------ processes
+
+
+def test_processes_are_recorded_for_the_command_line():
+    assert BRINGUP.processes(model_of(CASES / "hosts.xmi")) == [
+        {
+            "name": "arm",
+            "kind": "component",
+            "package": "arm",
+            "module": "arm.main",
+            "arguments": [
+                *("--jaus-interface", "192.168.0.7", "--jaus-port", "3800"),
+                *("--jaus-multicast-ttl", "4"),
+            ],
+        },
+        {
+            "name": "operator",
+            "kind": "component",
+            "package": "operator_jaus",
+            "module": "operator_jaus.main",
+            "arguments": [
+                *("--jaus-interface", "192.168.0.8", "--jaus-multicast-group", "239.1.2.3"),
+            ],
+        },
+        *(
+            {
+                "name": name,
+                "kind": "node",
+                "package": name,
+                "module": f"{name}.main",
+                "arguments": [],
+                "parameters": f"fleet_bringup/config/{name}.yaml",
+            }
+            for name in ("camera", "display")
+        ),
+    ]
+
+
+def test_options_are_those_of_the_runtime():
+    known = TransportSettings()
+    assert {each.option: each.default for each in SETTINGS} == {
+        "--jaus-interface": known.interface,
+        "--jaus-port": str(known.port),
+        "--jaus-multicast-group": known.multicast_group,
+        "--jaus-multicast-ttl": str(known.multicast_ttl),
+    }

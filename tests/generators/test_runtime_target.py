@@ -1,0 +1,97 @@
+"""The copy of the runtime: complete, unchanged, and in need of nothing else."""
+
+from __future__ import annotations
+
+import ast
+import sys
+
+import pytest
+
+from jausml.generation.header import DIGEST_MARK, has_valid_header
+from jausml.generators.runtime.target import DEPENDENCIES
+from jausml.generators.runtime.target import TARGET as RUNTIME
+
+from .node_support import ROOT, artifacts, run, write
+
+SOURCE = ROOT / "jausml" / "runtime"
+FOLDER = "jausml_runtime/jausml_runtime/"
+
+
+@pytest.fixture(scope="module")
+def files():
+    return artifacts("talk", RUNTIME)
+
+
+@pytest.fixture(scope="module")
+def copies(files):
+    return {
+        path.removeprefix(FOLDER): each.text
+        for path, each in files.items()
+        if path.startswith(FOLDER) and path.endswith(".py")
+    }
+
+
+def test_every_module_is_copied(files, copies):
+    assert set(copies) == {path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py")}
+    others = {path for path in files if path.removeprefix(FOLDER) not in copies}
+    assert others == {
+        "jausml_runtime/package.xml",
+        "jausml_runtime/resource/jausml_runtime",
+        "jausml_runtime/setup.cfg",
+        "jausml_runtime/setup.py",
+        f"{FOLDER}py.typed",
+    }
+
+
+def test_a_copy_is_the_original_below_a_header(copies):
+    for name, text in copies.items():
+        assert has_valid_header(text)
+        notice, digest, body = text.split("\n", 2)
+        # A long path is cut at its front.
+        assert notice.split(" from ")[1].partition(";")[0].removeprefix("...").endswith(name)
+        assert DIGEST_MARK in digest
+        assert body.encode() == (SOURCE / name).read_bytes()
+
+
+def imported(text):
+    """Yields the modules that a text imports absolutely."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield node.module
+
+
+def test_no_module_knows_the_toolchain(copies):
+    for name, text in copies.items():
+        assert not [m for m in imported(text) if m.split(".")[0].startswith("jausml")], name
+
+
+def test_the_manifest_names_what_is_imported(copies):
+    packages = {module.split(".")[0] for text in copies.values() for module in imported(text)}
+    foreign = packages - set(sys.stdlib_module_names)
+    # rcl_interfaces and diagnostic_msgs have no module without ROS either.
+    assert foreign == set(DEPENDENCIES)
+
+
+def needs_ros(text):
+    """Tells whether a module imports rclpy, or the module that does."""
+    inside = [n.module for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
+    return "ros" in inside or "rclpy" in imported(text)
+
+
+def test_what_components_need_is_the_copy_alone(tmp_path, copies):
+    write("talk", tmp_path, (RUNTIME,))
+    names = [name for name, text in sorted(copies.items()) if not needs_ros(text)]
+    assert {"process.py", "component.py", "bridge.py", "services/events.py"} <= set(names)
+    modules = [name.removesuffix(".py").replace("/", ".") for name in names]
+    pure = [f"jausml_runtime.{name}".removesuffix(".__init__") for name in modules]
+    # -I and -S: neither the environment nor site-packages; the checkout is not there either.
+    script = (
+        "import importlib, sys; sys.path.append(sys.argv[1])\n"
+        "for name in sys.argv[2:]: importlib.import_module(name)\n"
+        "print(sorted({name.split('.')[0] for name in sys.modules} & {'jausml', 'rclpy'}))\n"
+    )
+    done = run("-I", "-S", "-W", "error", "-c", script, tmp_path / "jausml_runtime", *pure, cwd="/")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "[]\n"

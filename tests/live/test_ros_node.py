@@ -1,0 +1,188 @@
+"""Generated nodes in processes of their own: topics, latched state, a service, signals."""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml import generation as gen
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.model import read_models
+
+pytestmark = pytest.mark.live
+
+MODEL = Path(__file__).resolve().parents[1] / "cases" / "ros_node" / "talk.xmi"
+PATIENCE = 30
+
+# What users would write into the skeletons.
+TALKER = {
+    "from .talker_base import TalkerBase\n": """\
+from std_msgs.msg import Int32, String
+from std_srvs.srv import SetBool
+
+from .talker_base import TalkerBase
+""",
+    "        super().on_timer()\n": """\
+        self.publish_word(String(data=self.parameter_text))
+        if not self.asked and self.client_double.service_is_ready():
+            self.asked = True
+            future = self.client_double.call_async(SetBool.Request(data=True))
+            future.add_done_callback(self.on_answer)
+
+    asked = False
+
+    def on_answer(self, future) -> None:
+        print("answer", future.result().message, flush=True)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.publish_state(Int32(data=42))
+        print("ready", self.parameter_text, self.parameter_factor, flush=True)
+""",
+}
+LISTENER = {
+    "        super().on_word(message)\n": '        print("word", message.data, flush=True)\n',
+    "        super().on_state(message)\n": '        print("state", message.data, flush=True)\n',
+    "        return super().on_double(request, response)\n": """\
+        response.success = request.data
+        response.message = "twice"
+        return response
+""",
+}
+
+
+class Process:
+    """A process whose lines of output are waited for."""
+
+    def __init__(self, workspace, name, *arguments):
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(workspace / name),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+        }
+        self.popen = subprocess.Popen(
+            [sys.executable, "-m", f"{name}.main", *arguments],
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.lines = []
+        self.fresh = queue.SimpleQueue()
+        self.reader = threading.Thread(target=self.read)
+        self.reader.start()
+
+    def read(self):
+        for line in self.popen.stdout:
+            self.fresh.put(line)
+        self.fresh.put(None)
+
+    def wait_for(self, pattern):
+        """Returns the first line that matches, of those that are still to come."""
+        end = time.monotonic() + PATIENCE
+        while (left := end - time.monotonic()) > 0:
+            try:
+                line = self.fresh.get(timeout=left)
+            except queue.Empty:
+                break
+            if line is None:
+                break
+            self.lines.append(line)
+            if re.search(pattern, line):
+                return line
+        raise AssertionError(f"no {pattern!r} in {self.lines}")
+
+    def end(self, number):
+        """Sends a signal; returns the exit code and all output."""
+        self.popen.send_signal(number)
+        code = self.popen.wait(PATIENCE)
+        self.reader.join(PATIENCE)
+        while not self.fresh.empty():
+            self.lines.append(self.fresh.get() or "")
+        return code, "".join(self.lines)
+
+    def close(self):
+        # Asked first: a DDS process that is killed leaves shared memory behind.
+        self.popen.terminate()
+        try:
+            self.popen.wait(PATIENCE)
+        finally:
+            self.popen.kill()
+            self.popen.wait(PATIENCE)
+        self.reader.join(PATIENCE)
+        self.popen.stdout.close()
+
+
+def fill_in(file, replacements):
+    text = file.read_text()
+    for before, after in replacements.items():
+        assert text.count(before) == 1, before
+        text = text.replace(before, after)
+    file.write_text(text)
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory):
+    out = tmp_path_factory.mktemp("talk")
+    artifacts = gen.render(read_models([MODEL]).model, [ROS_NODE, BRINGUP])
+    gen.apply(gen.make_plan(artifacts, out, gen.read_manifest(out), targets=None))
+    fill_in(out / "talker" / "talker" / "talker.py", TALKER)
+    fill_in(out / "listener" / "listener" / "listener.py", LISTENER)
+    return out
+
+
+@pytest.fixture
+def start(workspace):
+    processes = []
+
+    def begin(name, *arguments):
+        processes.append(Process(workspace, name, *arguments))
+        return processes[-1]
+
+    yield begin
+    for process in processes:
+        process.close()
+
+
+def test_nodes_talk_by_topics_and_services(start, workspace):
+    parameters = workspace / "talk_bringup" / "config" / "talker.yaml"
+    talker = start("talker", "--ros-args", "--params-file", str(parameters), "-p", "text:=hi")
+    # The smallest numbers survive the way through YAML; the command line has the last word.
+    talker.wait_for("^ready hi 1e-07$")
+    # The state was published before there was a listener, which gets it all the same.
+    listener = start("listener")
+    first = listener.wait_for("^(word|state)")
+    other = "state 42" if first.startswith("word") else "word hi"
+    listener.wait_for(f"^{other}$")
+    assert first in ("word hi\n", "state 42\n")
+    talker.wait_for("^answer twice$")
+    for process, number in ((talker, signal.SIGINT), (listener, signal.SIGTERM)):
+        code, output = process.end(number)
+        assert code == 0, output
+        assert "Traceback" not in output
+        assert "incompatible" not in output
+
+
+def test_names_and_quality_of_service_can_be_changed_from_outside(start):
+    talker = start("talker", "--ros-args", "-r", "word:=phrase", "-r", "__ns:=/other")
+    talker.wait_for("^ready")
+    override = "qos_overrides./other/phrase.subscription.reliability:=reliable"
+    arguments = ("--ros-args", "-r", "__ns:=/other", "-r", "word:=phrase")
+    # Reliable asks for more than the talker offers: the override arrives if ROS refuses the pair.
+    listener = start("listener", *arguments, "-p", override)
+    listener.wait_for("incompatible QoS.*RELIABILITY")
+    heard = start("listener", *arguments)
+    heard.wait_for("^word hello$")
