@@ -1,0 +1,100 @@
+"""The demonstration drives the turn with real processes, as `make demo` does."""
+
+from __future__ import annotations
+
+import os
+import re
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+pytestmark = [pytest.mark.live, pytest.mark.timeout(150)]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """Runs the demonstration once; returns its folder and what it printed."""
+    folder = tmp_path_factory.mktemp("demo") / "out"
+    result = subprocess.run(
+        [sys.executable, str(ROOT / "models" / "catvehicle" / "demo.py"), str(folder)],
+        env={**os.environ, "ROS_DOMAIN_ID": "88"},
+        cwd=folder.parent,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert result.returncode == 0, result.stdout[-4000:] + result.stderr[-4000:]
+    return folder, result.stdout
+
+
+def value(table: str, name: str) -> float:
+    """Returns the first number behind a name in the printed tables."""
+    found = re.search(rf"^{re.escape(name)} +([-\d.e]+)", table, re.MULTILINE)
+    assert found, f"no row '{name}'"
+    return float(found[1])
+
+
+def test_arrives_and_judges(run: tuple[Path, str]) -> None:
+    folder, printed = run
+    assert "arrived at" in printed
+    assert (folder / "table.txt").read_text(encoding="utf-8") in printed
+
+
+def test_follows_the_path(run: tuple[Path, str]) -> None:
+    # A wrong sign of yaw, tyre angle or y anywhere leaves the path by tens of metres.
+    table = (run[0] / "table.txt").read_text(encoding="utf-8")
+    assert value(table, "path error, largest") < 1.0
+
+
+def test_every_connection_carried_messages(run: tuple[Path, str]) -> None:
+    table = (run[0] / "table.txt").read_text(encoding="utf-8")
+    for name in (
+        "odometry",
+        "steering_angle",
+        "pose",
+        "steering_command",
+        "speed_command",
+        "cruise_speed",
+        "estimated_pose",
+    ):
+        assert value(table, name) > 10, name
+
+
+def test_latency_was_measured_both_ways(run: tuple[Path, str]) -> None:
+    table = (run[0] / "table.txt").read_text(encoding="utf-8")
+    for name in ("vehicle -> bridge -> ROS", "ROS -> bridge -> vehicle", "whole loop"):
+        assert value(table, name) > 100, name
+
+
+def test_turns_right(run: tuple[Path, str]) -> None:
+    rows = (run[0] / "logs" / "vehicle.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "t,x,y,psi,v,delta,delta_cmd,v_cmd"
+    last = dict(zip(rows[0].split(","), map(float, rows[-1].split(",")), strict=True))
+    assert last["y"] < -30.0
+    assert last["psi"] == pytest.approx(-1.5708, abs=0.1)
+
+
+def test_ros_saw_the_turn_in_its_own_axes(run: tuple[Path, str]) -> None:
+    rows = (run[0] / "logs" / "logger.csv").read_text(encoding="utf-8").splitlines()
+    poses = [row.split(",") for row in rows if row.startswith("pose,")]
+    assert float(poses[-1][3]) < -30.0
+    yaw_rates = [float(row.split(",")[3]) for row in rows if row.startswith("odometry,")]
+    assert min(yaw_rates) < -0.2
+    assert max(yaw_rates) < 0.1
+
+
+def test_processes_ended_without_a_fault(run: tuple[Path, str]) -> None:
+    output = (run[0] / "logs" / "output.txt").read_text(encoding="utf-8")
+    assert "Traceback" not in output
+    assert len(re.findall(r"drops: ", output)) == 3  # vehicle, operator, bridge
+
+
+def test_draws_a_picture(run: tuple[Path, str]) -> None:
+    data = (run[0] / "turn.png").read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">II", data[16:24])
+    assert (width, height) > (800, 400)
