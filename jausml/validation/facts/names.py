@@ -7,7 +7,7 @@ import re
 import sys
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
-_WORD_START = re.compile("(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
 _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 _LONGEST = 60
 _DEVICES = frozenset(
