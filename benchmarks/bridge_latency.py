@@ -28,9 +28,10 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 HERE = Path(__file__).resolve().parent
 CLIENT, BRIDGE, ECHO = "10.1.1", "10.1.9", "10.1.5"
@@ -92,7 +93,10 @@ def echo_jaus(port: int) -> None:
 
 
 class Peer:
-    """The JAUS and ROS ends in this process; one thread serves both, by turns."""
+    """The JAUS and ROS ends in this process, each with a thread that waits.
+
+    They wait before a message is sent, so that what rclpy does before it waits is not measured.
+    """
 
     def __init__(self, port: int) -> None:
         """Joins both networks.
@@ -138,28 +142,20 @@ class Peer:
         for topic in ("pong", "up"):
             self.node.create_subscription(TwistStamped, topic, self._received, 1)
         self.arrived = 0.0
+        self.event = threading.Event()
+        self.loop.start()
+        threading.Thread(target=self.executor.spin, daemon=True).start()
 
     def _received(self, *_message: object) -> None:
         self.arrived = time.perf_counter()
+        self.event.set()
 
-    def exchange(self, send: Callable[[], None], wait: Callable[[float], Any]) -> float | None:
+    def exchange(self, send: Callable[[], None]) -> float | None:
         """Sends and waits for what comes back; microseconds, None when nothing came."""
-        self.arrived = 0.0
+        self.event.clear()
         started = time.perf_counter()
         send()
-        while not self.arrived:
-            wait(0.5)
-            if time.perf_counter() - started > 1.0:
-                return None
-        return (self.arrived - started) * 1e6
-
-    def wait_ros(self, seconds: float) -> None:
-        """Waits for ROS."""
-        self.executor.spin_once(seconds)
-
-    def wait_jaus(self, seconds: float) -> None:
-        """Waits for JAUS."""
-        self.loop.run_once(seconds)
+        return (self.arrived - started) * 1e6 if self.event.wait(1.0) else None
 
     def publish(self, topic: str) -> None:
         """Publishes a message."""
@@ -172,15 +168,14 @@ class Peer:
     def measure(self, rounds: int) -> dict[str, list[float]]:
         """Runs the exchanges by turns; the first tenth warms up."""
         kinds: dict[str, Callable[[], float | None]] = {
-            "ros": lambda: self.exchange(lambda: self.publish("ping"), self.wait_ros),
-            "jaus": lambda: self.exchange(lambda: self.send(ECHO), self.wait_jaus),
-            "up": lambda: self.exchange(lambda: self.send(BRIDGE), self.wait_ros),
-            "down": lambda: self.exchange(lambda: self.publish("down"), self.wait_jaus),
+            "ros": lambda: self.exchange(lambda: self.publish("ping")),
+            "jaus": lambda: self.exchange(lambda: self.send(ECHO)),
+            "up": lambda: self.exchange(lambda: self.send(BRIDGE)),
+            "down": lambda: self.exchange(lambda: self.publish("down")),
         }
         for name, kind in kinds.items():
             end = time.monotonic() + PATIENCE
             while kind() is None:
-                self.loop.run_once(0.1)
                 if time.monotonic() > end:
                     raise SystemExit(f"{name}: nothing comes back")
         found: dict[str, list[float]] = {name: [] for name in kinds}
@@ -189,7 +184,7 @@ class Peer:
                 taken = kind()
                 if taken is not None and number >= rounds // 10:
                     found[name].append(taken)
-                time.sleep(0.001)
+                time.sleep(0.002)
         return found
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.fields import Bits, Blob, Fixed
-from jausml.generators.common.messages import BitFieldClass, Member
+from jausml.generators.common.members import Member
+from jausml.generators.common.nested import BitFieldClass
 from jausml.generators.common.ros_fields import PathError
 from jausml.generators.common.values import PartValue
 

@@ -187,12 +187,16 @@ class Connection(Generic[SourceT, TargetT]):
         self.is_silent = True
         self.send_safe_value()
 
-    def send_safe_value(self) -> None:
-        """Hands the modelled safe value to the target side; nothing when there is none."""
+    def send_safe_value(self, deliver: Callable[[TargetT], bool] | None = None) -> None:
+        """Hands the modelled safe value to the target side; nothing when there is none.
+
+        Args:
+            deliver: Hands it to a part of the target side.
+        """
         if self._safe_value is None:
             return
         try:
-            if self.deliver(self._safe_value()):
+            if (deliver or self.deliver)(self._safe_value()):
                 self.statistics.safe_values += 1
         except Exception as error:
             self._failed(error)

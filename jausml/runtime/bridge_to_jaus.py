@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .bridge_connection import NOT_READY, Connection
@@ -110,16 +111,19 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
                 peer,
                 authority=bridge.settings.authority,
                 resume=self._control is Guard.READY,
-                on_change=self._control_changed,
+                on_change=partial(self._control_changed, peer),
             )
 
     def deliver(self, target: TargetT) -> bool:
         """Encodes once and sends to each peer that obeys; False when none does."""
+        return self._send(self.peers, target)
+
+    def _send(self, peers: Sequence[JausAddress], target: TargetT) -> bool:
         payload = target.encode()
         component = self._bridge.component
         sent = False
         with component.loop.lock:
-            for peer in self.peers:
+            for peer in peers:
                 session = self._sessions.get(peer)
                 if session is not None and not self._obeys(session.state):
                     self.drop(NOT_READY, str(peer))
@@ -139,10 +143,10 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
         return [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
 
-    def _control_changed(self, state: ControlState) -> None:
+    def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
         # A peer that was away when the topics fell silent has missed the safe value.
         if self._obeys(state) and self.is_silent:
-            self.send_safe_value()
+            self.send_safe_value(partial(self._send, [peer]))
 
     def _obeys(self, state: ControlState) -> bool:
         if state is ControlState.CONTROLLED:

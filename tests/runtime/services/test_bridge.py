@@ -532,14 +532,22 @@ def test_source_that_never_spoke_is_silent(world, setting):
 
 def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting):
     received = []
-    connection = setting.open(command(silence_timeout=1.0, safe_value=safe, control=Guard.READY))
+    connection = setting.open(
+        command(silence_timeout=1.0, safe_value=safe, control=Guard.READY, peers=[PEER, OTHER])
+    )
     world.run(2.0)
     assert connection.statistics.safe_values == 0
-    tested = world.component(str(PEER), services=CORE)
-    tested.handle(SetTime, lambda message, _: received.append(message), when=Guard.READY)
-    tested.start()
-    world.run(10.0)
-    assert received == [minutes(0)]
+    for address in (PEER, OTHER):
+        tested = world.component(str(address), services=CORE)
+        tested.handle(
+            SetTime,
+            lambda message, _, to=address: received.append((to, message)),
+            when=Guard.READY,
+        )
+        tested.start()
+        world.run(10.0)
+    # The peer that came first does not get it again when the other one comes.
+    assert received == [(PEER, minutes(0)), (OTHER, minutes(0))]
 
 
 def test_silence_timeout_is_a_parameter(world, setting):
