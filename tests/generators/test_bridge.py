@@ -220,6 +220,39 @@ def test_output_passes_the_type_checker(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_skeleton_overrides_and_help(tmp_path):
+    pytest.importorskip("rclpy")
+    result = read_models([CASE])
+    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    program = """
+from loop_bridge.loop_bridge import LoopBridge
+from loop_bridge.main import main
+
+class Mine(LoopBridge):
+    def translate_speed(self, source):
+        return None
+
+    def safe_drive(self):
+        return "mine"
+
+mine = Mine()
+assert mine.speed._translate("anything") is None
+assert mine.drive._safe_value() == "mine"
+assert [each.name for each in mine.connections][:2] == ["odometry", "speed"]
+main(["--help"])
+"""
+    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "loop_bridge"))
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "--jaus-port" in done.stdout
+    assert "--jaus-id" in done.stdout
+
+
 # ------------------------------------------------------------------ models of all kinds
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
