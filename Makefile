@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test lint format bench emf golden clean
+.PHONY: demo test lint format bench emf reference clean
 
-$(READY): pyproject.toml setup.py
+$(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,dev]"
 	touch $@
@@ -31,6 +31,9 @@ bench: $(READY)  ## the figures that docs/performance.md quotes
 
 emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
 	$(BIN)/python tools/record_emf.py
+
+reference: $(READY)  ## write docs/reference/ anew
+	$(BIN)/python tools/build_reference.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out
