@@ -49,6 +49,8 @@ def test_latencies_match_stamps_and_commands(tmp_path: Path) -> None:
         vehicle.write("command", sent + 0.006, -0.1 * step)
     # A command that was lost on its way, and one that answers no known report.
     controller.write(5000, 0.5, 0.501, 0.25)
+    vehicle.close()
+    controller.close()
     result = latencies(tmp_path)
     assert result.to_ros.count == 10
     assert result.to_ros.p50 == pytest.approx(0.002)

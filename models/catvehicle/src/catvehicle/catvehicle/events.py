@@ -33,6 +33,12 @@ class EventLog:
         if self._file is not None:
             self._file.write(",".join(map(str, cells)) + "\n")
 
+    def close(self) -> None:
+        """Closes the file; nothing is written afterwards."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
 
 def read_events(path: Path) -> list[list[str]]:
     """Returns the rows of a log; empty when there is no file."""
