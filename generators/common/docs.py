@@ -31,6 +31,15 @@ def sentence(text: str) -> str:
     return ended[0].upper() + ended[1:]
 
 
+def described(text: str) -> str:
+    """Returns any text as a clean sentence, even one without a printable character.
+
+    Args:
+        text: Text of the model.
+    """
+    return sentence(clean(text) or "unnamed")
+
+
 def docstring(
     summary: str,
     column: int,

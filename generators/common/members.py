@@ -84,7 +84,7 @@ class Member:
             "optional" if self.is_optional else "",
         ]
         text = "; ".join(filter(None, facts))
-        first = docs.sentence(self.documentation or self.jaus_name)
+        first = docs.described(self.documentation or self.jaus_name)
         return f"{first} {docs.sentence(text)}" if text else first
 
 

@@ -362,12 +362,14 @@ class MessageBuilder:
         resolved = [resolve(option) for option in field.type.options]
         if not resolved:
             return fields.Tag(tag_format, "int", "0", "integer", ("0", "0"))
+        if len(resolved) == 1:
+            only = self._class(resolved[0], 0)
+            return VariantValue("", only.python_type, tag_format, (only,))
         alias = self._nest.scope.claim(names.class_name(field.name))
         options = tuple(self._class(option, tag) for tag, option in enumerate(resolved))
-        self._nest.classes.append(
-            VariantAlias(alias, tuple(option.part.name for option in options))
-        )
-        return VariantValue("", alias, self._nest.path(alias), tag_format, options)
+        classes = tuple(option.part.name for option in options)
+        self._nest.classes.append(VariantAlias(alias, classes))
+        return VariantValue("", self._nest.path(alias), tag_format, options)
 
     def _default(self, value: Value, path: str) -> Call | str:
         if isinstance(value, ListValue):

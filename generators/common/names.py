@@ -12,7 +12,7 @@ import sys
 
 MAXIMUM_LENGTH = 60
 
-_WORD_START = re.compile("(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
 _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 
 
@@ -157,15 +157,15 @@ class Scope:
         self._taken: set[str] = set()
 
     def claim(self, name: str) -> str:
-        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one gets `_`.
+        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`.
 
         Args:
             name: A valid Python name.
         """
-        first = f"{name}_" if name in self._reserved else name
+        first = name + self._separator if name in self._reserved else name
         candidate, number = first, 1
         while candidate in self._taken or candidate in self._reserved:
             number += 1
-            candidate = f"{first.rstrip('_')}{self._separator}{number}"
+            candidate = f"{name.rstrip('_')}{self._separator}{number}"
         self._taken.add(candidate)
         return candidate

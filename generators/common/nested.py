@@ -79,7 +79,7 @@ class SubField:
     def description(self) -> str:
         """What the docstring says of it."""
         see = f"; see {self.enumeration}" if self.enumeration else ""
-        first = docs.sentence(self.documentation or self.jaus_name)
+        first = docs.described(self.documentation or self.jaus_name)
         return f"{first} {self.value.range_text}{see}."
 
 

@@ -86,9 +86,7 @@ class Nest:
 
     def summary(self, field: Resolved) -> str:
         """Returns the first line of the docstring of a field's class."""
-        return docs.sentence(
-            field.documentation or f"{docs.clean(field.name)} of {docs.clean(self._message)}"
-        )
+        return docs.described(field.documentation or f"{field.name} of {self._message}")
 
     def path(self, name: str) -> str:
         """Returns the full name of a class."""

@@ -41,15 +41,13 @@ class VariantValue:
 
     Attributes:
         reader: Name of the static method that reads it.
-        alias: Name of the union of the classes, inside the message class.
-        python_type: Full name of the union.
+        python_type: Full name of the union of the classes, or of the only one.
         tag_format: Struct format of the tag.
         options: The classes in the order of their tags.
     """
 
     kind: ClassVar[str] = "variant"
     reader: str
-    alias: str
     python_type: str
     tag_format: str
     options: tuple[PartValue, ...]

@@ -1,0 +1,92 @@
+"""Hypothesis strategies for the messages that views describe: only legal values."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from hypothesis import strategies as st
+
+from jausml.generators.common.fields import Bits, Fixed
+from jausml.generators.common.nested import BitFieldClass, ContainerClass, VariableFieldClass
+
+if TYPE_CHECKING:
+    from jausml.generators.common.messages import MessageView
+
+LATIN1 = st.characters(max_codepoint=255, exclude_characters="\0")
+
+
+def messages(view: MessageView, cls: Any) -> st.SearchStrategy[Any]:
+    """Returns messages with any legal fields."""
+    return _Strategies(view, cls).container(view.body, cls)
+
+
+class _Strategies:
+    def __init__(self, view: MessageView, cls: Any) -> None:
+        self.cls = cls
+        self.bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
+
+    def container(self, part: ContainerClass, cls: Any) -> st.SearchStrategy[Any]:
+        sendable = (1 << 8 * part.presence_size) - 1
+        fields = {
+            member.attribute: self.optional(member)
+            for member in part.members
+            if member.bit <= sendable
+        }
+        return st.builds(cls, **fields)
+
+    def optional(self, member: Any) -> st.SearchStrategy[Any]:
+        value = self.value(member.value)
+        return st.none() | value if member.is_optional else value
+
+    def value(self, value: Any) -> st.SearchStrategy[Any]:
+        if isinstance(value, Bits):
+            subs = self.bits[value.python_type].sub_fields
+            numbers = {sub.attribute: fixed(sub.value) for sub in subs}
+            return st.builds(self.nested(value.python_type), **numbers)
+        if isinstance(value, Fixed):
+            return fixed(value)
+        if value.kind == "blob":
+            upper = min(value.upper, value.lower + 9)
+            if value.is_text:
+                return st.text(LATIN1, min_size=value.lower, max_size=upper)
+            return st.binary(min_size=value.lower, max_size=upper)
+        if value.kind == "list":
+            upper = min(value.upper, value.lower + 2)
+            return st.lists(self.value(value.element), min_size=value.lower, max_size=upper)
+        if value.kind == "array":
+            return st.lists(self.value(value.element), min_size=value.count, max_size=value.count)
+        if value.kind == "variant":
+            return st.one_of(
+                self.container(option.part, self.nested(option.part.path))
+                for option in value.options
+            )
+        return self.part(value.part)
+
+    def part(self, part: ContainerClass | VariableFieldClass) -> st.SearchStrategy[Any]:
+        cls = self.nested(part.path)
+        if isinstance(part, VariableFieldClass):
+            return st.one_of(
+                st.builds(cls, st.just(each.index), fixed(each.value)) for each in part.alternatives
+            )
+        return self.container(part, cls)
+
+    def nested(self, path: str) -> Any:
+        return getattr(self.cls, path.rpartition(".")[2])
+
+
+def fixed(value: Fixed) -> st.SearchStrategy[Any]:
+    """Returns legal values of one wire item."""
+    if value.python_type == "str":
+        return st.text(LATIN1, max_size=int(value.limits[0]))
+    if value.check == "one_of":
+        pairs = re.findall(r"\((-?\d+), (-?\d+)\)", value.limits[0])
+        return st.one_of(st.integers(int(low), int(high)) for low, high in pairs)
+    if value.scale is not None:
+        return st.floats(*value.scale)
+    if value.check == "real":
+        width = 32 if value.format == "f" else 64
+        return st.floats(-1.0, 1.0, width=width).filter(
+            lambda x: float(value.limits[0]) <= x <= float(value.limits[1])
+        )
+    return st.integers(int(value.limits[0]), int(value.limits[1]))

@@ -1,0 +1,47 @@
+"""The runtime's own messages are what the generator makes of the library."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import TYPE_CHECKING
+
+from codec_support import ROOT, library
+
+from jausml.generators.common.components import CORE_MESSAGES
+from jausml.runtime import core_messages
+from jausml.runtime.message import Message
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+
+def tool(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_module_is_up_to_date() -> None:
+    build = tool("build_core_messages")
+    assert build.OUTPUT.read_text("utf-8") == build.build()
+
+
+def test_the_module_has_every_message_of_the_core_services() -> None:
+    views, _, _ = library("core-v1.1")
+    expected = {view.jaus_name: view.code for view in views}
+    classes = {
+        name: cls.CODE
+        for name, cls in vars(core_messages).items()
+        if isinstance(cls, type) and issubclass(cls, Message) and cls is not Message
+    }
+    assert classes == expected == CORE_MESSAGES
+
+
+def test_messages_of_core_1_0_are_the_same() -> None:
+    newer = {view.jaus_name: view for view in library("core-v1.1")[0]}
+    for view in library("core-v1.0")[0]:
+        assert view.body.segments == newer[view.jaus_name].body.segments
+        assert view.code == newer[view.jaus_name].code
