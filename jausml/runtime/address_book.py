@@ -38,7 +38,7 @@ class _Entry:
     def __init__(self, endpoint: Endpoint, heard: float) -> None:
         self.endpoint = endpoint
         self.heard = heard
-        self.asked = heard
+        self.asked = -math.inf
 
 
 class AddressBook:

@@ -38,8 +38,8 @@ class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
     A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up
-    after ``acknowledge_retries`` repetitions. Callable from any thread; results are reported on
-    the loop's thread.
+    after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast.
+    Callable from any thread; results are reported on the loop's thread.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Outbox:
         settings: TransportSettings,
         loop: Loop,
         transmit: Callable[[Packet], bool],
-        give_up: Callable[[JausAddress], None],
+        suspect: Callable[[JausAddress], None],
     ) -> None:
         """Start with nothing to wait for.
 
@@ -55,12 +55,12 @@ class Outbox:
             settings: Time-out and number of repetitions.
             loop: Runs the time-outs.
             transmit: Puts a packet on the network.
-            give_up: Told the destination that did not acknowledge.
+            suspect: Told the destination before the last repetition, which may thus search for it.
         """
         self._settings = settings
         self._loop = loop
         self._transmit = transmit
-        self._give_up = give_up
+        self._suspect = suspect
         self._lock = threading.Lock()
         self._waiting: dict[tuple[JausAddress, int], _Waiting] = {}
 
@@ -134,13 +134,14 @@ class Outbox:
                 self._wait_for(waiting)
             else:
                 del self._waiting[key]
+        if waiting.repetitions == self._settings.acknowledge_retries:
+            self._suspect(packet.destination)
         if repeat:
             self._loop.counters.add("judp.repeated")
             self._transmit(packet)
-            return
-        self._loop.counters.count("judp.unacknowledged", f"{packet.destination}")
-        self._give_up(packet.destination)
-        self._report(waiting, acknowledged=False)
+        else:
+            self._loop.counters.count("judp.unacknowledged", f"{packet.destination}")
+            self._report(waiting, acknowledged=False)
 
     def _report(self, waiting: _Waiting, *, acknowledged: bool) -> None:
         if waiting.on_result is not None:

@@ -12,6 +12,7 @@ from .packet import AckNak, Broadcast, DataFlags, Packet
 if TYPE_CHECKING:
     from .address import JausAddress
     from .loop import Loop
+    from .packet import Priority
     from .settings import Endpoint, TransportSettings
     from .shared_port import SharedPort
 
@@ -45,29 +46,44 @@ class Sender:
         with self._socket_lock:
             self._port.close()
 
-    def refusal(self, draft: Packet) -> str:
-        """Return the counter of what forbids to send, if anything does."""
-        size = len(draft.payload)
-        if draft.destination.is_wildcard:
+    def refusal(self, destination: JausAddress, size: int) -> str:
+        """Return the counter of what forbids to send so many bytes, if anything does."""
+        if destination.is_wildcard:
             # Peers do not reassemble broadcasts (Junior refuses to send them).
             return "judp.broadcast_too_large" if size > self._fragment_size else ""
-        if not draft.destination.is_concrete:
+        if not destination.is_concrete:
             return "judp.bad_destination"
         if size > self._fragment_size * _MAX_FRAGMENTS:
             return "judp.message_too_large"
         return ""
 
-    def number(self, draft: Packet) -> list[Packet]:
+    def packets(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        priority: Priority,
+        acknowledge: AckNak,
+    ) -> list[Packet]:
         """Return the packets of a message with their sequence numbers."""
-        step = self._fragment_size
-        size = len(draft.payload)
-        if size <= step:
-            return [draft._replace(sequence=self.reserve(draft.source, 1))]
-        parts = [draft.payload[start : start + step] for start in range(0, size, step)]
+        step, none = self._fragment_size, Broadcast.NONE
+        if len(payload) <= step:
+            number = self.reserve(source, 1)
+            return [Packet(destination, source, payload, number, priority, none, acknowledge)]
+        parts = [payload[start : start + step] for start in range(0, len(payload), step)]
         flags = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (len(parts) - 2), DataFlags.LAST]
-        first = self.reserve(draft.source, len(parts))
+        first = self.reserve(source, len(parts))
         return [
-            draft._replace(payload=part, sequence=first + index & 0xFFFF, data_flags=flag)
+            Packet(
+                destination,
+                source,
+                part,
+                first + index & 0xFFFF,
+                priority,
+                none,
+                acknowledge,
+                flag,
+            )
             for index, (part, flag) in enumerate(zip(parts, flags, strict=True))
         ]
 

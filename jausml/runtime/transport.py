@@ -12,13 +12,7 @@ from .outbox import Outbox
 from .packet import AckNak, DataFlags, Packet, Priority, parse_datagram
 from .reassembly import Reassembly
 from .sender import Sender
-from .shared_port import (
-    SharedPort,
-    forwarded_frame,
-    present_frame,
-    read_forwarded,
-    read_present,
-)
+from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
 
 if TYPE_CHECKING:
     import socket
@@ -207,21 +201,22 @@ class JudpTransport:
             raise ValueError(f"{source} does not name one component")
         if len(payload) < _MESSAGE_CODE_SIZE:
             raise ValueError("a payload begins with a message code of two bytes")
-        wanted = AckNak.REQUESTED if acknowledge else AckNak.NONE
-        draft = Packet(destination, source, bytes(payload), 0, priority, acknowledge=wanted)
-        refusal = self._sender.refusal(draft)
+        payload = bytes(payload)
+        refusal = self._sender.refusal(destination, len(payload))
         if refusal:
             self.counters.count(refusal, f"{len(payload)} bytes from {source} to {destination}")
             self._report(on_result, success=False)
-        elif destination in self._receivers:
-            sequence = self._sender.reserve(source, 1)
-            self._send_here(draft._replace(sequence=sequence), on_result)
-        else:
-            packets = self._sender.number(draft)
-            if destination.is_wildcard and self._receivers_of(draft):
-                self._send_here(packets[0], on_result)
-                on_result = None
-            self._send_out(packets, on_result)
+            return
+        if destination in self._receivers:
+            number = self._sender.reserve(source, 1)
+            self._send_here(Packet(destination, source, payload, number, priority), on_result)
+            return
+        wanted = AckNak.REQUESTED if acknowledge else AckNak.NONE
+        packets = self._sender.packets(source, destination, payload, priority, wanted)
+        if destination.is_wildcard and self._receivers_of(packets[0]):
+            self._send_here(packets[0], on_result)
+            on_result = None
+        self._send_out(packets, on_result)
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
         """Deliver to components of this process, in the next round of the loop."""

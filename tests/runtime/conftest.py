@@ -76,6 +76,7 @@ class Peer:
             socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + interface
         )
         self.counters = Counters()
+        self.answered_from = ("", 0)
 
     @property
     def endpoint(self) -> tuple[str, int]:
@@ -101,6 +102,7 @@ class Peer:
         data, sender = sock.recvfrom(65535)
         while sender == self.endpoint:
             data, sender = sock.recvfrom(65535)
+        self.answered_from = sender
         (packet,) = parse_datagram(data, self.counters)
         return packet
 

@@ -24,6 +24,14 @@ def test_a_number_may_come_back_after_the_window() -> None:
     assert window.is_duplicate(A, 5, 5.9)
 
 
+def test_a_number_that_came_back_is_among_the_latest() -> None:
+    window = DuplicateWindow(seconds=3.0, history=2)
+    for number, now in ((1, 0.0), (2, 1.0), (1, 3.0), (3, 3.0)):
+        assert not window.is_duplicate(A, number, now)
+    assert window.is_duplicate(A, 1, 3.1)
+    assert not window.is_duplicate(A, 2, 3.1)
+
+
 def test_only_the_latest_numbers_of_a_source_are_remembered() -> None:
     window = DuplicateWindow(history=3)
     for number in range(4):

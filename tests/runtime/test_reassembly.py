@@ -79,6 +79,30 @@ def test_neighbouring_messages_are_not_joined(reassembly: Reassembly) -> None:
     assert reassembly.add(one[1], 0.0) == whole(one)
 
 
+def test_a_stray_fragment_after_the_last_one_is_no_part_of_the_message(
+    reassembly: Reassembly,
+) -> None:
+    first, last = fragments(2, 9)
+    stray = last._replace(sequence=11, data_flags=DataFlags.MIDDLE)
+    assert [reassembly.add(packet, 0.0) for packet in (last, stray, first)] == [
+        None,
+        None,
+        whole([first, last]),
+    ]
+
+
+def test_an_active_source_outlasts_the_others(counters: Counters) -> None:
+    reassembly = Reassembly(3.0, 1 << 16, counters)
+    stream = fragments(50, 0)
+    for subsystem, packet in enumerate(stream[:-1], start=1):
+        reassembly.add(packet, 0.0)
+        for component in range(1, 20):
+            source = JausAddress(subsystem, 2, component)
+            reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
+    assert counters.snapshot()["judp.reassembly_overflow"] > 100
+    assert reassembly.add(stream[-1], 0.0) == whole(stream)
+
+
 def test_a_repeated_fragment_changes_nothing(reassembly: Reassembly) -> None:
     stream = fragments(3, 10)
     for packet in (stream[0], stream[0], stream[1], stream[1]):

@@ -110,6 +110,7 @@ def test_the_owner_forwards_to_the_process_that_is_meant(process, peer) -> None:
     b = process(B)
     assert ask(peer, A, 1).payload == b"\x00\xd0hi"
     assert ask(peer, B, 2).payload == b"\x00\xd0hi"
+    assert peer.answered_from == ("127.0.0.1", b.port)  # straight, not back through the owner
     assert b.expect("got") == f"got {PEER} {B} 02406869"
 
 
