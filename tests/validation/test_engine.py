@@ -43,10 +43,16 @@ def test_what_could_not_be_read_causes_no_findings_of_rules(mutation, tmp_path):
     assert all(each < "JML3" for each in rules)
 
 
+# Reproduced as published: CBRNDetection has 14 optional members under an 8-bit presence vector, and
+# CBDetailedMeasurement and RNDetailedMeasurement share the code 0xF932.
+FAULTS_OF_PUBLISHED_SETS = {("iop.xmi", "JML312"), ("iop.xmi", "JML323")}
+
+
 def test_shipped_models_keep_all_rules():
     models = sorted(MODELS.rglob("*.xmi"))
     assert len(models) > 5
-    assert validate(models).diagnostics == ()
+    found = {(Path(each.location.path).name, each.rule) for each in validate(models).diagnostics}
+    assert found == FAULTS_OF_PUBLISHED_SETS
 
 
 def test_all_shipped_services_fit_into_one_component(tmp_path):
