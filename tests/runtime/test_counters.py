@@ -62,3 +62,11 @@ def test_a_snapshot_is_a_sorted_copy() -> None:
     snapshot = counters.snapshot()
     snapshot["a"] = 99
     assert list(counters.snapshot().items()) == [("a", 1), ("b", 1)]
+
+
+def test_drops_are_told_apart_from_traffic() -> None:
+    counters = Counters()
+    counters.add("judp.sent")
+    counters.count("judp.truncated")
+    counters.count("judp.bad_version")
+    assert list(counters.drops().items()) == [("judp.bad_version", 1), ("judp.truncated", 1)]
