@@ -137,8 +137,7 @@ def fill_in(file, replacements):
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory):
     out = tmp_path_factory.mktemp("talk")
-    artifacts = gen.render(read_models([MODEL]).model, [ROS_NODE, BRINGUP])
-    gen.apply(gen.make_plan(artifacts, out, gen.read_manifest(out), targets=None))
+    generate(out)
     fill_in(out / "talker" / "talker" / "talker.py", TALKER)
     fill_in(out / "listener" / "listener" / "listener.py", LISTENER)
     return out
@@ -155,6 +154,12 @@ def start(workspace):
     yield begin
     for process in processes:
         process.close()
+
+
+def generate(out):
+    artifacts = gen.render(read_models([MODEL]).model, [ROS_NODE, BRINGUP])
+    gen.apply(gen.make_plan(artifacts, out, gen.read_manifest(out), targets=None))
+    return out
 
 
 def test_nodes_talk_by_topics_and_services(start, workspace):
@@ -186,3 +191,43 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(start):
     listener.wait_for("incompatible QoS.*RELIABILITY")
     heard = start("listener", *arguments)
     heard.wait_for("^word hello$")
+
+
+# The signal comes while the callback runs, which then publishes in a ROS that is no more.
+INTERRUPTED = """\
+        os.kill(os.getpid(), signal.SIGTERM)
+        end = time.monotonic() + 20
+        while ok() and time.monotonic() < end:
+            time.sleep(0.001)
+        assert not ok()
+        self.publish_word(String())
+"""
+MODULES = """\
+import os, signal, time
+from rclpy.utilities import ok
+from std_msgs.msg import String
+from .talker_base import TalkerBase
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "code"),
+    [(INTERRUPTED, 0), ("        raise RuntimeError('a mistake of the user')\n", 1)],
+    ids=["interrupted", "failed"],
+)
+def test_only_a_failure_of_the_user_is_one(body, code, tmp_path):
+    workspace = generate(tmp_path)
+    replacements = {
+        "from .talker_base import TalkerBase\n": MODULES,
+        "        super().on_timer()\n": body,
+    }
+    fill_in(workspace / "talker" / "talker" / "talker.py", replacements)
+    process = Process(workspace, "talker")
+    try:
+        assert process.popen.wait(PATIENCE) == code
+        process.reader.join(PATIENCE)
+        output = "".join(iter(process.fresh.get, None))
+    finally:
+        process.close()
+    assert ("a mistake of the user" in output) is (code == 1)
+    assert ("Traceback" in output) is (code == 1), output
