@@ -29,6 +29,7 @@ GUARD_TEXTS = {
     "CONTROLLED": "from the controller",
     "READY": "from the controller while the component is Ready",
 }
+_FIRST_QUERY = 0x2000
 _DEFINITION = 4
 _BODY = 8
 
@@ -207,7 +208,8 @@ def guard_of(message: Any, service: Any) -> str:
         message: The `jaus.MessageDef`.
         service: The `jaus.Service` that takes it.
     """
-    if not message.isCommand:
+    # Codes below 2000h are of the command class; the JSIDL of ExecuteList forgets to say so.
+    if not message.isCommand and int(str(message.code), 16) >= _FIRST_QUERY:
         return "ANY"
     if inherits(service, "Management") and message.name not in STANDBY_MESSAGES:
         return "READY"

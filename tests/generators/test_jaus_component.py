@@ -1,0 +1,137 @@
+"""Packages of JAUS components: what is in them, and that they run."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from codec_support import ROOT
+
+from jausml.generation.artifact import Artifact, Kind
+from jausml.generation.engine import render
+from jausml.generators.jaus_component.target import TARGET
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+
+HERE = Path(__file__).parent
+MODEL = HERE / "components.xmi"
+PACKAGES = ["wrench_driver", "operator_jaus", "nothing_at_all"]
+
+
+def artifacts() -> list[Artifact]:
+    result = read_models([MODEL], project_root=ROOT)
+    assert not result.diagnostics, result.diagnostics
+    return render(result.model, [TARGET, RUNTIME])
+
+
+def texts() -> dict[str, str]:
+    return {artifact.path: artifact.text for artifact in artifacts()}
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("workspace")
+    for artifact in artifacts():
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, "utf-8")
+    return folder
+
+
+def run(*command: str, cwd: Path, workspace: Path) -> None:
+    path = os.pathsep.join(str(workspace / name) for name in [*PACKAGES, "jausml_runtime"])
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_is_an_ament_python_package(package: str) -> None:
+    files = {path.removeprefix(f"{package}/") for path in texts() if path.startswith(f"{package}/")}
+    assert files == {
+        "package.xml",
+        "setup.py",
+        "setup.cfg",
+        f"resource/{package}",
+        f"{package}/__init__.py",
+        f"{package}/py.typed",
+        f"{package}/messages.py",
+        f"{package}/{package}_base.py",
+        f"{package}/{package}.py",
+        f"{package}/main.py",
+        f"test/test_{package}.py",
+    }
+
+
+def test_only_the_skeleton_is_the_users() -> None:
+    skeletons = [a.path for a in artifacts() if a.kind is Kind.SKELETON]
+    assert skeletons == sorted(f"{package}/{package}/{package}.py" for package in PACKAGES)
+
+
+def test_messages_are_those_of_services_and_connections() -> None:
+    driver = texts()["wrench_driver/wrench_driver/messages.py"]
+    client = texts()["operator_jaus/operator_jaus/messages.py"]
+    for name in ("SetWrenchEffort", "ReportLocalPose", "ExecuteList"):
+        assert f"class {name}(Message)" in driver
+    assert "class SetElement(Message)" not in driver
+    assert "class ReportLocalPose(Message)" in client
+    assert "class ExecuteList(Message)" not in client
+
+
+def test_commands_are_obeyed_as_the_service_demands() -> None:
+    base = texts()["wrench_driver/wrench_driver/wrench_driver_base.py"]
+    flat = " ".join(base.split())
+    assert "self.handle(SetWrenchEffort, self.on_set_wrench_effort, when=Guard.READY)" in flat
+    assert "self.handle(SetLocalPose, self.on_set_local_pose, when=Guard.CONTROLLED)" in flat
+    assert "self.handle(SetElement, self.on_set_element, when=Guard.CONTROLLED)" in flat
+    assert "self.handle(ExecuteList, self.on_execute_list, when=Guard.READY)" in flat
+    assert "self.provide(QueryTime, ReportTime, self.report_time)" in flat
+    assert "RequestControl" not in flat
+
+
+def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> None:
+    (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
+    assert skeleton.contract is not None
+    names = [method.name for method in skeleton.contract.methods]
+    assert len(set(names)) == len(names)
+    assert {"on_set_wrench_effort", "report_wrench_effort", "report_time"} <= set(names)
+    for method in skeleton.contract.methods:
+        assert f"    def {method.name}(" in skeleton.text
+        assert method.stub in skeleton.text
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_ruff_finds_nothing(workspace: Path, package: str) -> None:
+    config = ["--config", str(ROOT / "pyproject.toml")]
+    # A skeleton imports what its user will need, and tests assert.
+    ignore = ["--ignore", "S101,TC001,TC002,TC003"]
+    folder = workspace / package
+    run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
+    run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+
+
+def test_mypy_finds_nothing(workspace: Path) -> None:
+    packages = [argument for package in PACKAGES for argument in ("-p", package)]
+    run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_generated_tests_pass(workspace: Path, package: str) -> None:
+    run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
+
+
+def test_components_exchange_commands_and_reports(workspace: Path) -> None:
+    run(str(HERE / "exchange.py"), cwd=workspace, workspace=workspace)
+
+
+def test_the_executable_explains_itself(workspace: Path) -> None:
+    run("-m", "wrench_driver.main", "--help", cwd=workspace, workspace=workspace)

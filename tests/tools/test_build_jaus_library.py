@@ -1,0 +1,145 @@
+"""The tool that writes the library: from facts to models that our reader takes as they are."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from jausml.model import read_models
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+ROOT = Path(__file__).resolve().parents[2]
+LIBRARY = ROOT / "models" / "library" / "jaus"
+FACTS = ROOT.parent / "shared" / "reference" / "jaus_services.json"
+
+NUMBER = {"kind": "fixed_field", "name": "N", "type": "u16", "units": "meter  per\n second"}
+SMALL: dict[str, Any] = {
+    "sets": {
+        "core-v1.0": [
+            {
+                "name": "Base",
+                "urn": "urn:base",
+                "version": "1.0",
+                "inherits": None,
+                "input": [],
+                "output": [],
+            }
+        ],
+        "mobility": [
+            {
+                "name": "Derived",
+                "urn": "urn:derived",
+                "version": "1.0",
+                "inherits": {"urn": "urn:base", "version": "1.0"},
+                "input": [
+                    {
+                        "name": "SetIt",
+                        "id": "4ab",
+                        "command": True,
+                        "body": {
+                            "fields": [
+                                {
+                                    "kind": "record",
+                                    "name": 'A "quoted" <name>',
+                                    "presence_vector": "u8",
+                                    "fields": [
+                                        {**NUMBER, "optional": True},
+                                        {
+                                            "kind": "array",
+                                            "name": "Grid",
+                                            "dimensions": [{"size": 2}, {"size": 3}],
+                                            "fields": [NUMBER],
+                                        },
+                                        {
+                                            **NUMBER,
+                                            "name": "Choice",
+                                            "values": [
+                                                {"index": 0, "name": "none"},
+                                                {
+                                                    "range": ["1", "9"],
+                                                    "bounds": ["inclusive", "exclusive"],
+                                                },
+                                            ],
+                                        },
+                                    ],
+                                }
+                            ]
+                        },
+                    }
+                ],
+                "output": [],
+            }
+        ],
+    }
+}
+
+
+@pytest.fixture
+def tool() -> ModuleType:
+    path = ROOT / "tools" / "build_jaus_library.py"
+    spec = importlib.util.spec_from_file_location("build_jaus_library", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_facts_arrive_in_the_model(
+    tool: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    facts = tmp_path / "facts.json"
+    facts.write_text(json.dumps(SMALL), "utf-8")
+    assert tool.main([str(facts), str(tmp_path / "out")]) == 0
+    assert "mobility.xmi" in capsys.readouterr().out
+    result = read_models([tmp_path / "out" / "mobility.xmi"])
+    assert not result.diagnostics
+    (derived,) = (s for s in result.model.instances("jaus.Service") if s.name == "Derived")
+    assert derived.inherits.name == "Base"
+    (message,) = derived.inputs
+    assert (message.code, message.isCommand) == ("0x04AB", True)
+    assert message.body.name == 'A "quoted" <name>'
+    assert message.body.presenceVector.name == "uint8"
+    number, grid, choice = message.body.fields
+    assert (number.optional, number.type.name, number.units) == (True, "uint16", "meter per second")
+    assert list(grid.dimensions) == [2, 3]
+    enumerated, interval = choice.values.values
+    assert (enumerated.name, enumerated.value) == ("none", 0)
+    assert (interval.lower, interval.upper, interval.upperInclusive) == (1.0, 9.0, False)
+
+
+def test_the_same_facts_give_the_same_bytes(tool: ModuleType) -> None:
+    assert tool.build(SMALL) == tool.build(json.loads(json.dumps(SMALL)))
+
+
+def test_wrong_arguments_show_the_usage(
+    tool: ModuleType, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert tool.main([]) == 2
+    assert "Usage" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("path", sorted(LIBRARY.glob("*.xmi")), ids=lambda path: path.name)
+def test_the_shipped_library_has_no_problem(path: Path) -> None:
+    result = read_models([path])
+    assert not result.diagnostics
+    services = list(result.model.instances("jaus.Service"))
+    assert services
+    for service in services:
+        codes = [message.code for message in [*service.inputs, *service.outputs]]
+        assert len(set(codes)) == len(codes)
+
+
+@pytest.mark.skipif(not FACTS.exists(), reason="the facts are absent")
+def test_the_shipped_library_is_what_the_facts_say(tool: ModuleType) -> None:
+    texts = tool.build(json.loads(FACTS.read_text("utf-8")))
+    for path in LIBRARY.glob("*.xmi"):
+        assert path.read_text("utf-8") == texts[path.name]
