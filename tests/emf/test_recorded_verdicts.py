@@ -41,7 +41,8 @@ def test_every_example_was_saved_again() -> None:
 def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
     """Generates a model of a models folder; returns the files by relative path."""
     model = models / place
-    command = [sys.executable, "-m", "jausml", "generate", str(model), "-o", str(out)]
+    verb = [sys.executable, "-m", "jausml", "generate"]
+    command = [*verb, str(model), "-o", str(out), "--project-root", str(models)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=100)
     assert result.returncode == 0, result.stderr
     return {
