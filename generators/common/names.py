@@ -7,13 +7,9 @@ keyword, hides no builtin and none of the names that the generated code itself u
 from __future__ import annotations
 
 import keyword
-import re
 import sys
 
-MAXIMUM_LENGTH = 60
-
-_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
-_NOT_NAME = re.compile("[^A-Za-z0-9]+")
+from jausml.model import words as split
 
 
 def _names(text: str) -> frozenset[str]:
@@ -82,24 +78,13 @@ RESERVED_CLASSES = _names(
 )
 
 
-def words(name: str) -> list[str]:
-    """Returns the words of a name: at capitals, digits stay with the word before them.
-
-    Args:
-        name: Any text, e.g. `PropulsiveLinearEffortX` or `Velocity_X`.
-    """
-    return [
-        word for part in _NOT_NAME.split(name) for word in _WORD_START.split(part) if word != ""
-    ]
-
-
 def snake_case(name: str) -> str:
     """Returns an attribute, argument or module name, e.g. `request_id` for RequestID.
 
     Args:
         name: Any text.
     """
-    text = "_".join(word.lower() for word in words(name))[:MAXIMUM_LENGTH].rstrip("_") or "unnamed"
+    text = split.snake_case(name) or "unnamed"
     if text[0].isdigit():
         text = f"n{text}"
     return f"{text}_" if keyword.iskeyword(text) or text in _BUILTIN_FUNCTIONS else text
@@ -111,8 +96,8 @@ def class_name(name: str) -> str:
     Args:
         name: Any text.
     """
-    parts = [part for part in _NOT_NAME.split(name) if part]
-    text = "".join(part[0].upper() + part[1:] for part in parts)[:MAXIMUM_LENGTH] or "Unnamed"
+    capital = "".join(part[0].upper() + part[1:] for part in split.parts(name))
+    text = capital[: split.LONGEST] or "Unnamed"
     if text[0].isdigit():
         text = f"N{text}"
     return f"Jaus{text}" if text in _BUILTIN_CLASSES else text
@@ -124,7 +109,7 @@ def constant_name(name: str) -> str:
     Args:
         name: Any text.
     """
-    text = "_".join(words(name)).upper()[:MAXIMUM_LENGTH].rstrip("_") or "UNNAMED"
+    text = "_".join(split.words(name)).upper()[: split.LONGEST].rstrip("_") or "UNNAMED"
     return f"N{text}" if text[0].isdigit() else text
 
 

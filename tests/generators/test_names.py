@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.generators.common import names
+from jausml.model.words import LONGEST
 
 
 @pytest.mark.parametrize(
@@ -90,7 +91,7 @@ def test_every_text_gives_valid_names(text: str) -> None:
         assert not keyword.iskeyword(name)
         assert not name.startswith("_")
         assert not hasattr(builtins, name)
-        assert len(name) <= names.MAXIMUM_LENGTH + 6
+        assert len(name) <= LONGEST + 6
     assert names.package_name(text) not in sys.stdlib_module_names
 
 

@@ -6,10 +6,9 @@ import keyword
 import re
 import sys
 
+from jausml.model.words import snake_case
+
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
-_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
-_NOT_NAME = re.compile("[^A-Za-z0-9]+")
-_LONGEST = 60
 _DEVICES = frozenset(
     {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 )
@@ -32,17 +31,6 @@ _TOOLING = frozenset(
 def is_identifier(name: str) -> bool:
     """Tells whether a name is of letters, digits and underscores and starts with a letter."""
     return _IDENTIFIER.fullmatch(name) is not None
-
-
-def snake_case(name: str) -> str:
-    """Returns a name as it becomes an attribute or a module, to find names that collide.
-
-    Args:
-        name: Any text, e.g. `Velocity_X`; the result is empty when it has no letter or digit.
-    """
-    parts = (part for part in _NOT_NAME.split(name) if part)
-    words = (word.lower() for part in parts for word in _WORD_START.split(part))
-    return "_".join(words)[:_LONGEST].rstrip("_")
 
 
 def package_key(name: str) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.names import is_identifier, package_key, snake_case, taken
+from jausml.model.words import snake_case
+from jausml.validation.facts.names import is_identifier, package_key, taken
 from jausml.validation.facts.services import lineage
 from jausml.validation.rule import Finding, Note, rule
 

@@ -1,0 +1,38 @@
+"""The words of a name, as generated code and the checks of names split it."""
+
+from __future__ import annotations
+
+import re
+
+LONGEST = 60
+"""Characters to which names of generated code are cut."""
+
+_WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
+_NOT_NAME = re.compile("[^A-Za-z0-9]+")
+
+
+def parts(name: str) -> list[str]:
+    """Returns what stands between characters that no name can have.
+
+    Args:
+        name: Any text.
+    """
+    return [part for part in _NOT_NAME.split(name) if part]
+
+
+def words(name: str) -> list[str]:
+    """Returns the words of a name: at capitals, digits stay with the word before them.
+
+    Args:
+        name: Any text, e.g. `PropulsiveLinearEffortX` or `Velocity_X`.
+    """
+    return [word for part in parts(name) for word in _WORD_START.split(part) if word]
+
+
+def snake_case(name: str) -> str:
+    """Returns the words in small letters, joined by underscores; empty without any word.
+
+    Args:
+        name: Any text.
+    """
+    return "_".join(words(name)).lower()[:LONGEST].rstrip("_")
