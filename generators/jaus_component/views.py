@@ -327,17 +327,15 @@ class ComponentView:
 
         Args:
             body: The text below them.
-            for_user: Whether names for annotations are imported plainly too: the user of a
-                skeleton will soon need them for more.
+            for_user: Whether it is the skeleton. Names for annotations are imported plainly
+                there: its user will soon need them for more.
         """
         core = [v.class_name for e, v in self._messages.items() if components.is_core_message(e)]
         runtime = {**_RUNTIME_NAMES, "jausml_runtime.core_messages": core}
+        own = {".messages": [view.class_name for view in self.messages]}
         if for_user:
             runtime["jausml_runtime.transport"] = ("Transport",)
-        own = {
-            ".messages": [view.class_name for view in self.messages],
-            f".{self.package}_base": (self.base_name,),
-        }
+            own[f".{self.package}_base"] = ["ADDRESS", "SETTINGS", self.base_name]
         return imports.statements(body, runtime, own)
 
     def contract(self) -> SkeletonContract:
