@@ -120,6 +120,23 @@ def text(value: str, before: str, after: str, column: int = 0) -> str:
     return "\n".join([f"{before}(", *(_INDENT + python_string(p) for p in pieces), f"){after}"])
 
 
+def hexadecimal(name: str, data: bytes, column: int = 0) -> str:
+    """Returns a tuple of a name and the digits of some bytes, in lines when they are many.
+
+    Args:
+        name: The name.
+        data: The bytes.
+        column: Column at which it will stand; the lines themselves begin at 0.
+    """
+    line = f'("{name}", "{data.hex()}"),'
+    if len(line) + column <= LINE_WIDTH:
+        return line
+    digits = textwrap.wrap(data.hex(" ", -4), LINE_WIDTH - column - len(_INDENT))
+    return "\n".join(
+        ["(", *(_INDENT + text for text in (f'"{name}",', '"""', *digits, '""",')), "),"]
+    )
+
+
 def call(function: str, arguments: Sequence[Expression]) -> Call:
     """Returns a call, for templates.
 

@@ -40,6 +40,7 @@ class JausComponentTarget:
                 element_id=view.element_id,
                 source=source,
                 description=view.documentation,
+                element=view.component,
                 dependencies=("jausml_runtime",),
                 executables=((view.package, f"{view.package}.main"),),
             )

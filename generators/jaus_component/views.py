@@ -11,7 +11,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generators.common import components, imports, names
 from jausml.generators.common.docs import clean, docstring, sentence
-from jausml.generators.common.layout import Call, statement, text
+from jausml.generators.common.layout import Call, hexadecimal, statement, text
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.message_examples import example_bytes
 from jausml.generators.jaus_component.handlers import (
@@ -135,9 +135,9 @@ class ComponentView:
         return tuple(dict.fromkeys(own))
 
     @property
-    def examples(self) -> tuple[tuple[str, str], ...]:
-        """Class names of the package's messages, and bytes of an example in hexadecimal."""
-        return tuple((view.class_name, example_bytes(view).hex()) for view in self.messages)
+    def examples(self) -> tuple[str, ...]:
+        """Class name and bytes of an example of each message of the package, as tuples."""
+        return tuple(hexadecimal(v.class_name, example_bytes(v), 4) for v in self.messages)
 
     def _query_of(self, connection: Any) -> Any:
         if connection.query is not None:
