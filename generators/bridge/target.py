@@ -35,6 +35,7 @@ class BridgeTarget:
                 element_id=bridge.element_id,
                 source=source,
                 description=bridge.documentation,
+                element=bridge.bridge,
                 dependencies=bridge.dependencies,
                 executables=((bridge.package, f"{bridge.package}.main"),),
             )

@@ -67,6 +67,7 @@ def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
     }
     if process.speaks_ros:
         entry["parameters"] = f"{bringup.name}/config/{process.name}.yaml"
+        entry["domain"] = bringup.system.rosDomain
     return entry
 
 

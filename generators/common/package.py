@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.engine import ArtifactTask, FileTask, TextFile, TextTask, templates_beside
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -51,12 +51,16 @@ class PackageView:
     has_own_init: bool = False
 
 
-def package_view(system: Any, name: str, **attributes: Any) -> PackageView:
+def package_view(
+    system: Any, name: str, *, dependencies: Iterable[str], element: Any = None, **attributes: Any
+) -> PackageView:
     """Returns the package of an element of a system, with the system's version and maintainer.
 
     Args:
         system: The `system.System`.
         name: Package name.
+        dependencies: Packages that the generated code needs at run time.
+        element: The component or node; what its skeleton needs joins the dependencies.
         **attributes: The other attributes of PackageView; they precede what the system says.
     """
     metadata = {
@@ -65,7 +69,10 @@ def package_view(system: Any, name: str, **attributes: Any) -> PackageView:
         "maintainer_email": system.maintainerEmail,
         "license": system.license,
     }
-    return PackageView(name=name, **{**metadata, **attributes})
+    needed = {*dependencies, *(element.dependencies if element is not None else ())}
+    return PackageView(
+        name=name, dependencies=tuple(sorted(needed)), **{**metadata, **attributes}
+    )
 
 
 def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:

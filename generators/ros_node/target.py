@@ -34,6 +34,7 @@ class RosNodeTarget:
                 element_id=node.element_id,
                 source=source,
                 description=node.description,
+                element=node.node,
                 dependencies=node.dependencies,
                 executables=((node.package, f"{node.package}.main"),),
             )

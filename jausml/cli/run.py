@@ -35,8 +35,9 @@ _ROS_KINDS = frozenset({"bridge", "node"})
 def command(out: str, only: tuple[str, ...], duration: float | None) -> None:
     """Start the processes of the generated workspace OUT, with each line marked by its process.
 
-    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on as it is. All
-    processes stop when one ends with an error, on Ctrl-C and on SIGTERM.
+    The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on as it is; the
+    modelled ROS domain is used when ROS_DOMAIN_ID is not set. All processes stop when one ends with
+    an error, on Ctrl-C and on SIGTERM.
 
     Exit status: 0 all ended well or were stopped, 1 a process failed, 2 OUT is no generated
     workspace or rclpy is missing, 3 internal error.
@@ -47,7 +48,7 @@ def command(out: str, only: tuple[str, ...], duration: float | None) -> None:
         _require_rclpy()
     supervisor = Supervisor(
         [_command(entry, folder) for entry in entries],
-        environment=_environment(folder),
+        environment=_environment(folder, max(entry.get("domain", 0) for entry in entries)),
         emit=click.echo,
     )
     if not supervisor.run(duration):
@@ -86,6 +87,7 @@ def _is_entry(entry: Any) -> bool:
         and isinstance(arguments, list)
         and all(isinstance(argument, str) for argument in arguments)
         and isinstance(entry.get("parameters", ""), str)
+        and isinstance(entry.get("domain", 0), int)
     )
 
 
@@ -117,11 +119,16 @@ def _command(entry: Mapping[str, Any], folder: Path) -> Command:
     return Command(entry["name"], (sys.executable, "-u", "-m", entry["module"], *arguments))
 
 
-def _environment(folder: Path) -> dict[str, str]:
-    """Returns our environment with the packages of the workspace on Python's path."""
+def _environment(folder: Path, domain: int) -> dict[str, str]:
+    """Returns our environment with the packages of the workspace on Python's path.
+
+    Args:
+        folder: The generated folder.
+        domain: The modelled ROS domain, unless ROS_DOMAIN_ID says otherwise.
+    """
     packages = sorted(
         str(package) for package in folder.iterdir() if (package / package.name).is_dir()
     )
     inherited = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
-    return {**os.environ, "PYTHONPATH": path}
+    return {"ROS_DOMAIN_ID": str(domain), **os.environ, "PYTHONPATH": path}

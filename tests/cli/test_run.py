@@ -255,3 +255,13 @@ def test_missing_rclpy_is_named(jausml, workspace, monkeypatch):
     assert result.exit_code == 2
     assert "pip install 'jausml[ros]'" in result.stderr
     assert jausml("run", workspace(kind="component", beta="print('two')")).exit_code == 0
+
+
+def test_modelled_domain_is_used_unless_the_environment_names_one(jausml, workspace, monkeypatch):
+    out = workspace(alpha="import os\nprint(os.environ['ROS_DOMAIN_ID'])")
+    entry = {"name": "alpha", "kind": "component", "module": "alpha.main", "domain": 7}
+    write_manifest(out, [entry])
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    assert jausml("run", out).stdout == "alpha | 7\n"
+    monkeypatch.setenv("ROS_DOMAIN_ID", "42")
+    assert jausml("run", out).stdout == "alpha | 42\n"

@@ -8,13 +8,14 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import setuptools
 from lxml import etree
 
 from jausml.generation import GenerationError
-from jausml.generators.common.package import PackageView
+from jausml.generators.common.package import PackageView, package_view
 from jausml.generators.common.system import source_of, system_of
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.runtime.target import TARGET as RUNTIME
@@ -214,3 +215,20 @@ def test_a_workspace_is_made_of_exactly_one_system():
     both = read_models([CASES / "talk.xmi", CASES / "hosts.xmi"]).model
     with pytest.raises(GenerationError, match="the model has 'talk', 'fleet'"):
         system_of(both)
+
+
+def test_what_the_users_code_needs_joins_the_dependencies() -> None:
+    system = SimpleNamespace(
+        version="1.0.0", maintainer="m", maintainerEmail="m@example.com", license="MIT"
+    )
+    element = SimpleNamespace(dependencies=["zlib", "catvehicle", "rclpy"])
+    view = package_view(
+        system,
+        "node",
+        dependencies=("std_msgs", "rclpy"),
+        element=element,
+        element_id="node:node",
+        source="model.xmi",
+        description="A node.",
+    )
+    assert view.dependencies == ("catvehicle", "rclpy", "std_msgs", "zlib")
