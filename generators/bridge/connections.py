@@ -16,6 +16,7 @@ from jausml.generators.common.assignments import (
     to_jaus,
     to_ros,
 )
+from jausml.generators.common.components import address_call, query_for, with_inherited
 from jausml.generators.common.layout import Call, signature, statement
 from jausml.generators.common.names import snake_case
 from jausml.generators.common.ros import RosType, ros_type
@@ -190,10 +191,7 @@ class ConnectionView:
     @property
     def peers(self) -> tuple[Call, ...]:
         """Addresses of the JAUS components at the other end."""
-        return tuple(
-            Call("JausAddress", tuple(str(int(part)) for part in peer.address.split(".")))
-            for peer in self.connection.peers
-        )
+        return tuple(map(address_call, self.connection.peers))
 
     @property
     def topics(self) -> tuple[Call, ...]:
@@ -292,18 +290,20 @@ def query_of(connection: Any) -> Any:
     """Returns the query for the report of a connection; None for single messages.
 
     Raises:
-        GenerationError: The service of the report has no such query.
+        GenerationError: Neither the service of the report nor another of the sender has one.
     """
     if connection.exchange.name == "message":
         return None
     if connection.query is not None:
         return connection.query
-    message = connection.map.message
-    wanted = message.name.replace("Report", "Query", 1)
-    for query in message.eContainer().inputs:
-        if query.name == wanted:
-            return query
-    raise GenerationError(f"connection '{connection.name}': no query {wanted} for {message.name}")
+    report = connection.map.message
+    to_ros = connection.direction.name == "jausToRos"
+    senders = connection.peers if to_ros else [connection.eContainer()]
+    services = with_inherited(service for sender in senders for service in sender.provides)
+    query = query_for(report, [report.eContainer(), *services])
+    if query is None:
+        raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
+    return query
 
 
 def argument(name: str, value: str | Call, column: int) -> str:

@@ -11,6 +11,12 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.connections import ConnectionView, argument, query_of
 from jausml.generators.bridge.examples import Example, example_of
+from jausml.generators.common.components import (
+    SUBSYSTEM_TYPES,
+    address_call,
+    service_identities,
+    transport_settings,
+)
 from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.message_builder import build_message, build_messages
 from jausml.generators.common.names import Scope, class_name, package_name, snake_case
@@ -20,14 +26,6 @@ if TYPE_CHECKING:
     from jausml.generators.common.messages import MessageView
 
 _ARGUMENT = 16
-SUBSYSTEM_TYPES = {
-    "vehicle": 10001,
-    "ocu": 20001,
-    "other": 30001,
-    "node": 40001,
-    "payload": 50001,
-    "component": 60001,
-}
 
 
 def _names(text: str) -> frozenset[str]:
@@ -160,23 +158,20 @@ class BridgeView:
         )
         return (
             ("name", python_string(self.name)),
-            ("address", address(bridge)),
+            ("address", address_call(bridge)),
             ("description", python_string(" ".join(self.documentation.split()))),
             ("namespace", python_string(bridge.namespace or "")),
             ("frequency", python_literal(float(bridge.frequency))),
             ("component_type", str(SUBSYSTEM_TYPES[bridge.type.name])),
             ("authority", str(bridge.authority)),
             ("component", component),
-            ("transport", self._transport()),
+            ("transport", transport_settings(self.system, bridge)),
         )
 
     @functools.cached_property
     def services(self) -> tuple[Call, ...]:
         """The services that the bridge provides, inherited ones before those that inherit."""
-        return tuple(
-            Call("ServiceIdentity", (python_string(urn), str(major), str(minor)))
-            for urn, (major, minor) in provided(self.bridge).items()
-        )
+        return service_identities(self.bridge.provides)
 
     @property
     def settings_lines(self) -> tuple[str, ...]:
@@ -266,47 +261,6 @@ class BridgeView:
             if assignment.eClass.name == "FieldAssignment"
             for path in assignment.source.split(",")
         )
-
-    def _transport(self) -> Call:
-        host = _host_of(self.system, self.bridge)
-        if host is None:
-            return Call("TransportSettings", ())
-        arguments = (
-            f"interface={python_string(host.interface)}",
-            f"port={host.port}",
-            f"multicast_group={python_string(host.multicastGroup)}",
-            f"multicast_ttl={host.multicastTtl}",
-        )
-        return Call("TransportSettings", arguments)
-
-
-def address(component: Any) -> Call:
-    """Returns the address of a component as a Python expression."""
-    return Call("JausAddress", tuple(str(int(part)) for part in component.address.split(".")))
-
-
-def provided(component: Any) -> dict[str, tuple[int, int]]:
-    """Returns the services of a component with those that they inherit: URN -> version.
-
-    Service sets of different age may inherit different versions of a core service; the component
-    speaks the newest of them.
-    """
-    found: dict[str, tuple[int, int]] = {}
-    for service in component.provides:
-        chain = [service]
-        while chain[-1].inherits is not None:
-            chain.append(chain[-1].inherits)
-        for each in reversed(chain):
-            major, minor = (int(part) for part in each.version.split("."))
-            found[each.urn] = max(found.get(each.urn, (0, 0)), (major, minor))
-    return found
-
-
-def _host_of(system: Any, element: Any) -> Any:
-    for placement in system.placements:
-        if element in placement.components:
-            return placement.host
-    return system.hosts[0] if system.hosts else None
 
 
 def _stub(view: ConnectionView) -> str:
