@@ -70,9 +70,7 @@ def package_view(
         "license": system.license,
     }
     needed = {*dependencies, *(element.dependencies if element is not None else ())}
-    return PackageView(
-        name=name, dependencies=tuple(sorted(needed)), **{**metadata, **attributes}
-    )
+    return PackageView(name=name, dependencies=tuple(sorted(needed)), **{**metadata, **attributes})
 
 
 def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
