@@ -37,14 +37,16 @@ SHOWN = ("operator_control_unit", "error", "warning", "Traceback")
 
 
 def jausml(*arguments: str | Path) -> None:
-    """Runs a jausml command and shows it.
+    """Runs a jausml command and shows it, without the list of files that it writes.
 
     Raises:
         SystemExit: The command failed.
     """
     words = [str(argument) for argument in arguments]
     print("$ jausml", *words, flush=True)
-    result = subprocess.run([sys.executable, "-m", "jausml", *words], check=False)
+    result = subprocess.run(
+        [sys.executable, "-m", "jausml", *words], stdout=subprocess.DEVNULL, check=False
+    )
     if result.returncode:
         sys.exit(result.returncode)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from catvehicle.parameters import VehicleParameters
+from catvehicle.path import Pose
 from catvehicle.plant import BicyclePlant
 from catvehicle.realtime import RealTimePlant
 
@@ -61,6 +62,19 @@ def test_renewed_commands_keep_it_going(clock: Clock) -> None:
         plant.command_speed(3.0)
         clock.time += 0.1
     assert plant.state().v > 2.5
+
+
+def test_place_keeps_motion_and_commands(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(deadman_timeout=10.0), clock)
+    plant.command_speed(3.0)
+    clock.time += 2.0
+    before = plant.state()
+    plant.place(Pose(10.0, -5.0, 1.0))
+    placed = plant.state()
+    assert (placed.x, placed.y, placed.psi) == (10.0, -5.0, 1.0)
+    assert placed.v == before.v
+    clock.time += 2.0
+    assert plant.state().v > before.v
 
 
 def test_stop(clock: Clock) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .metrics import Sample
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .parameters import VehicleParameters
+    from .path import Pose
 
 
 class RealTimePlant:
@@ -60,6 +62,13 @@ class RealTimePlant:
         self.state()
         self._plant.command(0.0, self._plant.steering_command)
         self._deadline = math.inf
+
+    def place(self, pose: Pose) -> None:
+        """Say where the vehicle is; its motion and its commands go on."""
+        state = replace(self.state(), x=pose.x, y=pose.y, psi=pose.psi)
+        commands = self._plant.speed_command, self._plant.steering_command
+        self._plant = BicyclePlant(self._parameters, state)
+        self._plant.command(*commands)
 
     def sample(self) -> Sample:
         """Return the present state as a row of a log; time counts from the start."""

@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from catvehicle.events import EventLog
 from catvehicle.metrics import COLUMNS
 from catvehicle.parameters import VehicleParameters
+from catvehicle.path import Pose
 from catvehicle.realtime import RealTimePlant
 from jausml_runtime.address import JausAddress
 from jausml_runtime.component import ComponentSettings
@@ -22,6 +23,7 @@ from .messages import (
     ReportLocalPose,
     ReportVelocityState,
     ReportWrenchEffort,
+    SetLocalPose,
     SetWrenchEffort,
 )
 from .vehicle_base import ADDRESS, SETTINGS, VehicleBase
@@ -64,6 +66,14 @@ class Vehicle(VehicleBase):
             angle = -rotational / 100 * self._parameters.steering_limit
             self._plant.command_steering(angle)
             self._events.write("command", time.monotonic(), angle)
+
+    def on_set_local_pose(self, message: SetLocalPose, sender: JausAddress) -> None:
+        """Takes the parts of a pose that are present as where the vehicle is."""
+        state = self._plant.state()
+        x = state.x if message.x is None else message.x
+        y = state.y if message.y is None else -message.y
+        psi = state.psi if message.yaw is None else -message.yaw
+        self._plant.place(Pose(x, y, psi))
 
     def on_not_ready(self) -> None:
         """Stops: nobody may drive."""
