@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import pytest
 
@@ -42,7 +42,8 @@ def string_features():
                 continue
             place = model.location(element, feature.name)
             start = starts[place.line - 1] + place.column - 1
-            found = re.compile(rf'{feature.name}="[^"]*"').match(TEXT, start)
+            written = rf'{feature.name}="[^"]*"|<{feature.name}>[^<]*</{feature.name}>'
+            found = re.compile(written).match(TEXT, start)
             if found:
                 yield element.eClass.name, feature.name, found.span()
 
@@ -70,8 +71,13 @@ def with_payload(spans):
     for number, (_, feature, (start, end)) in reversed(
         list(enumerate(sorted(spans, key=lambda each: each[2])))
     ):
-        value = quoteattr(f"x{number} {PAYLOAD}", {"\n": "&#10;", "\r": "&#13;"})
-        text = f"{text[:start]}{feature}={value}{text[end:]}"
+        payload = f"x{number} {PAYLOAD}"
+        if text[start] == "<":
+            written = f"<{feature}>{escape(payload)}</{feature}>"
+        else:
+            value = quoteattr(payload, {"\n": "&#10;", "\r": "&#13;"})
+            written = f"{feature}={value}"
+        text = f"{text[:start]}{written}{text[end:]}"
     return text
 
 

@@ -305,6 +305,7 @@ def test_processes_are_recorded_for_the_command_line():
                 "module": f"{name}.main",
                 "arguments": [],
                 "parameters": f"fleet_bringup/config/{name}.yaml",
+                "domain": 9,
             }
             for name in ("camera", "display")
         ),
