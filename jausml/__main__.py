@@ -1,6 +1,5 @@
-"""Runs the command line as `python -m jausml`."""
+"""`python -m jausml`: the command line without the console script."""
 
 from jausml.cli import main
 
-if __name__ == "__main__":
-    main()
+main(prog_name="jausml")

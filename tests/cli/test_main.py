@@ -62,7 +62,7 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
 
 
 def test_reader_of_the_output_may_go_away():
-    command = [sys.executable, "-m", "jausml.cli", "rules"]
+    command = [sys.executable, "-m", "jausml", "rules"]
     reader, writer = os.pipe()
     os.close(reader)
     with os.fdopen(writer, "w") as gone:
@@ -75,7 +75,7 @@ def test_terminal_without_unicode(folder):
         (folder / "bad.xmi").read_text().replace('name="velocity"', 'name="vélocité"')
     )
     result = subprocess.run(
-        [sys.executable, "-m", "jausml.cli", "validate", "bad.xmi"],
+        [sys.executable, "-m", "jausml", "validate", "bad.xmi"],
         capture_output=True,
         env={**os.environ, "PYTHONIOENCODING": "ascii"},
     )

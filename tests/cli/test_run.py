@@ -69,7 +69,7 @@ def write_manifest(out, processes):
 
 def start(*arguments):
     return subprocess.Popen(
-        [sys.executable, "-m", "jausml.cli", "run", *map(str, arguments)],
+        [sys.executable, "-m", "jausml", "run", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -44,7 +44,7 @@ def test_component_and_bridge_start_and_stop(workspace):
         "PYTHONUNBUFFERED": "1",
     }
     process = subprocess.Popen(
-        [sys.executable, "-m", "jausml.cli", "run", str(workspace)],
+        [sys.executable, "-m", "jausml", "run", str(workspace)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -111,7 +111,7 @@ def test_same_bytes_in_every_process(folder):
     )
     outputs = {
         subprocess.run(
-            [sys.executable, "-m", "jausml.cli", "validate", "--format", "json", "."],
+            [sys.executable, "-m", "jausml", "validate", "--format", "json", "."],
             capture_output=True,
             env={**os.environ, "PYTHONHASHSEED": str(seed)},
         ).stdout
@@ -123,7 +123,7 @@ def test_same_bytes_in_every_process(folder):
 
 def test_exit_status_of_the_process():
     def status(*arguments):
-        command = [sys.executable, "-m", "jausml.cli", "validate", *arguments]
+        command = [sys.executable, "-m", "jausml", "validate", *arguments]
         return subprocess.run(command, capture_output=True).returncode
 
     assert status("good.xmi") == 0
