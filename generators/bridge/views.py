@@ -243,7 +243,8 @@ class BridgeView:
             )
             for view in self.connections
         )
-        return SkeletonContract(self.class_name, self.base_name, methods)
+        hook = MethodContract("on_not_ready", (), "hook:on_not_ready", "", optional=True)
+        return SkeletonContract(self.class_name, self.base_name, (*methods, hook))
 
     def _ros_names(self) -> set[tuple[str, str]]:
         return {

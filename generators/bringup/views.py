@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import python_string, yaml_string
+from jausml.generation.literals import LINE_WIDTH, python_string, yaml_string
+from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.names import package_name
 from jausml.generators.common.ros import import_lines, parameter_value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+_COMMAND_COLUMN = 16
+"""Column of the arguments of an action in a launch file."""
 
 _YAML_WORDS = frozenset(["y", "n", "yes", "no", "on", "off", "true", "false", "null"])
 """Plain scalars that YAML 1.1 reads as another type than text, in any case."""
@@ -107,10 +112,15 @@ class ProcessView:
         return f"{self.package}.main"
 
     @property
-    def command(self) -> tuple[str, ...]:
-        """Command line in a launch file, as Python text."""
+    def command(self) -> str:
+        """The argument `cmd` of a launch action, laid out for its column."""
         package = python_string(self.package)
-        return (f"ExecutableInPackage(executable={package}, package={package})", "*TRANSPORT")
+        program = Call("ExecutableInPackage", (f"executable={package}", f"package={package}"))
+        line = f"cmd=[{program}, *TRANSPORT],"
+        if len(line) + _COMMAND_COLUMN <= LINE_WIDTH:
+            return line
+        inner = indent(f"{statement(program, '', _COMMAND_COLUMN + 5)},", "    ")
+        return f"cmd=[\n{inner}\n    *TRANSPORT,\n],"
 
     @property
     def transport_arguments(self) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import struct
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from jausml.generation.literals import python_literal
 from jausml.generators.common.layout import Call
 
 if TYPE_CHECKING:
@@ -342,13 +343,9 @@ def _real(numeric_type: str, value_set: Any) -> Fixed:
             # A limit that is not a single is met by the single next to it.
             lower, upper = min(lower, _single(lower)), max(upper, _single(upper))
     text = "" if upper == limit else f"{lower!r} .. {upper!r}"
-    limits = (_text(lower), _text(upper))
-    default = _text(0.0 if lower <= 0.0 <= upper else lower)
+    limits = (python_literal(lower), python_literal(upper))
+    default = python_literal(0.0 if lower <= 0.0 <= upper else lower)
     return Fixed(FORMATS[numeric_type], "float", default, "real", limits, range_text=text)
-
-
-def _text(value: float) -> str:
-    return repr(value).replace("e+", "e")
 
 
 def _single(value: float) -> float:
@@ -361,18 +358,18 @@ def _scaled(numeric_type: str, scale: Any) -> Fixed:
     if not lower < upper or not numeric_type.startswith("u"):
         raise ValueError(f"scale {lower} .. {upper} of {numeric_type} has no meaning in AS5684")
     maximum = f"0x{integer_limits(numeric_type)[1]:X}"
-    step = f"{_text(upper - lower)} / {maximum}"
+    step = f"{python_literal(upper - lower)} / {maximum}"
     # The sum and the product are the standard's own: value = lower + raw * step.
     if lower == 0.0:
         back = f"{{}} * ({step})"
     else:
-        back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {_text(abs(lower))}"
+        back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {python_literal(abs(lower))}"
     return Fixed(
         FORMATS[numeric_type],
         "float",
-        _text(0.0 if lower <= 0.0 <= upper else lower),
+        python_literal(0.0 if lower <= 0.0 <= upper else lower),
         _SCALED[name_of(scale.rounding)],
-        (_text(lower), step, maximum),
+        (python_literal(lower), step, maximum),
         back,
         range_text=f"{lower:.12g} .. {upper:.12g}",
         scale=(lower, upper),

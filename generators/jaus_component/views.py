@@ -6,7 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import SkeletonContract
+from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generators.common import components, imports, names
@@ -32,19 +32,17 @@ if TYPE_CHECKING:
 
 _ARGUMENT = 8
 
+# Hooks of every component, with their parameters; the base does nothing in them.
+_HOOKS = {
+    "on_initialize": (),
+    "on_ready": (),
+    "on_not_ready": (),
+    "on_controller_changed": ("controller",),
+    "on_emergency": ("active",),
+    "on_shutdown": (),
+}
 # Methods of the component itself that a message of an unlucky name must not replace.
-_TAKEN = frozenset(
-    [
-        "on_initialize",
-        "on_ready",
-        "on_not_ready",
-        "on_controller_changed",
-        "on_emergency",
-        "on_shutdown",
-        "on_message",
-        "report_changed",
-    ]
-)
+_TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"])
 _RUNTIME_NAMES = {
     "jausml_runtime.address": ("JausAddress",),
     "jausml_runtime.component": (
@@ -340,5 +338,9 @@ class ComponentView:
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
-        methods = tuple(method.contract for method in self.methods)
+        hooks = (
+            MethodContract(name, parameters, f"hook:{name}", "", optional=True)
+            for name, parameters in _HOOKS.items()
+        )
+        methods = (*(method.contract for method in self.methods), *hooks)
         return SkeletonContract(self.class_name, self.base_name, methods)

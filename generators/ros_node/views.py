@@ -112,7 +112,7 @@ class ParameterView:
     @property
     def default_expression(self) -> str:
         """Default value as Python text."""
-        return _literal(self.default)
+        return python_literal(self.default)
 
     @property
     def summary(self) -> str:
@@ -122,7 +122,7 @@ class ParameterView:
     @property
     def range_expression(self) -> str:
         """Constructor call of the range."""
-        low, high = (_literal(limit) for limit in self.limits)
+        low, high = (python_literal(limit) for limit in self.limits)
         return f"{self.range_class}(from_value={low}, to_value={high})"
 
     @property
@@ -345,12 +345,6 @@ class NodeView:
 
 
 _TIMER_STUB = "    def on_timer(self) -> None:\n        super().on_timer()\n"
-
-
-def _literal(value: float | str) -> str:
-    """Returns a value as Python text; ruff's formatter writes 1e22 for what repr calls 1e+22."""
-    text = python_literal(value)
-    return text.replace("e+", "e") if isinstance(value, float) else text
 
 
 def _import(endpoint: EndpointView) -> tuple[str, str]:

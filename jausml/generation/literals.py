@@ -77,7 +77,10 @@ def python_literal(value: object) -> str:
         return python_string(value)
     if isinstance(value, float) and not math.isfinite(value):
         return f'float("{value}")'
-    if value is None or isinstance(value, (bool, int, float)):
+    if isinstance(value, float):
+        # ruff's formatter writes 1e22 for what repr calls 1e+22.
+        return repr(value).replace("e+", "e")
+    if value is None or isinstance(value, (bool, int)):
         return repr(value)
     raise TypeError(f"no Python literal for {type(value).__name__}")
 

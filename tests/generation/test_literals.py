@@ -207,3 +207,8 @@ def test_layout_is_what_ruff_format_makes(tmp_path):
     result = subprocess.run(command, capture_output=True, text=True)
 
     assert result.returncode == 0, result.stdout[:4000]
+
+
+@pytest.mark.parametrize(("value", "text"), [(1e22, "1e22"), (-2.5e-7, "-2.5e-07"), (1.0, "1.0")])
+def test_floats_are_written_as_the_formatter_does(value, text):
+    assert literals.python_literal(value) == text

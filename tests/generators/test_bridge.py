@@ -159,11 +159,13 @@ def test_inherited_services_are_provided(base):
 def test_contract_names_each_translation(loop_files):
     contract = loop_files["loop_bridge/loop_bridge/loop_bridge.py"].contract
     assert contract.base_name == "LoopBridgeBase"
-    assert [method.name for method in contract.methods] == [
+    *translations, hook = contract.methods
+    assert [method.name for method in translations] == [
         f"translate_{name}" for name in ("odometry", "speed", "pose", "drive", "cruise", "estimate")
     ]
+    assert hook.name == "on_not_ready"
     assert all(method.optional for method in contract.methods)
-    for method in contract.methods:
+    for method in translations:
         ast.parse(f"class Stub:\n{method.stub}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from jausml.generation.engine import render
 from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
+from jausml.runtime.component import JausComponent
+from jausml.runtime.component_base import ComponentBase
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"
@@ -105,8 +108,22 @@ def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> No
     assert len(set(names)) == len(names)
     assert {"on_set_wrench_effort", "report_wrench_effort", "report_time"} <= set(names)
     for method in skeleton.contract.methods:
-        assert f"    def {method.name}(" in skeleton.text
-        assert method.stub in skeleton.text
+        if not method.optional:
+            assert f"    def {method.name}(" in skeleton.text
+            assert method.stub in skeleton.text
+
+
+def test_hooks_of_every_component_are_in_the_contract() -> None:
+    """A user's `on_not_ready` was once reported as a method that nothing calls."""
+    (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
+    assert skeleton.contract is not None
+    hooks = {each.name: each.parameters for each in skeleton.contract.methods if each.optional}
+    own = {
+        name: tuple(inspect.signature(method).parameters)[1:]
+        for name, method in vars(JausComponent).items() | vars(ComponentBase).items()
+        if name.startswith("on_") and name != "on_message"
+    }
+    assert hooks == own
 
 
 @pytest.mark.parametrize("package", PACKAGES)
