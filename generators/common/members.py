@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from jausml.generators.common import docs, layout
+from jausml.generation import docstrings as docs
+from jausml.generators.common import layout
 
 if TYPE_CHECKING:
     from jausml.generators.common.fields import Blob, Fixed

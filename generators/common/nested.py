@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from jausml.generators.common import docs
+from jausml.generation import docstrings as docs
 from jausml.generators.common.layout import Call
 from jausml.generators.common.values import MAXIMUM_COMPLEXITY, VariantValue
 

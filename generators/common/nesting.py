@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation import docstrings as docs
 from jausml.generation.errors import GenerationError
-from jausml.generators.common import docs, fields, names
+from jausml.generators.common import fields, names
 from jausml.generators.common.nested import BitFieldClass, Enumeration, SubField
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import MethodContract
+from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.literals import python_literal
 from jausml.generators.common.components import inherits
-from jausml.generators.common.docs import clean, docstring, sentence
 from jausml.generators.common.layout import Call, signature, statement
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generators.common import components, imports, names
-from jausml.generators.common.docs import clean, docstring, sentence
 from jausml.generators.common.layout import Call, hexadecimal, statement, text
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.message_examples import example_bytes

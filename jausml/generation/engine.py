@@ -14,7 +14,7 @@ import jinja2
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
-from jausml.generation import literals
+from jausml.generation import docstrings, literals
 from jausml.generation.artifact import Artifact, Kind, SkeletonContract
 from jausml.generation.checks import syntax_problem
 from jausml.generation.errors import InternalError
@@ -243,7 +243,7 @@ class Renderer(JinjaGenerator, Generic[ModelT]):  # type: ignore[misc]  # multig
         "xml": literals.xml_text,
         "xmlcomment": literals.xml_comment,
         "yamlstr": literals.yaml_string,
-        "docstring": literals.docstring,
+        "docstring": docstrings.model_docstring,
         "comment": literals.comment,
         "call_args": literals.call_args,
         "items_layout": literals.items,

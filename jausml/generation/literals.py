@@ -38,7 +38,6 @@ _XML_ESCAPES = {
 _XML_SPECIAL = re.compile("[&<>\"'\t\n\r]")
 _SURROGATES = re.compile("[\ud800-\udfff]")
 _ABOVE_BMP = re.compile("[\U00010000-\U0010ffff]")
-_SENTENCE = re.compile(r"(.+?[.?!]) (.+)")
 
 
 def printable(text: str) -> str:
@@ -121,38 +120,6 @@ def yaml_string(value: object) -> str:
     return re.sub("[\x7f-\uffff]", lambda m: f"\\u{ord(m.group()):04x}", text)
 
 
-def docstring(value: object, indent: int = 4) -> str:
-    r'''Returns a whole Python docstring, quotes included, wrapped to the line width.
-
-    Paragraphs (separated by blank lines) stay; the first sentence of a long first paragraph
-    becomes the summary. Double quotes become single ones and a backslash is doubled, so that no
-    text can end the literal.
-
-    Args:
-        value: The text of the model.
-        indent: Columns before the docstring; the first line is not indented here.
-
-    Returns:
-        `"""Summary."""`, or a text of several lines that ends with `"""` on its own line.
-    '''
-    paragraphs = _paragraphs(str(value).replace("\\", "\\\\").replace('"', "'"))
-    if not paragraphs:
-        return '"""Not documented in the model."""'
-    width = LINE_WIDTH - indent
-    summary = _punctuated(paragraphs[0])
-    sentence = _SENTENCE.fullmatch(summary)
-    if len(summary) + 6 > width and sentence:
-        summary = sentence.group(1)
-        paragraphs.insert(1, sentence.group(2))
-    # A docstring of one line has its closing quotes there too: wrap as if they stood in the line.
-    lines = _wrap('"""' + summary, width if paragraphs[1:] else width - 3)
-    if len(lines) == len(paragraphs) == 1:
-        return f'{lines[0]}"""'
-    for paragraph in paragraphs[1:]:
-        lines += ["", *_wrap(paragraph, width)]
-    return _indented([*lines, '"""'], indent)
-
-
 def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
     """Returns text as comment lines, wrapped to the line width.
 
@@ -163,9 +130,9 @@ def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
     """
     width = LINE_WIDTH - indent - len(prefix)
     lines: list[str] = []
-    for paragraph in _paragraphs(str(value)):
+    for paragraph in paragraphs(str(value)):
         lines += ["", *_wrap(paragraph, width)] if lines else _wrap(paragraph, width)
-    return _indented([(prefix + line).rstrip() for line in lines or [""]], indent)
+    return indented([(prefix + line).rstrip() for line in lines or [""]], indent)
 
 
 def call_args(
@@ -188,7 +155,7 @@ def call_args(
         return line
     middle = _INDENT + ", ".join(texts)
     if len(middle) + indent <= LINE_WIDTH:
-        return _indented([opening, middle, closing], indent)
+        return indented([opening, middle, closing], indent)
     return _one_per_line(texts, opening, closing, indent)
 
 
@@ -213,23 +180,21 @@ def items(values: Sequence[object], opening: str, closing: str, indent: int = 0)
 
 
 def _one_per_line(texts: Sequence[str], opening: str, closing: str, indent: int) -> str:
-    return _indented([opening, *(f"{_INDENT}{text}," for text in texts), closing], indent)
+    return indented([opening, *(f"{_INDENT}{text}," for text in texts), closing], indent)
 
 
-def _paragraphs(text: str) -> list[str]:
+def paragraphs(text: str) -> list[str]:
+    """Returns the printable paragraphs of a text, each on one line; blank lines separate them."""
     joined = (" ".join(part.split()) for part in re.split(r"\n\s*\n", printable(text)))
     return [paragraph for paragraph in joined if paragraph]
-
-
-def _punctuated(text: str) -> str:
-    return text if text.endswith((".", "?", "!")) else text + "."
 
 
 def _wrap(text: str, width: int) -> list[str]:
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
-def _indented(lines: Sequence[str], indent: int) -> str:
+def indented(lines: Sequence[str], indent: int) -> str:
+    """Returns lines as one text, all but the first after some columns."""
     margin = " " * indent
     first, *others = lines
     return "\n".join([first, *(margin + line if line else "" for line in others)])

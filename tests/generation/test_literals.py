@@ -15,7 +15,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from jausml.generation import literals
+from jausml.generation import docstrings, literals
 
 HOSTILE = [
     '"""; import os; os.abort() #',
@@ -72,7 +72,7 @@ def test_pyliteral_of_nan_and_of_other_types():
 @given(encodable, st.integers(0, 12))
 def test_docstring_is_one_string_and_nothing_else(text, indent):
     margin = " " * indent
-    literal = literals.docstring(text, indent)
+    literal = docstrings.model_docstring(text, indent)
     source = f"if True:\n{margin} {literal}\n"
 
     body = ast.parse(source).body[0].body
@@ -86,13 +86,13 @@ def test_docstring_is_one_string_and_nothing_else(text, indent):
 def test_docstring_keeps_words_and_paragraphs():
     text = 'Says "hi" to C:\\temp.\n\nSecond\nparagraph.'
 
-    literal = literals.docstring(text, 4)
+    literal = docstrings.model_docstring(text, 4)
 
-    assert literal == ('"""Says \'hi\' to C:\\\\temp.\n\n    Second paragraph.\n    """')
+    assert literal == ('"""Says \'hi\' to C:/temp.\n\n    Second paragraph.\n    """')
 
 
 def test_docstring_splits_a_long_first_paragraph_after_its_sentence():
-    literal = literals.docstring("First. " + "word " * 30, 4)
+    literal = docstrings.model_docstring("First. " + "word " * 30, 4)
 
     assert literal.startswith('"""First.\n\n    word word')
     assert max(map(len, literal.split("\n"))) <= 100
@@ -176,9 +176,9 @@ def _sample_module(seed):
 
     doc = " ".join(words(rng.randint(0, 30)))
     length = rng.choice((len(doc), rng.randint(85, 105)))
-    parts = [literals.docstring(doc[:length], 0), "", ""]
+    parts = [docstrings.model_docstring(doc[:length], 0), "", ""]
     parts += [f"class C{seed}:"]
-    parts += ["    " + literals.docstring(". ".join(words(rng.randint(0, 30))), 4), ""]
+    parts += ["    " + docstrings.model_docstring(". ".join(words(rng.randint(0, 30))), 4), ""]
     parts += [f"    TITLE = {string()}"]
     parts += [
         "    " + literals.items([string() for _ in words(rng.randint(2, 9))], "A = [", "]", 4)
@@ -189,7 +189,7 @@ def _sample_module(seed):
     names = [f"a{n}_{word}: int" for n, word in enumerate(words(rng.randint(0, 8)))]
     head = literals.call_args(["self", *names], "def method(", ") -> None:", 4)
     parts += ["    " + head]
-    parts += ["        " + literals.docstring("\n\n".join(words(rng.randint(1, 4))), 8)]
+    parts += ["        " + docstrings.model_docstring("\n\n".join(words(rng.randint(1, 4))), 8)]
     parts += ["        " + literals.comment(" ".join(words(rng.randint(0, 30))), 8)]
     arguments = [f"k{n}={string()}" for n in range(rng.randint(0, 8))]
     parts += ["        " + literals.call_args(arguments, "self.call(", ")", 8)]

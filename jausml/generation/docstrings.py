@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import LINE_WIDTH, printable
+from jausml.generation.literals import LINE_WIDTH, indented, paragraphs, printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +27,7 @@ def sentence(text: str) -> str:
     Args:
         text: Clean text, not empty.
     """
-    ended = text if text.endswith((".", "?", "!")) else f"{text}."
+    ended = _ended(text)
     return ended[0].upper() + ended[1:]
 
 
@@ -40,10 +40,26 @@ def described(text: str) -> str:
     return sentence(clean(text) or "unnamed")
 
 
+def model_docstring(value: object, indent: int = 4) -> str:
+    r"""Returns a whole docstring for a text of the model, for templates.
+
+    The first paragraph is the summary; when it is too long for a line, its first sentence is, or
+    what fits of it, and the rest follows. Double quotes become single ones and a backslash becomes
+    a slash, so that no text can end the literal.
+
+    Args:
+        value: The text; blank lines separate paragraphs.
+        indent: Columns before the docstring; the first line is not indented here.
+    """
+    texts = [clean(text) for text in paragraphs(str(value))] or ["Not documented in the model."]
+    lines = docstring(_ended(texts[0]), indent, texts[1:])
+    return indented(lines.split("\n"), indent)
+
+
 def docstring(
     summary: str,
     column: int,
-    paragraphs: Sequence[str] = (),
+    further: Sequence[str] = (),
     attributes: Sequence[tuple[str, str]] = (),
 ) -> str:
     """Returns a docstring with its quotes.
@@ -51,21 +67,26 @@ def docstring(
     Args:
         summary: Clean text of the first line.
         column: Column at which it will stand; the lines themselves begin at 0.
-        paragraphs: Clean texts that follow.
+        further: Clean texts that follow.
         attributes: Names and clean descriptions for a section `Attributes`.
     """
     width = LINE_WIDTH - column
-    if not paragraphs and not attributes and len(summary) + 6 <= width:
+    if not further and not attributes and len(summary) + 6 <= width:
         return f'"""{summary}"""'
-    first, rest = _summary(summary, width - 3)
+    # ruff's formatter puts the closing quotes behind a line that stands alone, fit or not.
+    first, rest = _summary(summary, width - (3 if further or attributes else 6))
     lines = [f'"""{first}']
-    for paragraph in (*rest, *paragraphs):
+    for paragraph in (*rest, *further):
         lines += ["", *_wrap(paragraph, width)]
     if attributes:
         lines += ["", "Attributes:"]
     for name, description in attributes:
         lines += _wrap(f"    {name}: {description}", width, "        ")
     return "\n".join([*lines, '"""'])
+
+
+def _ended(text: str) -> str:
+    return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
 def _summary(text: str, width: int) -> tuple[str, tuple[str, ...]]:
