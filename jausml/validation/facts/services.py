@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.validation.facts.layouts import signature
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from jausml.validation.subject import Subject
 
@@ -16,19 +16,60 @@ ACCESS_CONTROL = "AccessControl"
 
 def lineage(service: Any) -> list[Any]:
     """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
-    found: list[Any] = []
+    found: dict[Any, None] = {}
     while service is not None and service not in found:
-        found.append(service)
+        found[service] = None
         service = service.inherits
-    return found
+    return list(found)
+
+
+def with_inherited(services: Iterable[Any]) -> list[Any]:
+    """Returns services and those that they inherit, each once."""
+    found: dict[Any, None] = {}
+    for start in services:
+        service = start
+        # What a service that was found inherits was found with it.
+        while service is not None and service not in found:
+            found[service] = None
+            service = service.inherits
+    return list(found)
+
+
+def along_inheritance(services: Iterable[Any]) -> Iterator[tuple[Any, bool]]:
+    """Visits services and those that they inherit in one walk down the trees of inheritance.
+
+    Every service is visited once, so that a walk costs no more than there are services, however
+    deep they inherit. Services on a cycle, and their heirs, are left out.
+
+    Yields:
+        A service and True before its heirs, the service and False after them.
+    """
+    heirs: dict[Any, list[Any]] = {}
+    roots = []
+    for start in services:
+        service = start
+        while service not in heirs:
+            heirs[service] = []
+            parent = service.inherits
+            if parent is None:
+                roots.append(service)
+                break
+            service = parent
+    for service in heirs:
+        if service.inherits is not None:
+            heirs[service.inherits].append(service)
+    visits = [(root, True) for root in reversed(roots)]
+    while visits:
+        service, entering = visits.pop()
+        yield service, entering
+        if entering:
+            visits.append((service, False))
+            visits += [(heir, True) for heir in reversed(heirs[service])]
 
 
 def provided_services(component: Any) -> list[Any]:
     """Returns the services that a component provides, inherited ones included, each once."""
-    found: list[Any] = []
-    for service in component.provides:
-        found += [each for each in lineage(service) if each not in found]
-    return found
+    return with_inherited(component.provides)
 
 
 def is_known(subject: Subject, component: Any) -> bool:

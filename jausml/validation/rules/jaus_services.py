@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.layouts import signature
-from jausml.validation.facts.services import code, lineage
+from jausml.validation.facts.services import along_inheritance, code, lineage, with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -29,7 +29,11 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
 
     Good: A inherits B, B inherits Events
     """
-    for service in subject.instances("jaus.Service"):
+    services = list(subject.instances("jaus.Service"))
+    sound = {service for service, _ in along_inheritance(services)}
+    for service in services:
+        if service in sound:
+            continue
         last = lineage(service)[-1]
         if last.inherits is service:
             names = " -> ".join(each.name or "?" for each in (*lineage(service), service))
@@ -46,16 +50,18 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `0x0415` and `0x0416`
     """
-    for service in subject.instances("jaus.Service"):
-        inherited = [message for each in lineage(service)[1:] for message in _messages(each)]
-        seen: dict[int, Any] = {}
-        for message in (*inherited, *_messages(service)):
+    services = list(subject.instances("jaus.Service"))
+    judged = set(services)
+    seen: dict[int, Any] = {}
+    for service, entering in along_inheritance(services):
+        for message in _messages(service):
             if code(message) < 0 or not subject.is_intact(message):
                 continue
             first = seen.setdefault(code(message), message)
-            if first is message or message.eContainer() is not service:
-                continue
-            if first.name != message.name or signature(first) != signature(message):
+            if not entering:
+                if first.eContainer() is service:
+                    del seen[code(message)]
+            elif service in judged and _differ(first, message):
                 note = Note(first, f"{first.name} of {subject.path(first.eContainer())}", "code")
                 text = f"code {message.code} of {message.name} is that of {first.name}"
                 yield Finding(message, text, "code", related=(note,))
@@ -81,7 +87,7 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
         for messages in by_code.values():
             first = messages[0]
             for other in messages[1:]:
-                if first.name != other.name or signature(first) != signature(other):
+                if _differ(first, other):
                     yield _ambiguous(subject, component, first, other)
                     break
 
@@ -114,15 +120,20 @@ def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Find
     )
 
 
+def _differ(first: Any, other: Any) -> bool:
+    if first is other:
+        return False
+    return first.name != other.name or signature(first) != signature(other)
+
+
 def _messages(service: Any) -> list[Any]:
     return [*service.inputs, *service.outputs]
 
 
 def _messages_of(subject: Subject, component: Any) -> list[Any]:
     found: dict[Any, None] = {}
-    for service in (*component.provides, *component.uses):
-        for each in lineage(service):
-            found.update(dict.fromkeys(_messages(each)))
+    for service in with_inherited((*component.provides, *component.uses)):
+        found.update(dict.fromkeys(_messages(service)))
     connections = list(component.connections)
     for connection in connections:
         found.update(dict.fromkeys((connection.message, connection.query)))

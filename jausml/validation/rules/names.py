@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.model.diagnostics import Severity
 from jausml.model.words import snake_case
 from jausml.validation.facts.names import is_identifier, package_key, taken
-from jausml.validation.facts.services import lineage
+from jausml.validation.facts.services import with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def message_names(subject: Subject) -> Iterator[Finding]:
     """
     for component in subject.instances("jaus.Component"):
         holders: dict[str, Any] = {}
-        services = {each for s in (*component.provides, *component.uses) for each in lineage(s)}
+        services = with_inherited((*component.provides, *component.uses))
         messages = sorted(
             (m for each in services for m in (*each.inputs, *each.outputs) if m.name and m.code),
             key=lambda m: (m.name, m.code),

@@ -1,0 +1,57 @@
+"""What rules ask about services: inheritance of any depth and shape."""
+
+from __future__ import annotations
+
+from jausml.validation.engine import validate
+
+SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0"{inherits}>
+    <inputs name="Set{n}" code="0x{code:04X}"/>
+  </services>
+"""
+
+
+def write(path, parents, codes):
+    """Writes a service set; `parents` holds the position of each parent, or None."""
+    services = "".join(
+        SERVICE.format(
+            n=number,
+            inherits="" if parent is None else f' inherits="//@services.{parent}"',
+            code=code,
+        )
+        for number, (parent, code) in enumerate(zip(parents, codes, strict=True))
+    )
+    path.write_text(
+        '<jaus:ServiceSet xmlns:jaus="http://www.jausml.org/jaus/1.0" name="Set" version="1.0">\n'
+        f"{services}</jaus:ServiceSet>\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def found(path):
+    """Returns rule and line of each finding."""
+    return [(each.rule, each.location.line) for each in validate([path]).diagnostics]
+
+
+def test_a_deep_line_of_inheritance_is_judged_in_one_walk(tmp_path):
+    """Each service once looked through all that it inherits, and took minutes for a long line."""
+    depth = 3000
+    parents = [None, *range(depth - 1)]
+    path = write(tmp_path / "deep.xmi", parents, range(1, depth + 1))
+    assert found(path) == []
+
+
+def test_a_code_is_compared_with_the_whole_line_above_and_with_no_other(tmp_path):
+    #      0        1 and 2 inherit 0; 3 inherits 1
+    path = write(tmp_path / "tree.xmi", [None, 0, 0, 1], [0x10, 0x20, 0x20, 0x10])
+    assert found(path) == [("JML312", 12)]
+
+
+def test_heirs_come_before_their_parents_in_the_file(tmp_path):
+    path = write(tmp_path / "late.xmi", [1, 2, None], [0x10, 0x20, 0x10])
+    assert found(path) == [("JML312", 3)]
+
+
+def test_a_cycle_is_found_and_what_hangs_on_it_is_left_alone(tmp_path):
+    path = write(tmp_path / "cycle.xmi", [1, 0, 1], [0x10, 0x10, 0x10])
+    assert {rule for rule, _ in found(path)} == {"JML311"}
