@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Kind
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.messages import MessagesModule
-from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generators.common.package import (
+    PACKAGE_TEMPLATES,
+    module_path,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
 from jausml.generators.common.system import source_of, system_of
 
 if TYPE_CHECKING:
@@ -47,17 +52,11 @@ class BridgeTarget:
             FileTask(
                 "messages.py.j2",
                 [_messages(bridge) for bridge in bridges],
-                lambda module: _module(messages[module.element_id], "messages"),
+                lambda module: module_path(messages[module.element_id], "messages"),
             ),
-            FileTask("base.py.j2", bridges, lambda view: _module(view, f"{view.package}_base")),
-            FileTask(
-                "skeleton.py.j2",
-                bridges,
-                lambda view: _module(view, view.package),
-                kind=Kind.SKELETON,
-                contract=BridgeView.contract,
+            *program_tasks(
+                bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"
             ),
-            FileTask("main.py.j2", bridges, lambda view: _module(view, "main")),
             FileTask(
                 "test_translations.py.j2",
                 bridges,
@@ -74,10 +73,6 @@ def _messages(bridge: BridgeView) -> MessagesModule:
         source=bridge.source,
         element_id=bridge.element_id,
     )
-
-
-def _module(view: BridgeView, name: str) -> str:
-    return f"{view.package}/{view.package}/{name}.py"
 
 
 TARGET = BridgeTarget()

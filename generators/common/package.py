@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
+from jausml.generation.artifact import Kind
 from jausml.generation.engine import ArtifactTask, FileTask, TextFile, TextTask, templates_beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+
+    from jausml.generation.artifact import SkeletonContract
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -92,6 +95,54 @@ def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
             lambda package: f"{package.name}/{package.name}/__init__.py",
         ),
         TextTask(markers),
+    ]
+
+
+class ProgramView(Protocol):
+    """A component, bridge or node whose package holds a base, a skeleton and an entry point."""
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+
+    @property
+    def source(self) -> str:
+        """Model file."""
+
+    @property
+    def package(self) -> str:
+        """Package name, which is also the name of the skeleton's module."""
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+
+
+def module_path(view: ProgramView, name: str) -> str:
+    """Returns the path of a module of a package."""
+    return f"{view.package}/{view.package}/{name}.py"
+
+
+def program_tasks(
+    views: Sequence[ProgramView], *, base: str, skeleton: str, main: str
+) -> list[ArtifactTask[Any]]:
+    """Returns the tasks for what runs: the base, the user's skeleton and the entry point.
+
+    Args:
+        views: The components, bridges or nodes.
+        base: Template of the base, which is always rewritten.
+        skeleton: Template of the skeleton, which is written once.
+        main: Template of the entry point.
+    """
+    return [
+        FileTask(base, views, lambda view: module_path(view, f"{view.package}_base")),
+        FileTask(
+            skeleton,
+            views,
+            lambda view: module_path(view, view.package),
+            kind=Kind.SKELETON,
+            contract=lambda view: view.contract(),
+        ),
+        FileTask(main, views, lambda view: module_path(view, "main")),
     ]
 
 

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Kind
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
 from jausml.generators.common.messages import MessagesModule
-from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generators.common.package import (
+    PACKAGE_TEMPLATES,
+    module_path,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
 from jausml.generators.common.system import source_of, system_of
 from jausml.generators.jaus_component.views import ComponentView
 
@@ -52,19 +57,14 @@ class JausComponentTarget:
             FileTask(
                 "messages.py.j2",
                 [_messages(view) for view in views],
-                lambda module: _module(by_id[module.element_id], "messages"),
+                lambda module: module_path(by_id[module.element_id], "messages"),
             ),
-            FileTask(
-                "component_base.py.j2", views, lambda view: _module(view, f"{view.package}_base")
-            ),
-            FileTask(
-                "component.py.j2",
+            *program_tasks(
                 views,
-                lambda view: _module(view, view.package),
-                kind=Kind.SKELETON,
-                contract=ComponentView.contract,
+                base="component_base.py.j2",
+                skeleton="component.py.j2",
+                main="component_main.py.j2",
             ),
-            FileTask("component_main.py.j2", views, lambda view: _module(view, "main")),
             FileTask(
                 "test_component.py.j2",
                 views,
@@ -81,10 +81,6 @@ def _messages(view: ComponentView) -> MessagesModule:
         source=view.source,
         element_id=view.element_id,
     )
-
-
-def _module(view: ComponentView, name: str) -> str:
-    return f"{view.package}/{view.package}/{name}.py"
 
 
 TARGET = JausComponentTarget()

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Kind
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
-from jausml.generators.common.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generators.common.package import (
+    PACKAGE_TEMPLATES,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
 from jausml.generators.common.system import source_of, system_of
 from jausml.generators.ros_node.views import NodeView
 
@@ -42,23 +46,11 @@ class RosNodeTarget:
         ]
         return [
             *package_tasks(packages),
-            FileTask("base.py.j2", nodes, lambda node: _module(node, f"{node.package}_base")),
-            FileTask(
-                "skeleton.py.j2",
-                nodes,
-                lambda node: _module(node, node.package),
-                kind=Kind.SKELETON,
-                contract=NodeView.contract,
-            ),
-            FileTask("main.py.j2", nodes, lambda node: _module(node, "main")),
+            *program_tasks(nodes, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
             FileTask(
                 "test_node.py.j2", nodes, lambda node: f"{node.package}/test/test_{node.package}.py"
             ),
         ]
-
-
-def _module(node: NodeView, name: str) -> str:
-    return f"{node.package}/{node.package}/{name}.py"
 
 
 TARGET = RosNodeTarget()
