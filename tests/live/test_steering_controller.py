@@ -1,0 +1,84 @@
+"""The steering controller of the example steps on whole states, in whatever order halves come."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
+pytestmark = pytest.mark.live
+
+SCRIPT = """
+import json, sys
+import rclpy
+from nav_msgs.msg import Odometry
+from std_msgs.msg import Float64
+from steering_controller.steering_controller import SteeringController
+
+class Observed(SteeringController):
+    def __init__(self):
+        self.steps = []
+        super().__init__()
+
+    def publish_dead_reckoning(self, message):
+        self.steps.append((message.header.stamp.nanosec, self._tyre_angle))
+
+rclpy.init()
+node = Observed()
+for kind, value in json.loads(sys.argv[1]):
+    if kind == "angle":
+        node.on_steering_angle(Float64(data=value))
+    else:
+        message = Odometry()
+        message.header.stamp.nanosec = value
+        node.on_odometry(message)
+print(json.dumps(node.steps))
+node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Generates the example; returns the folders for the module path."""
+    workspace = tmp_path_factory.mktemp("steering") / "ws"
+    shutil.copytree(EXAMPLE / "src", workspace, ignore=shutil.ignore_patterns("__pycache__"))
+    command = [sys.executable, "-m", "jausml", "generate", str(EXAMPLE / "catvehicle.xmi")]
+    subprocess.run([*command, "-o", str(workspace)], check=True, capture_output=True, timeout=60)
+    return [str(workspace / name) for name in ("steering_controller", "catvehicle")]
+
+
+@pytest.mark.parametrize(
+    ("messages", "steps"),
+    [
+        # A velocity waits for the angle of its own period.
+        ([("odometry", 1), ("angle", 0.1), ("odometry", 2), ("angle", 0.2)], [[1, 0.1], [2, 0.2]]),
+        ([("angle", 0.1), ("odometry", 1), ("angle", 0.2), ("odometry", 2)], [[1, 0.1], [2, 0.2]]),
+        # A lost angle holds nothing up: the next velocity brings the one before it along.
+        ([("odometry", 1), ("angle", 0.1), ("odometry", 2), ("odometry", 3)], [[1, 0.1], [2, 0.1]]),
+        # A lost velocity makes no step.
+        ([("angle", 0.1), ("angle", 0.2), ("odometry", 2)], [[2, 0.2]]),
+    ],
+)
+def test_steps(packages: list[str], messages: list[object], steps: list[object]) -> None:
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(packages),
+        "ROS_DOMAIN_ID": "90",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    result = subprocess.run(
+        [sys.executable, "-c", SCRIPT, json.dumps(messages)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout) == steps
