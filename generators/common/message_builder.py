@@ -168,6 +168,7 @@ class MessageBuilder:
             presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
             tag=tag,
             jaus_name=body.name if body else "",
+            is_wrapper=body is not None and not elements,
         )
 
     def _members(

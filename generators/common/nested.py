@@ -203,6 +203,7 @@ class ContainerClass:
         presence_size: Bytes of the presence vector.
         tag: Position in the variant that it is an option of.
         jaus_name: Name in the model of what it is the class of.
+        is_wrapper: Whether it only gives a class to a list, array, variant or single field.
     """
 
     kind: ClassVar[str] = "container"
@@ -216,6 +217,7 @@ class ContainerClass:
     presence_size: int = 0
     tag: int | None = None
     jaus_name: str = ""
+    is_wrapper: bool = False
 
     @property
     def min_size(self) -> int:
