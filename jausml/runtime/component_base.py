@@ -8,7 +8,14 @@ from .dispatch import Provision, Router
 from .message import EncodeError, Message
 from .packet import Priority
 from .services.access_control import AccessControlService
-from .services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity, Status
+from .services.definitions import (
+    CORE,
+    VERSION_1_1,
+    ComponentSettings,
+    Guard,
+    ServiceIdentity,
+    Status,
+)
 from .services.discovery import DiscoveryService
 from .services.events import EventsService
 from .services.liveness import LivenessService
@@ -70,13 +77,17 @@ class ComponentBase:
         self._jaus_starters: list[Callable[[], None]] = []
         self._jaus_enders: list[Callable[[], None]] = []
         self._jaus_router = Router(transport.counters, self.allows)
-        provided = {service.urn.removeprefix(CORE) for service in self.services}
+        self._jaus_versions = {
+            service.urn.removeprefix(CORE): (service.major, service.minor)
+            for service in self.services
+        }
+        provided = self._jaus_versions.keys()
         self._jaus_events = EventsService(self, enabled="Events" in provided)
         self._jaus_access = AccessControlService(self, enabled="AccessControl" in provided)
         self._jaus_management = ManagementService(
             self, self._jaus_access, enabled="Management" in provided
         )
-        if "Liveness" in provided:
+        if not provided.isdisjoint(("Liveness", "Liveliness")):  # core v1.0 spells it both ways
             LivenessService(self)
         if "Discovery" in provided:
             DiscoveryService(self)
@@ -88,7 +99,7 @@ class ComponentBase:
         message_class: type[M],
         handler: Callable[[M, JausAddress], None],
         *,
-        when: Guard = Guard.ANY,
+        when: Guard | Callable[[M], Guard] = Guard.ANY,
     ) -> None:
         """Call ``handler(message, sender)`` for each such input message.
 
@@ -96,7 +107,8 @@ class ComponentBase:
             message_class: Generated codec of the message.
             handler: Acts on the message.
             when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
-                no error reply.
+                no error reply. A function tells it from the message, e.g. to take the limits of
+                a SetVelocityCommand in Standby and its current command in Ready alone.
 
         Raises:
             ValueError: The message has a handler or a provider already.
@@ -301,6 +313,10 @@ class ComponentBase:
         """Run the hook and the actions of Shutdown; called by the Management service."""
         for action in (self.on_shutdown, *self._jaus_enders):
             self.call(action)
+
+    def core_version(self, name: str) -> tuple[int, int]:
+        """Return the version of a core service that the component provides, 1.1 if of none."""
+        return self._jaus_versions.get(name, VERSION_1_1)
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""

@@ -21,6 +21,9 @@ R = TypeVar("R", bound=Message)
 Action = Callable[[Any, "JausAddress"], object]
 """Takes a decoded message and its sender."""
 
+Condition = Guard | Callable[[Any], Guard]
+"""Whom to obey: always the same, or depending on the message."""
+
 
 @dataclass(frozen=True)
 class Provision(Generic[Q, R]):
@@ -42,15 +45,27 @@ class Provision(Generic[Q, R]):
 
 
 @dataclass(slots=True)
-class _Handler:
+class Handler:
+    """What acts on an input message.
+
+    Attributes:
+        message_class: Codec of the message.
+        action: Acts on the message.
+        condition: Whom to obey.
+    """
+
     message_class: type[Message]
     action: Action
-    guard: Guard
+    condition: Condition
+
+    def guard_for(self, message: Message) -> Guard:
+        """Return whom to obey when the message is this one."""
+        return self.condition if isinstance(self.condition, Guard) else self.condition(message)
 
 
 @dataclass(slots=True)
 class _Route:
-    handler: _Handler | None = None
+    handler: Handler | None = None
     # Replaced, never changed: a callback may add listeners while the route is in use.
     listeners: dict[type[Message], tuple[Action, ...]] = field(default_factory=dict)
 
@@ -70,12 +85,14 @@ class Router:
         self._routes: dict[int, _Route] = {}
         self._provisions: dict[int, Provision[Any, Any]] = {}
 
-    def set_handler(self, message_class: type[Message], action: Action, guard: Guard) -> None:
+    def set_handler(
+        self, message_class: type[Message], action: Action, condition: Condition
+    ) -> None:
         """Handle a message; raises ValueError when it is handled already."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
-        route.handler = _Handler(message_class, action, guard)
+        route.handler = Handler(message_class, action, condition)
 
     def set_provision(
         self,
@@ -91,6 +108,11 @@ class Router:
         """Return what answers a query."""
         return self._provisions.get(query_code)
 
+    def handler(self, code: int) -> Handler | None:
+        """Return what acts on a message."""
+        route = self._routes.get(code)
+        return None if route is None else route.handler
+
     def add_listener(self, message_class: type[Message], action: Action) -> None:
         """Also call ``action`` for each such message."""
         route = self._routes.setdefault(message_class.CODE, _Route())
@@ -103,15 +125,8 @@ class Router:
         if route is None:
             self._counters.add("component.unknown_message")
             return
-        handler = route.handler
-        if handler is not None:
-            if handler.guard is Guard.ANY or self._allows(handler.guard, sender):
-                self._deliver(handler.message_class, (handler.action,), payload, sender)
-            else:
-                self._counters.count(
-                    "component.command_refused",
-                    f"{handler.message_class.NAME} of {sender} needs {handler.guard.value}",
-                )
+        if route.handler is not None:
+            self._handle(route.handler, payload, sender)
         for message_class, actions in route.listeners.items():
             self._deliver(message_class, actions, payload, sender)
 
@@ -124,6 +139,25 @@ class Router:
             self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
             return None
 
+    def _handle(self, handler: Handler, payload: bytes, sender: JausAddress) -> None:
+        """Act on a message if its sender is obeyed; one that is not costs no decoding."""
+        if not isinstance(handler.condition, Guard):
+            message = self._decode(handler.message_class, payload, sender)
+            guard = None if message is None else self.call(handler.guard_for, message)
+            if guard is not None and self._obeys(handler, guard, sender):
+                self.call(handler.action, message, sender)
+        elif self._obeys(handler, handler.condition, sender):
+            self._deliver(handler.message_class, (handler.action,), payload, sender)
+
+    def _obeys(self, handler: Handler, guard: Guard, sender: JausAddress) -> bool:
+        if guard is Guard.ANY or self._allows(guard, sender):
+            return True
+        self._counters.count(
+            "component.command_refused",
+            f"{handler.message_class.NAME} of {sender} needs {guard.value}",
+        )
+        return False
+
     def _deliver(
         self,
         message_class: type[Message],
@@ -131,12 +165,18 @@ class Router:
         payload: bytes,
         sender: JausAddress,
     ) -> None:
+        message = self._decode(message_class, payload, sender)
+        if message is not None:
+            for action in actions:
+                self.call(action, message, sender)
+
+    def _decode(
+        self, message_class: type[Message], payload: bytes, sender: JausAddress
+    ) -> Message | None:
         try:
-            message = message_class.decode(payload)
+            return message_class.decode(payload)
         except DecodeError as error:
             self._counters.count(
                 "component.bad_message", f"{message_class.NAME} of {sender}: {error}"
             )
-            return
-        for action in actions:
-            self.call(action, message, sender)
+            return None

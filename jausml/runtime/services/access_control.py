@@ -17,7 +17,7 @@ from ..core_messages import (
     RequestControl,
     SetAuthority,
 )
-from .definitions import Guard
+from .definitions import VERSION_1_1, Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
@@ -33,7 +33,9 @@ Reject = RejectControl.ResponseCode
 
 
 class AccessControlService:
-    """Keeps who controls the component (AS5710 v1.1, AccessControl, protocol behaviour).
+    """Keeps who controls the component (AS5710, AccessControl, protocol behaviour).
+
+    A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
 
     Attributes:
         controller: The controlling component.
@@ -56,6 +58,7 @@ class AccessControlService:
         self.managed = True
         self.emergency_clients: Set[JausAddress] = frozenset()
         self.on_lost: Callable[[], None] = _nothing
+        self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
         if not enabled:
             return
         component.handle(RequestControl, self._request)
@@ -80,6 +83,13 @@ class AccessControlService:
         self.authority = self._default
         self.on_lost()
         self._component.send(RejectControl(response_code=reason), former)
+        self._controller_changed()
+
+    def restore(self, controller: JausAddress, authority: int) -> None:
+        """Give control back to whom an emergency took it from (AS5710 v1.0, Management)."""
+        self.controller = controller
+        self.authority = authority
+        self._restart_timer()
         self._controller_changed()
 
     def _request(self, message: RequestControl, sender: JausAddress) -> None:
@@ -110,15 +120,15 @@ class AccessControlService:
 
     def _release(self, _message: ReleaseControl, sender: JausAddress) -> None:
         if self.controller is None:
-            refused = not self.available and sender not in self.emergency_clients
+            refused = not (self.available or self._is_1_0 or sender in self.emergency_clients)
             reason = Reject.NOT_AVAILABLE if refused else Reject.CONTROL_RELEASED
             self._component.send(RejectControl(response_code=reason), sender)
-        elif sender != self.controller:
-            self._component.counters.add("access_control.release_ignored")
-        elif self.available:
+        elif sender == self.controller and self.available:
             self.drop(Reject.CONTROL_RELEASED)
-        else:
+        elif not self.available and (self._is_1_0 or sender == self.controller):
             self._component.send(RejectControl(response_code=Reject.NOT_AVAILABLE), sender)
+        else:
+            self._component.counters.add("access_control.release_ignored")
 
     def _set_authority(self, message: SetAuthority, _sender: JausAddress) -> None:
         if self._default <= message.authority_code <= self.authority:

@@ -8,6 +8,9 @@ from enum import Enum, IntEnum
 CORE = "urn:jaus:jss:core:"
 """Prefix of the identifiers of the core services (AS5710)."""
 
+VERSION_1_1 = (1, 1)
+"""Major and minor version of the core services of AS5710A; AS5710 is 1.0."""
+
 MAX_EVENT_RATE = 1092.0
 """Upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)."""
 

@@ -16,7 +16,7 @@ from ..core_messages import (
 )
 from ..counters import LOGGER
 from .access_control import Reject
-from .definitions import Guard, Status
+from .definitions import VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
     from ..address import JausAddress
@@ -33,7 +33,10 @@ MAX_EMERGENCY_CLIENTS = 1024
 
 
 class ManagementService:
-    """Keeps the state of the component (AS5710 v1.1, Management, protocol behaviour).
+    """Keeps the state of the component (AS5710, Management, protocol behaviour).
+
+    A component that provides Management v1.0 behaves as v1.0 says: after an emergency it goes on
+    where it was, Reset needs Ready, and anyone may shut down or reset it in Emergency.
 
     Attributes:
         status: The present state.
@@ -46,6 +49,8 @@ class ManagementService:
         self._component = component
         self._access = access
         self._emergencies: set[JausAddress] = set()
+        self._is_1_0 = component.core_version("Management") < VERSION_1_1
+        self._interrupted: tuple[Status, JausAddress | None, int] | None = None
         self.status = Status.INITIALIZE
         access.managed = False
         access.emergency_clients = self._emergencies
@@ -54,8 +59,8 @@ class ManagementService:
             return
         component.handle(Resume, self._resume, when=Guard.CONTROLLED)
         component.handle(Standby, self._standby, when=Guard.CONTROLLED)
-        component.handle(Shutdown, self._shutdown, when=Guard.CONTROLLED)
-        component.handle(Reset, self._reset, when=Guard.CONTROLLED)
+        component.handle(Shutdown, self._shutdown, when=self._who_ends)
+        component.handle(Reset, self._reset, when=self._who_ends)
         component.handle(SetEmergency, self._set_emergency)
         component.handle(ClearEmergency, self._clear_emergency)
         component.provide(QueryStatus, ReportStatus, self._report_status)
@@ -90,18 +95,29 @@ class ManagementService:
         if self.status is Status.READY:
             self._enter(Status.STANDBY)
 
+    def _who_ends(self, _message: Message) -> Guard:
+        """Return who may send Shutdown and Reset now.
+
+        In the Emergency of v1.1 nobody may: it has no controller, and lasts until the last
+        emergency is cleared.
+        """
+        anyone = self._is_1_0 and self.status is Status.EMERGENCY
+        return Guard.ANY if anyone else Guard.CONTROLLED
+
     def _shutdown(self, _message: Shutdown, sender: JausAddress) -> None:
-        if self.status is Status.READY:
+        if self.status in (Status.READY, Status.EMERGENCY):
             LOGGER.info("%s is shut down by %s", self._component.address, sender)
-            self.shut_down(Reject.NOT_AVAILABLE)
+            self.shut_down(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
 
     def _reset(self, _message: Reset, _sender: JausAddress) -> None:
-        # Emergency has no controller, so that neither Reset nor Shutdown has an effect before
-        # the last emergency is cleared.
-        if self.status in (Status.STANDBY, Status.READY):
-            self._enter(Status.INITIALIZE)
-            self._access.drop(Reject.CONTROL_RELEASED)
-            self.initialize()
+        if self.status is Status.STANDBY and self._is_1_0:
+            return
+        was_emergency = self.status is Status.EMERGENCY
+        self._enter(Status.INITIALIZE)
+        self._access.drop(Reject.CONTROL_RELEASED)
+        if was_emergency:
+            self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+        self.initialize()
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES:
@@ -113,8 +129,9 @@ class ManagementService:
             self._emergencies.add(sender)
         if self.status is not Status.EMERGENCY:
             LOGGER.warning("%s: emergency set by %s", self._component.address, sender)
+            self._interrupted = (self.status, self._access.controller, self._access.authority)
             self._enter(Status.EMERGENCY)
-            self._access.drop(Reject.NOT_AVAILABLE)
+            self._access.drop(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
             self._component.call(self._component.on_emergency, True)  # noqa: FBT003
 
     def _clear_emergency(self, message: ClearEmergency, sender: JausAddress) -> None:
@@ -124,8 +141,18 @@ class ManagementService:
         self._emergencies.discard(sender)
         if self.status is Status.EMERGENCY and not self._emergencies:
             LOGGER.warning("%s: emergency cleared", self._component.address)
-            self._enter(Status.STANDBY)
+            self._leave_emergency()
             self._component.call(self._component.on_emergency, False)  # noqa: FBT003
+
+    def _leave_emergency(self) -> None:
+        """Go to Standby without a controller; in v1.0, back to what the emergency interrupted."""
+        if not self._is_1_0 or self._interrupted is None:
+            self._enter(Status.STANDBY)
+            return
+        status, controller, authority = self._interrupted
+        if controller is not None:
+            self._access.restore(controller, authority)
+        self._enter(status)
 
     def _control_lost(self) -> None:
         if self.status is Status.READY:
