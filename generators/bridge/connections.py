@@ -169,8 +169,6 @@ class ConnectionView:
             found.append(("when", f"Guard.{self._handler_guard}"))
         if self.kind == "TopicsToMessage":
             found += self._sending()
-        if connection.outOfRange.name != "clamp":
-            found.append(("clamp", "False"))
         if connection.silenceTimeout > 0:
             found.append(("silence_timeout", python_literal(float(connection.silenceTimeout))))
         if self.has_safe_value:
@@ -243,10 +241,10 @@ class ConnectionView:
     @functools.cached_property
     def body(self) -> Body:
         """The statements of the translation."""
-        limit = f"self.{self.name}.limit"
+        owner = f"self.{self.name}"
         if self.to_ros:
-            return to_ros(self.connection.map, self.message, limit, self.ros_name)
-        return to_jaus(self.connection.map, self.message, limit)
+            return to_ros(self.connection, self.message, owner, self.ros_name)
+        return to_jaus(self.connection, self.message, owner)
 
     @property
     def translate_signature(self) -> str:

@@ -19,6 +19,7 @@ from jausml.generators.common.jaus_fields import (
     REAL,
     TEXT,
     JausField,
+    Limits,
     jaus_field,
 )
 from jausml.generators.common.layout import Call, statement
@@ -33,7 +34,15 @@ BOOLEAN, QUATERNION, TIME = "boolean", "quaternion", "time"
 MARGIN = 8
 CONVERSION = "http://www.jausml.org/bridge/conversion"
 
-_LARGEST_SINGLE = 3.4e38
+_SINGLE = (-3.4028234663852886e38, 3.4028234663852886e38)
+_DOUBLE = (-1.7976931348623157e308, 1.7976931348623157e308)
+_COUNTED_BY_32_BITS = 2**32 - 1
+_POLICIES = {
+    "clamp": "clamp",
+    "dropField": "drop_field",
+    "dropMessage": "drop_message",
+    "error": "error",
+}
 _STEP = " " * 4
 _TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
 _RESULTS = {
@@ -68,7 +77,8 @@ class Value:
         kind: Kind of the value.
         guards: Python paths that must not be None.
         units: Unit of the source; empty when unknown.
-        limits: Least and greatest value of an integer that is not converted.
+        limits: Least and greatest value of a number that is not converted, when they are known.
+        limit: Python path of what keeps the value within its target; empty for constants.
     """
 
     code: str | Call
@@ -76,6 +86,7 @@ class Value:
     guards: tuple[str, ...] = ()
     units: str = ""
     limits: tuple[float, float] | None = None
+    limit: str = ""
 
 
 @dataclass
@@ -83,12 +94,14 @@ class Body:
     """Statements of a method, and the runtime names that they use.
 
     Attributes:
-        limit: Python path of the limit of the connection, e.g. `self.speed.limit`.
+        owner: Python path of the connection, e.g. `self.speed`.
+        policy: Out-of-range policy of the connection, as a literal of the metamodel.
         lines: Lines, indented for a method.
         names: Names of the runtime, as (module, name).
     """
 
-    limit: str
+    owner: str = ""
+    policy: str = "clamp"
     lines: list[str] = field(default_factory=list)
     names: set[tuple[str, str]] = field(default_factory=set)
     _required: set[str] = field(default_factory=set)
@@ -102,6 +115,11 @@ class Body:
         """Notes that a runtime name is used, and returns it."""
         self.names.add((module, name))
         return name
+
+    def limit(self, assignment: Any) -> str:
+        """Returns the Python path of what keeps the value of an assignment within its target."""
+        own = assignment.outOfRange.name
+        return f"{self.owner}.{_POLICIES[self.policy if own == 'asConnection' else own]}"
 
     def add(self, statement: str, depth: int = 0) -> None:
         """Adds the lines of a statement."""
@@ -155,20 +173,20 @@ class Body:
 # ---------------------------------------------------------------- to ROS
 
 
-def to_ros(attribute_map: Any, message: MessageView, limit: str, class_name: str) -> Body:
+def to_ros(connection: Any, message: MessageView, owner: str, class_name: str) -> Body:
     """Returns the statements that make `target` (ROS) from `source` (JAUS).
 
     Args:
-        attribute_map: The `bridge.AttributeMap`.
+        connection: The `bridge.Connection`, whose map has the assignments.
         message: Its JAUS message.
-        limit: Python path of the limit of the connection.
+        owner: Python path of the connection.
         class_name: Name of the ROS message class in the module.
 
     Raises:
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body = Body(limit)
+    body, attribute_map = Body(owner, connection.outOfRange.name), connection.map
     for assignment in attribute_map.toRos:
         if _needs_its_sources(assignment):
             for path in _paths(assignment.source):
@@ -180,9 +198,10 @@ def to_ros(attribute_map: Any, message: MessageView, limit: str, class_name: str
             continue
         target = ros_field(attribute_map.type, assignment.target)
         if kind == "FieldAssignment":
+            limit = body.limit(assignment)
             sources = [jaus_field(message, path) for path in _paths(assignment.source)]
-            value = _converted(body, assignment, [_from_jaus(source) for source in sources])
-            _store_ros(body, target, value)
+            values = [_from_jaus(source, limit) for source in sources]
+            _store_ros(body, target, _converted(body, assignment, values))
         elif kind == "ConstantAssignment":
             _store_ros(body, target, ros_constant(target, assignment.value))
         else:
@@ -192,7 +211,7 @@ def to_ros(attribute_map: Any, message: MessageView, limit: str, class_name: str
 
 def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]) -> Body:
     """Returns the statements that make `target` (ROS) of constants."""
-    body = Body("")
+    body = Body()
     body.add(f"target = {class_name}()")
     for assignment in assignments:
         target = ros_field(message_type, assignment.target)
@@ -219,9 +238,13 @@ def _store_ros(body: Body, target: RosField, value: Value) -> None:
         body.store(Call(setter, (place, value.code)), depth=depth)
         return
     if wanted == INTEGER and value.kind in _NUMBERS:
-        code = _integer(body, value, target.path, INTEGER_RANGES[target.type])
+        code = _integer(value, target.path, INTEGER_RANGES[target.type])
     elif wanted == REAL and value.kind in {INTEGER, BOOLEAN}:
         code = Call("float", (value.code,))
+    elif wanted == value.kind == REAL and target.type == "float32":
+        code = _single(value, target.path)
+    elif wanted == value.kind == TEXT and value.limit and target.bound:
+        code = _limited(f"{value.limit}.text", value.code, target.path, (0, target.bound))
     elif wanted == BOOLEAN and value.kind in {INTEGER, REAL}:
         code = Call("bool", (value.code,))
     elif wanted == value.kind:
@@ -241,19 +264,20 @@ def ros_kind(target: RosField) -> str:
 # ---------------------------------------------------------------- to JAUS
 
 
-def to_jaus(attribute_map: Any, message: MessageView, limit: str) -> Body:
+def to_jaus(connection: Any, message: MessageView, owner: str) -> Body:
     """Returns the statements that make `target` (JAUS) from `source` (ROS).
 
     Args:
-        attribute_map: The `bridge.AttributeMap`.
+        connection: The `bridge.Connection`, whose map has the assignments.
         message: Its JAUS message.
-        limit: Python path of the limit of the connection.
+        owner: Python path of the connection.
 
     Raises:
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body, made = Body(limit), set[str]()
+    body, made = Body(owner, connection.outOfRange.name), set[str]()
+    attribute_map = connection.map
     body.add(f"target = {message.class_name}()")
     for assignment in attribute_map.toJaus:
         kind = assignment.eClass.name
@@ -263,7 +287,8 @@ def to_jaus(attribute_map: Any, message: MessageView, limit: str) -> Body:
         _make_containers(body, target, made)
         if kind == "FieldAssignment":
             sources = [ros_field(attribute_map.type, path) for path in _paths(assignment.source)]
-            values = [Value(f"source.{s.path}", ros_kind(s)) for s in sources]
+            limit = body.limit(assignment)
+            values = [_from_ros(source, limit) for source in sources]
             _store_jaus(body, target, _converted(body, assignment, values))
         elif kind == "ConstantAssignment":
             _store_constant(body, target, assignment.value)
@@ -274,7 +299,7 @@ def to_jaus(attribute_map: Any, message: MessageView, limit: str) -> Body:
 
 def jaus_constants(message: MessageView, assignments: Iterable[Any]) -> Body:
     """Returns the statements that make `target` (JAUS) of constants."""
-    body, made = Body(""), set[str]()
+    body, made = Body(), set[str]()
     body.add(f"target = {message.class_name}()")
     for assignment in assignments:
         target = jaus_field(message, assignment.target)
@@ -298,17 +323,21 @@ def _make_containers(body: Body, target: JausField, made: set[str]) -> None:
 def _store_jaus(body: Body, target: JausField, value: Value) -> None:
     code = value.code
     if target.kind == INTEGER and value.kind in _NUMBERS:
-        code = _integer(body, value, target.path, target.limits)
+        code = (
+            _listed(value, target) if target.values else _integer(value, target.path, target.limits)
+        )
     elif target.kind == REAL and value.kind in _NUMBERS:
         code = value.code if value.kind == REAL else Call("float", (value.code,))
-        if target.limits[1] < _LARGEST_SINGLE:  # the codec refuses what is beyond
-            code = _limited(body.limit, code, target.path, target.limits, float)
+        if value.limits is None or not _within(value.limits, target.limits):
+            code = _real(value.limit, code, target.path, target.limits)
     elif target.kind == BITS and value.kind == BITS:
         if target.sub_fields != _TIMESTAMP:
             raise AssignmentError(f"{target.path} is no TimeStamp")
         code = Call(target.class_name, (f"*{value.code}",))
-    elif target.kind == OCTETS and value.kind == OCTETS:
-        code = Call("bytes", (value.code,))
+    elif target.kind == value.kind == TEXT:
+        code = _limited(f"{value.limit}.text", value.code, target.path, target.limits)
+    elif target.kind == value.kind == OCTETS:
+        code = _octets(value, target)
     elif target.kind != value.kind:
         raise AssignmentError(f"{value.kind} does not fit {target.path}")
     body.store(code, f"target.{target.attribute}", target.units)
@@ -317,11 +346,18 @@ def _store_jaus(body: Body, target: JausField, value: Value) -> None:
 # ---------------------------------------------------------------- values
 
 
-def _from_jaus(source: JausField) -> Value:
-    limits = source.limits if source.kind == INTEGER else None
-    return Value(
-        f"source.{source.attribute}", source.kind, source.may_be_absent, source.units, limits
-    )
+def _from_jaus(source: JausField, limit: str) -> Value:
+    code: str | Call = f"source.{source.attribute}"
+    limits = source.brought if source.kind == INTEGER else source.limits
+    if source.kind == REAL and not source.is_scaled:
+        # The codec hands on what a peer sends; only here is it known what becomes of the rest.
+        code = _real(limit, code, source.path, source.limits)
+    return Value(code, source.kind, source.may_be_absent, source.units, limits, limit)
+
+
+def _from_ros(source: RosField, limit: str) -> Value:
+    limits = None if source.is_array else INTEGER_RANGES.get(source.type)
+    return Value(f"source.{source.path}", ros_kind(source), limits=limits, limit=limit)
 
 
 def _converted(body: Body, assignment: Any, values: Sequence[Value]) -> Value:
@@ -361,17 +397,45 @@ def _paths(text: str) -> list[str]:
     return [path.strip() for path in text.split(",")]
 
 
-def _integer(body: Body, value: Value, name: str, limits: tuple[float, float]) -> str | Call:
-    if value.limits is not None and limits[0] <= value.limits[0] <= value.limits[1] <= limits[1]:
+def _integer(value: Value, name: str, limits: Limits) -> str | Call:
+    if value.kind == INTEGER and value.limits is not None and _within(value.limits, limits):
         return value.code
-    return _limited(f"{body.limit}.integer", value.code, name, limits, int)
+    return _limited(f"{value.limit}.integer", value.code, name, (int(limits[0]), int(limits[1])))
 
 
-def _limited(
-    function: str, code: str | Call, name: str, limits: tuple[float, float], number: type
-) -> Call:
-    low, high = (python_literal(number(each)) for each in limits)
-    return Call(function, (python_string(name), code, low, high))
+def _listed(value: Value, target: JausField) -> Call:
+    ranges = repr(target.values)
+    return Call(f"{value.limit}.listed", (python_string(target.path), value.code, ranges))
+
+
+def _real(limit: str, code: str | Call, name: str, limits: Limits) -> Call:
+    if limits == _DOUBLE:
+        return _limited(f"{limit}.finite", code, name, ())
+    if limits == _SINGLE:
+        return _limited(f"{limit}.single", code, name, ())
+    return _limited(limit, code, name, limits)
+
+
+def _single(value: Value, name: str) -> str | Call:
+    if value.limits is not None and _within(value.limits, _SINGLE):
+        return value.code
+    return _limited(f"{value.limit}.single", value.code, name, ())
+
+
+def _octets(value: Value, target: JausField) -> Call:
+    code = Call("bytes", (value.code,))
+    lower, upper = target.limits
+    if lower == 0 and upper >= _COUNTED_BY_32_BITS:
+        return code
+    return _limited(f"{value.limit}.octets", code, target.path, target.limits)
+
+
+def _within(inner: Limits, outer: Limits) -> bool:
+    return outer[0] <= inner[0] <= inner[1] <= outer[1]
+
+
+def _limited(function: str, code: str | Call, name: str, limits: tuple[float, ...]) -> Call:
+    return Call(function, (python_string(name), code, *map(python_literal, limits)))
 
 
 def _literal(kind: str, text: str, limits: tuple[float, float], place: str) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.fields import Bits, Blob, Fixed
 from jausml.generators.common.members import Member
-from jausml.generators.common.nested import BitFieldClass
+from jausml.generators.common.nested import BitFieldClass, SubField
 from jausml.generators.common.ros_fields import PathError
 from jausml.generators.common.values import PartValue
 
@@ -32,7 +33,12 @@ class JausField:
         may_be_absent: Python paths on the way, and the end, that are None when absent.
         containers: Python path and class of each nested container on the way.
         kind: `real`, `integer`, `text`, `octets`, `bits` or `other`.
-        limits: Least and greatest value of a number; infinite when nothing limits it.
+        limits: Least and greatest value of a number, or fewest and most characters of a text or
+            bytes of octets; infinite when nothing limits it.
+        brought: Least and greatest integer that the wire can bring, legal or not.
+        values: Legal ranges of an integer with named values or gaps; empty for others.
+        is_scaled: Whether a real stands on the wire as an integer, and so is finite.
+        is_optional: Whether the end itself may be left out.
         units: Unit of the value; empty when the model has none.
         class_name: Class of a bit field, e.g. `ReportLocalPose.TimeStamp`.
         sub_fields: Python names of the parts of a bit field.
@@ -44,6 +50,10 @@ class JausField:
     containers: tuple[tuple[str, str], ...]
     kind: str
     limits: Limits = _UNLIMITED
+    brought: Limits | None = None
+    values: tuple[tuple[int, int], ...] = ()
+    is_scaled: bool = False
+    is_optional: bool = False
     units: str = ""
     class_name: str = ""
     sub_fields: tuple[str, ...] = ()
@@ -78,12 +88,14 @@ def jaus_field(message: MessageView, path: str) -> JausField:
         ".".join(attributes),
         tuple(absent),
         tuple(containers),
+        is_optional=isinstance(end, Member) and end.is_optional,
         units=end.units if isinstance(end, Member) else "",
-        **_facts(message, end.value),
+        **_facts(message, end),
     )
 
 
-def _facts(message: MessageView, value: object) -> dict[str, Any]:
+def _facts(message: MessageView, end: Member | SubField) -> dict[str, Any]:
+    value = end.value
     if isinstance(value, Bits):
         return {
             "kind": BITS,
@@ -92,10 +104,17 @@ def _facts(message: MessageView, value: object) -> dict[str, Any]:
         }
     if isinstance(value, Fixed):
         kind = _KINDS[value.python_type]
-        return {"kind": kind, "limits": _limits(value, kind)}
-    return (
-        {"kind": TEXT if value.is_text else OCTETS} if isinstance(value, Blob) else {"kind": OTHER}
-    )
+        brought = _brought(end, value) if kind == INTEGER else None
+        return {
+            "kind": kind,
+            "limits": _limits(value, kind, brought),
+            "brought": brought,
+            "values": _values(value, is_named=bool(end.enumeration)),
+            "is_scaled": value.scale is not None,
+        }
+    if isinstance(value, Blob):
+        return {"kind": TEXT if value.is_text else OCTETS, "limits": (value.lower, value.upper)}
+    return {"kind": OTHER}
 
 
 def _sub_fields(message: MessageView, path: str) -> tuple[str, ...]:
@@ -106,14 +125,29 @@ def _sub_fields(message: MessageView, path: str) -> tuple[str, ...]:
     )
 
 
-def _limits(value: Fixed, kind: str) -> Limits:
+def _brought(end: Member | SubField, value: Fixed) -> Limits:
+    if isinstance(end, SubField):
+        return 0, end.mask
+    bits = 8 * value.size
+    return (0, 2**bits - 1) if value.format.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def _limits(value: Fixed, kind: str, brought: Limits | None) -> Limits:
     if value.scale is not None:
         return value.scale
-    if value.check in {"integer", "real"}:
+    if value.check == "integer":
+        return int(value.limits[0]), int(value.limits[1])
+    if value.check == "real":
         return float(value.limits[0]), float(value.limits[1])
-    if kind == INTEGER:
-        bits = 8 * value.size
-        if value.format.isupper():
-            return 0, 2**bits - 1
-        return -(2 ** (bits - 1)), 2 ** (bits - 1) - 1
-    return _UNLIMITED
+    if brought is not None:
+        return brought
+    return (0, value.size) if kind == TEXT else _UNLIMITED
+
+
+def _values(value: Fixed, *, is_named: bool) -> tuple[tuple[int, int], ...]:
+    if value.check == "one_of":
+        ranges: tuple[tuple[int, int], ...] = ast.literal_eval(value.limits[0])
+        return ranges
+    if value.check == "integer" and is_named:
+        return ((int(value.limits[0]), int(value.limits[1])),)
+    return ()

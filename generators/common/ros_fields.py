@@ -28,11 +28,13 @@ class RosField:
         type: Primitive type (`float64`) or full name of a message type
             (`geometry_msgs/Quaternion`).
         is_array: True when the end is a whole array.
+        bound: Most characters of a string; 0 when nothing limits it.
     """
 
     path: str
     type: str
     is_array: bool
+    bound: int = 0
 
 
 def ros_field(message_type: Any, path: str) -> RosField:
@@ -46,7 +48,7 @@ def ros_field(message_type: Any, path: str) -> RosField:
         PathError: There is no such field, or the path goes on behind a value.
     """
     current = message_type
-    kind, is_array = full_name(message_type), False
+    kind, is_array, bound = full_name(message_type), False, 0
     for step in path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
@@ -58,8 +60,8 @@ def ros_field(message_type: Any, path: str) -> RosField:
         if field.eClass.name == "MessageField":
             current, kind = field.messageType, full_name(field.messageType)
         else:
-            current, kind = None, str(field.type.name)
-    return RosField(path, kind, is_array)
+            current, kind, bound = None, str(field.type.name), int(field.stringBound)
+    return RosField(path, kind, is_array, bound)
 
 
 def full_name(message_type: Any) -> str:

@@ -7,11 +7,13 @@ thread.
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from .bridge_statistics import AbsentFieldError, Limit, OutOfRangeError, Statistics
+from .bridge_limits import CLAMP, ERROR, Clamp, DropField, DropMessage, Error, OutOfRangeError
+from .bridge_statistics import AbsentFieldError, Statistics
 from .conversions import ConversionError
 from .message import EncodeError
 
@@ -27,10 +29,10 @@ TargetT = TypeVar("TargetT")
 FILTERED = "filtered"
 FAILED = "translation_failed"
 NOT_READY = "not_ready"
+OUT_OF_RANGE = "out_of_range"
 
 _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (AbsentFieldError, "absent_field"),
-    (OutOfRangeError, "out_of_range"),
     (ConversionError, "no_counterpart"),
     (EncodeError, "not_encodable"),
 )
@@ -42,7 +44,7 @@ class ConnectionStatus:
 
     Attributes:
         name: Name of the connection.
-        level: `ok`, `warning` or `stale`.
+        level: `ok`, `warning`, `error` or `stale`.
         message: The state in a few words.
         hardware_id: JAUS address of the bridge.
         values: Names and values in the order in which they are shown.
@@ -61,7 +63,10 @@ class Connection(Generic[SourceT, TargetT]):
     Attributes:
         name: Name of the connection in the model.
         statistics: What happened so far.
-        limit: Keeps values in the range of their target field.
+        clamp: Moves values into the range of their target field.
+        drop_field: Leaves fields out whose value is out of range.
+        drop_message: Drops messages with a value out of range.
+        error: Does the same, as an error.
         silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
     """
 
@@ -70,7 +75,6 @@ class Connection(Generic[SourceT, TargetT]):
         name: str,
         translate: Callable[[SourceT], TargetT | None],
         *,
-        clamp: bool = True,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
     ) -> None:
@@ -79,13 +83,15 @@ class Connection(Generic[SourceT, TargetT]):
         Args:
             name: Name of the connection in the model.
             translate: Makes the target message, or None to pass nothing on.
-            clamp: What to do with values out of range: True moves them, False drops the message.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
             safe_value: Makes the message that is sent once when the source is silent.
         """
         self.name = name
         self.statistics = Statistics()
-        self.limit = Limit(self.statistics, clamp=clamp)
+        self.clamp = Clamp(self._note_out_of_range)
+        self.drop_field = DropField(self._note_out_of_range)
+        self.drop_message = DropMessage(self._note_out_of_range)
+        self.error = Error(self._note_out_of_range)
         self.silence_timeout = silence_timeout
         self.is_silent = False
         self._translate = translate
@@ -93,7 +99,7 @@ class Connection(Generic[SourceT, TargetT]):
         self._heard = 0.0
         self._watch: Timer | None = None
         self._bridge: Bridge
-        self._reported: tuple[float, int, int] | None = None
+        self._reported: tuple[float, int, int, int] | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
@@ -126,9 +132,11 @@ class Connection(Generic[SourceT, TargetT]):
         """Takes one message from the source and passes its translation on."""
         started = time.monotonic_ns()
         self.statistics.arrivals += 1
-        self._note_arrival()
+        self.statistics.last_arrival = self._bridge.loop.now()
         try:
             target = self._translate(source)
+            # A source that sends nothing usable is as good as silent.
+            self._note_usable()
             if target is None:
                 self.drop(FILTERED)
             elif self.deliver(target):
@@ -142,7 +150,34 @@ class Connection(Generic[SourceT, TargetT]):
         drops[reason] = drops.get(reason, 0) + 1
         self._bridge.component.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
+    def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
+        """Counts a value that its target field cannot carry.
+
+        A value that is clamped is ordinary traffic, for which the model found a use; what is left
+        out or dropped goes into the log.
+        """
+        counts = self.statistics.out_of_range
+        counts[policy, field] = counts.get((policy, field), 0) + 1
+        counters = self._bridge.component.counters
+        name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
+        if policy == CLAMP:
+            self.statistics.limited += 1
+            counters.add(name)
+        else:
+            level = logging.ERROR if policy == ERROR else logging.WARNING
+            counters.count(name, reason, level=level)
+
+    def _refuse(self, error: OutOfRangeError) -> None:
+        """Counts a message that is not passed on because of one of its values."""
+        drops = self.statistics.drops
+        drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
+        self.statistics.errors += error.policy == ERROR
+        self._note_out_of_range(error.policy, error.field, str(error))
+
     def _failed(self, error: Exception) -> None:
+        if isinstance(error, OutOfRangeError):
+            self._refuse(error)
+            return
         for kind, reason in _REASONS:
             if isinstance(error, kind):
                 self.drop(reason, str(error))
@@ -160,14 +195,13 @@ class Connection(Generic[SourceT, TargetT]):
         if self.silence_timeout > 0:
             self._watch = self._bridge.loop.call_later(delay, self._check_silence)
 
-    def _note_arrival(self) -> None:
-        loop = self._bridge.loop
-        self.statistics.last_arrival = now = loop.now()
+    def _note_usable(self) -> None:
         if self.silence_timeout > 0 or self.is_silent:
-            # With the lock the check either sees this arrival, or has sent the safe value before
+            loop = self._bridge.loop
+            # With the lock the check either sees this message, or has sent the safe value before
             # the value that arrived.
             with loop.lock:
-                self._heard = now
+                self._heard = loop.now()
                 if self.is_silent:
                     self.is_silent = False
                     self._arm(self.silence_timeout)
@@ -211,11 +245,14 @@ class Connection(Generic[SourceT, TargetT]):
         counts = self.statistics
         now = self._bridge.loop.now()
         dropped = sum(counts.drops.values())
-        then, arrivals_then, dropped_then = self._reported or (now, counts.arrivals, dropped)
-        self._reported = (now, counts.arrivals, dropped)
+        present = (now, counts.arrivals, dropped, counts.errors)
+        then, arrivals_then, dropped_then, errors_then = self._reported or present
+        self._reported = present
         elapsed = now - then
         rate = (counts.arrivals - arrivals_then) / elapsed if elapsed > 0 else 0.0
         level, message = self._judge(rate, measured=elapsed > 0, dropping=dropped > dropped_then)
+        if counts.errors > errors_then:
+            level, message = "error", "values out of range"
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         values = [
             ("messages taken", str(counts.arrivals)),
@@ -225,6 +262,10 @@ class Connection(Generic[SourceT, TargetT]):
             ("age (s)", age),
             ("safe values", str(counts.safe_values)),
             ("values limited", str(counts.limited)),
+            *(
+                (f"out of range: {policy} {field}", str(n))
+                for (policy, field), n in sorted(counts.out_of_range.items())
+            ),
             *((f"dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
             ("handling mean (us)", f"{counts.handling_mean / 1000:.1f}"),
             ("handling longest (us)", f"{counts.handling_longest / 1000:.1f}"),

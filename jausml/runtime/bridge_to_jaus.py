@@ -33,7 +33,6 @@ class FromTopics(Connection[SourceT, TargetT]):
         type: type[SourceT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         message: type[TargetT],
-        clamp: bool = True,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
     ) -> None:
@@ -45,13 +44,10 @@ class FromTopics(Connection[SourceT, TargetT]):
             type: ROS type of the topics.
             topics: Topics that are subscribed to.
             message: JAUS message that is made.
-            clamp: What to do with values out of range: True moves them, False drops the message.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
             safe_value: Makes the message that is sent once when the topics are silent.
         """
-        super().__init__(
-            name, translate, clamp=clamp, silence_timeout=silence_timeout, safe_value=safe_value
-        )
+        super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
         self._type = type
         self._topics = tuple(topics)
         self._message = message

@@ -36,7 +36,6 @@ class ToTopics(Connection[SourceT, TargetT]):
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] = (),
-        clamp: bool = True,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
     ) -> None:
@@ -49,13 +48,10 @@ class ToTopics(Connection[SourceT, TargetT]):
             type: ROS type that is published.
             topics: Where it is published.
             peers: JAUS components at the other end.
-            clamp: What to do with values out of range: True moves them, False drops the message.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
             safe_value: Makes the message that is published once when the source is silent.
         """
-        super().__init__(
-            name, translate, clamp=clamp, silence_timeout=silence_timeout, safe_value=safe_value
-        )
+        super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
         self.peers = tuple(peers)
         self._message = message
         self._type = type

@@ -249,7 +249,8 @@ def time_to_timestamp(instant: TimeLike) -> TimeStamp:
 
 
 def _wrap(angle: float) -> float:
-    return math.remainder(angle, math.tau)
+    # An infinite angle has no direction: the limit of the target field judges what becomes of it.
+    return math.nan if math.isinf(angle) else math.remainder(angle, math.tau)
 
 
 def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:

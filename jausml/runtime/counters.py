@@ -34,7 +34,14 @@ class Counters:
         with self._lock:
             self._counts[name] = self._counts.get(name, 0) + amount
 
-    def count(self, name: str, detail: str = "", *, error: BaseException | None = None) -> None:
+    def count(
+        self,
+        name: str,
+        detail: str = "",
+        *,
+        error: BaseException | None = None,
+        level: int = logging.WARNING,
+    ) -> None:
         """Count a drop or a failure and warn about it.
 
         The first one of a name is logged at once, later ones at most once in ``log_interval``
@@ -44,6 +51,7 @@ class Counters:
             name: Area and reason, e.g. ``judp.bad_version``.
             detail: What a reader of the log needs to find the culprit.
             error: Exception whose traceback belongs into the log.
+            level: Level of the log line.
         """
         now = self._clock()
         with self._lock:
@@ -54,7 +62,7 @@ class Counters:
                 return
             self._logged[name] = (now, total)
         times = total - before
-        LOGGER.warning("%s (%d times): %s", name, times, detail, exc_info=error)
+        LOGGER.log(level, "%s (%d times): %s", name, times, detail, exc_info=error)
 
     def drops(self) -> dict[str, int]:
         """Return the counts of drops and failures alone, sorted by name."""

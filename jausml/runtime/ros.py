@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 _LEVELS = {
     "ok": DiagnosticStatus.OK,
     "warning": DiagnosticStatus.WARN,
+    "error": DiagnosticStatus.ERROR,
     "stale": DiagnosticStatus.STALE,
 }
 

@@ -102,7 +102,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         # Conversions in order, within the range of the target.
         """
-        target.propulsive_rotational_effort_z = self.drive.limit(
+        target.propulsive_rotational_effort_z = self.drive.clamp(
             "PropulsiveRotationalEffortZ", scale(negate(source.angular.z), 100.0), -100.0, 100.0
         )
 """,
@@ -270,6 +270,18 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
           <fields xsi:type="jaus:Record" name="Head" optional="true">
             <fields xsi:type="jaus:FixedField" name="Count" type="uint8"/>
             <fields xsi:type="jaus:FixedField" name="Wide" type="int32"/>
+            <fields xsi:type="jaus:FixedField" name="Percent" type="uint8">
+              <values><values xsi:type="jaus:ValueRange" lower="0" upper="100"/></values>
+            </fields>
+            <fields xsi:type="jaus:FixedField" name="Mode" type="uint8">
+              <values>
+                <values xsi:type="jaus:EnumeratedValue" name="One" value="1"/>
+                <values xsi:type="jaus:ValueRange" lower="4" upper="5"/>
+              </values>
+            </fields>
+            <fields xsi:type="jaus:FixedField" name="Single" type="float32"/>
+            <fields xsi:type="jaus:FixedLengthString" name="Plate" length="12"/>
+            <fields xsi:type="jaus:VariableLengthField" name="Large" countType="uint32"/>
             <fields xsi:type="jaus:FixedField" name="Number" type="float64"/>
             <fields xsi:type="jaus:VariableLengthString" name="Word" countType="uint8"/>
             <fields xsi:type="jaus:VariableLengthField" name="Blob" countType="uint8"/>
@@ -279,6 +291,12 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
             <fields xsi:type="jaus:BitField" name="Flags" type="uint8">
               <subFields name="Lamp" lowBit="0" highBit="0"/>
               <subFields name="Level" lowBit="1" highBit="3"/>
+              <subFields name="Gear" lowBit="4" highBit="7">
+                <values>
+                  <values xsi:type="jaus:EnumeratedValue" name="Low" value="0"/>
+                  <values xsi:type="jaus:ValueRange" lower="1" upper="2"/>
+                </values>
+              </subFields>
             </fields>
           </fields>
         </body>
@@ -290,6 +308,9 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
       <fields xsi:type="ros:PrimitiveField" name="small" type="uint8"/>
       <fields xsi:type="ros:PrimitiveField" name="large" type="int64"/>
       <fields xsi:type="ros:PrimitiveField" name="real" type="float64"/>
+      <fields xsi:type="ros:PrimitiveField" name="single" type="float32"/>
+      <fields xsi:type="ros:PrimitiveField" name="signed" type="int8"/>
+      <fields xsi:type="ros:PrimitiveField" name="short" type="string" stringBound="8"/>
       <fields xsi:type="ros:PrimitiveField" name="flag" type="bool"/>
       <fields xsi:type="ros:PrimitiveField" name="text" type="string"/>
       <fields xsi:type="ros:PrimitiveField" name="matrix" arrayKind="fixedArray" arraySize="36"/>
@@ -355,10 +376,15 @@ def body(tmp_path, line, **texts):
         ("Head.Count", "large", "target.large = source.head.count"),
         ("Head.Count", "real", "target.real = float(source.head.count)"),
         ("Head.Count", "flag", "target.flag = bool(source.head.count)"),
-        ("Head.Wide", "small", 'self.things.limit.integer("small", source.head.wide, 0, 255)'),
-        ("Head.Number", "large", "limit.integer("),
-        ("Head.Number", "real", "target.real = source.head.number"),
-        ("Head.Number", "matrix[7]", "target.matrix[7] = source.head.number"),
+        ("Head.Wide", "small", 'self.things.clamp.integer("small", source.head.wide, 0, 255)'),
+        ("Head.Number", "large", "clamp.integer("),
+        ("Head.Number", "real", 'self.things.clamp.finite("Head.Number", source.head.number)'),
+        ("Head.Number", "matrix[7]", "target.matrix[7] = self.things.clamp.finite("),
+        ("Head.Number", "single", "clamp.single(\n"),
+        ("Head.Effort", "single", "target.single = source.head.effort"),
+        ("Head.Effort", "matrix[7]", "target.matrix[7] = source.head.effort"),
+        ("Head.Percent", "signed", 'clamp.integer("signed", source.head.percent, -128, 127)'),
+        ("Head.Word", "short", 'clamp.text("short", source.head.word, 0, 8)'),
         ("Head.Word", "text", "target.text = source.head.word"),
         ("Head.Blob", "octets", "target.octets = source.head.blob"),
         ("Head.Flags.Lamp", "flag", "target.flag = bool(source.head.flags.lamp)"),
@@ -374,12 +400,20 @@ def test_kinds_to_ros(tmp_path, source, target, expected):
 @pytest.mark.parametrize(
     ("source", "target", "expected"),
     [
-        ("small", "Head.Count", "target.head.count = self.things.limit.integer("),
+        ("small", "Head.Count", "target.head.count = source.small"),
+        ("large", "Head.Count", '("Head.Count", source.large, 0, 255)'),
+        ("large", "Head.Percent", '("Head.Percent", source.large, 0, 100)'),
+        ("small", "Head.Mode", 'clamp.listed("Head.Mode", source.small, ((1, 1), (4, 5)))'),
+        ("real", "Head.Flags.Gear", 'clamp.listed("Head.Flags.Gear", source.real, ((0, 2),))'),
         ("large", "Head.Wide", "-2147483648, 2147483647"),
-        ("real", "Head.Number", "target.head.number = source.real"),
+        ("real", "Head.Number", 'clamp.finite("Head.Number", source.real)'),
         ("small", "Head.Number", "target.head.number = float(source.small)"),
-        ("text", "Head.Word", "target.head.word = source.text"),
-        ("octets", "Head.Blob", "target.head.blob = bytes(source.octets)"),
+        ("small", "Head.Single", "target.head.single = float(source.small)"),
+        ("real", "Head.Single", 'clamp.single("Head.Single", source.real)'),
+        ("text", "Head.Word", 'clamp.text("Head.Word", source.text, 0, 255)'),
+        ("text", "Head.Plate", 'clamp.text("Head.Plate", source.text, 0, 12)'),
+        ("octets", "Head.Blob", 'octets("Head.Blob", bytes(source.octets), 0, 255)'),
+        ("octets", "Head.Large", "target.head.large = bytes(source.octets)"),
         ("real", "Head.Effort", '("Head.Effort", source.real, -1.0, 1.0)'),
         ("matrix[7]", "Head.Effort", '("Head.Effort", source.matrix[7], -1.0, 1.0)'),
         ("flag", "Head.Flags.Lamp", '("Head.Flags.Lamp", source.flag, 0, 1)'),

@@ -8,7 +8,8 @@ import pytest
 
 from jausml.runtime.address import JausAddress
 from jausml.runtime.bridge import Bridge, BridgeSettings
-from jausml.runtime.bridge_statistics import AbsentFieldError, Limit, OutOfRangeError, Statistics
+from jausml.runtime.bridge_limits import Clamp, DropField, DropMessage, Error, OutOfRangeError
+from jausml.runtime.bridge_statistics import AbsentFieldError
 from jausml.runtime.bridge_to_jaus import TopicsToMessage, TopicsToReport
 from jausml.runtime.bridge_to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from jausml.runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
@@ -457,7 +458,6 @@ def raising(error):
     [
         (lambda _source: None, "filtered"),
         (raising(AbsentFieldError("X")), "absent_field"),
-        (raising(OutOfRangeError("X is 3")), "out_of_range"),
         (raising(ConversionError("no length")), "no_counterpart"),
         (raising(EncodeError("x", "too long")), "not_encodable"),
         (raising(ZeroDivisionError()), "translation_failed"),
@@ -484,17 +484,140 @@ def test_middleware_that_refuses_does_not_end_the_loop(world, setting):
     assert len(setting.ros.numbers("timeout")) >= 4
 
 
-def test_limit_moves_or_refuses():
-    statistics = Statistics()
-    move, refuse = Limit(statistics, clamp=True), Limit(statistics, clamp=False)
-    assert [move("x", v, -1.0, 2.0) for v in (-5.0, 0.5, 9.0, float("inf"))] == [-1, 0.5, 2, 2]
-    assert move.integer("x", 2.6, 0, 255) == 3
-    assert move.integer("x", float("-inf"), 0, 255) == 0
-    assert statistics.limited == 4
-    assert refuse("x", 2.0, -1.0, 2.0) == 2.0
-    for limit, value in ((refuse, 3.0), (refuse, float("nan")), (move, float("nan"))):
-        with pytest.raises(OutOfRangeError):
-            limit("x", value, -1.0, 2.0)
+NAN, INFINITE = float("nan"), float("inf")
+FITTING = [
+    (lambda limit: limit("F", 2.0, -1.0, 2.0), 2.0),
+    (lambda limit: limit.integer("F", 2.6, 0, 3), 3),
+    (lambda limit: limit.listed("F", 4.2, ((0, 1), (4, 5))), 4),
+    (lambda limit: limit.finite("F", 1e300), 1e300),
+    (lambda limit: limit.single("F", 3e38), 3e38),
+    (lambda limit: limit.text("F", "caf\xe9", 0, 4), "caf\xe9"),
+    (lambda limit: limit.octets("F", b"abc", 3, 3), b"abc"),
+]
+# With the nearest legal value, None where nothing is nearest.
+OUTSIDE = [
+    (lambda limit: limit("F", 2.1, -1.0, 2.0), 2.0),
+    (lambda limit: limit("F", -INFINITE, -1.0, 2.0), -1.0),
+    (lambda limit: limit("F", NAN, -1.0, 2.0), None),
+    (lambda limit: limit.integer("F", INFINITE, 0, 255), 255),
+    (lambda limit: limit.integer("F", -3.2, 0, 255), 0),
+    (lambda limit: limit.integer("F", NAN, 0, 255), None),
+    (lambda limit: limit.listed("F", 2, ((0, 1), (4, 5))), None),
+    (lambda limit: limit.listed("F", NAN, ((0, 1),)), None),
+    (lambda limit: limit.listed("F", INFINITE, ((0, 1),)), None),
+    (lambda limit: limit.finite("F", NAN), None),
+    (lambda limit: limit.finite("F", INFINITE), None),
+    (lambda limit: limit.single("F", 1e39), 3.4028234663852886e38),
+    (lambda limit: limit.single("F", NAN), None),
+    (lambda limit: limit.text("F", "abcde", 0, 4), None),
+    (lambda limit: limit.text("F", "\u20ac", 0, 4), None),
+    (lambda limit: limit.octets("F", b"ab", 3, 3), None),
+]
+
+
+@pytest.mark.parametrize("policy", [Clamp, DropField, DropMessage, Error])
+@pytest.mark.parametrize(("use", "expected"), FITTING)
+def test_what_fits_passes_every_policy(policy, use, expected):
+    counted = []
+    result = use(policy(lambda *what: counted.append(what)))
+    assert (result, type(result)) == (expected, type(expected))
+    assert counted == []
+
+
+@pytest.mark.parametrize(("use", "nearest"), OUTSIDE)
+def test_what_does_not_fit_is_never_a_wrong_number(use, nearest):
+    counted = []
+
+    def count(policy, field, reason):
+        assert reason
+        counted.append((policy, field))
+
+    if nearest is None:
+        with pytest.raises(OutOfRangeError, match="F: ") as caught:
+            use(Clamp(count))
+        assert (caught.value.policy, caught.value.field) == ("not_clampable", "F")
+    else:
+        assert use(Clamp(count)) == nearest
+        assert counted.pop() == ("clamp", "F")
+    assert use(DropField(count)) is None
+    assert counted == [("drop_field", "F")]
+    for policy, name in ((DropMessage, "drop_message"), (Error, "error")):
+        with pytest.raises(OutOfRangeError) as caught:
+            use(policy(count))
+        assert (caught.value.policy, caught.value.field) == (name, "F")
+    assert len(counted) == 1
+
+
+def limited(policy):
+    """A command whose minutes and seconds have a limit each; the seconds are always clamped."""
+
+    def translate(source):
+        stamp = ReportTime.TimeStamp(minutes=1, seconds=connection.clamp.integer("S", 70.0, 0, 59))
+        authority = getattr(connection, policy).integer("M", source.data, 0, 59)
+        return SetTime(time_stamp=stamp) if authority is not None else minutes(0)
+
+    connection = command(translate=translate)
+    return connection
+
+
+@pytest.mark.parametrize(
+    ("policy", "value", "passed", "counted", "level"),
+    [
+        ("clamp", 60.0, 1, "clamp", "ok"),
+        ("clamp", NAN, 0, "not_clampable", "warning"),
+        ("drop_field", 60.0, 1, "drop_field", "ok"),
+        ("drop_field", NAN, 1, "drop_field", "ok"),
+        ("drop_message", 60.0, 0, "drop_message", "warning"),
+        ("error", 60.0, 0, "error", "error"),
+    ],
+)
+def test_counters_name_field_and_policy(
+    world, setting, caplog, policy, value, passed, counted, level
+):
+    connection = setting.open(limited(policy))
+    setting.ros.deliver["numbers"](Number(1.0))
+    connection.status()
+    caplog.clear()
+    setting.ros.deliver["numbers"](Number(value))
+    counts = world.counters.snapshot()
+    assert counts[f"bridge.drive.out_of_range.{counted}.M"] == 1
+    assert counts["bridge.drive.out_of_range.clamp.S"] == 2
+    assert connection.statistics.passed == 1 + passed
+    assert world.count(SetTime.CODE) == 1 + passed
+    assert setting.drops(connection) == ({} if passed else {"out_of_range": 1})
+    world.run(0.1)
+    status = connection.status()
+    assert status.level == level
+    assert (f"out of range: {counted} M", "1") in status.values
+    records = [record for record in caplog.records if "out_of_range" in record.message]
+    names = {"clamp": [], "error": ["ERROR"]}.get(counted, ["WARNING"])
+    assert [record.levelname for record in records] == names
+    world.run(0.1)
+    assert connection.status().level == "ok"  # a matter of the past
+
+
+def test_errors_do_not_flood_the_log(world, setting, caplog):
+    setting.open(limited("error"))
+    for _ in range(100):
+        setting.ros.deliver["numbers"](Number(60.0))
+    assert len([record for record in caplog.records if record.levelname == "ERROR"]) == 1
+    assert world.counters.snapshot()["bridge.drive.out_of_range.error.M"] == 100
+
+
+def test_a_source_of_unusable_values_is_silent(world, setting):
+    peer = world.probe(str(PEER))
+
+    def translate(source):
+        return minutes(connection.drop_message.integer("M", source.data, 0, 59))
+
+    connection = setting.open(command(translate=translate, silence_timeout=1.0, safe_value=safe))
+    for _ in range(30):
+        setting.ros.deliver["numbers"](Number(NAN))
+        world.run(0.1)
+    assert peer.take() == [minutes(0)]
+    assert connection.is_silent
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert peer.take() == [minutes(5)]
 
 
 # ------------------------------------------------------------------ silence

@@ -1,0 +1,185 @@
+"""What becomes of values that their target field cannot carry: one limit for each policy.
+
+Generated translations call the limit that the model names for the field. All of them return a value
+that fits as it is, which is the usual case and costs one comparison. They differ in the others:
+
+    clamp         the nearest legal value; the message is dropped when there is none
+    drop_field    None, so that the optional JAUS field is left out
+    drop_message  OutOfRangeError, which drops the message
+    error         the same, which is also an error in log and diagnostics
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+CLAMP = "clamp"
+NOT_CLAMPABLE = "not_clampable"
+DROP_FIELD = "drop_field"
+DROP_MESSAGE = "drop_message"
+ERROR = "error"
+
+_LARGEST_SINGLE = 3.4028234663852886e38
+
+Absent = TypeVar("Absent")
+T = TypeVar("T")
+Number = TypeVar("Number", int, float)
+
+
+class OutOfRangeError(ValueError):
+    """A value that the target field cannot carry, and that drops the message.
+
+    Attributes:
+        field: The field, as the model names it.
+        policy: What was to be done: `drop_message`, `error`, or `not_clampable` for a value that
+            should be clamped and has no nearest legal value.
+    """
+
+    def __init__(self, field: str, reason: str, policy: str = DROP_MESSAGE) -> None:
+        super().__init__(f"{field}: {reason}")
+        self.field = field
+        self.policy = policy
+
+
+class Limit(Generic[Absent]):
+    """Keeps values within what their target field can carry; the subclasses are the policies."""
+
+    def __init__(self, count: Callable[[str, str, str], None]) -> None:
+        """Prepares the limit of one connection.
+
+        Args:
+            count: Is told policy, field and reason of each value that did not drop the message.
+        """
+        self._count = count
+
+    def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | Absent:
+        """Returns a real number within minimum .. maximum.
+
+        Args:
+            field: The field, for counters and log.
+            value: What the conversions gave.
+            minimum: Least value that the field carries.
+            maximum: Greatest value that the field carries.
+
+        Raises:
+            OutOfRangeError: The value does not fit and drops the message.
+        """
+        if minimum <= value <= maximum:
+            return value
+        nearest = _nearest(value, minimum, maximum)
+        return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
+
+    def integer(self, field: str, value: float, minimum: int, maximum: int) -> int | Absent:
+        """Returns the nearest integer within minimum .. maximum, as the call itself does."""
+        if minimum <= value <= maximum:
+            return round(value)
+        nearest = _nearest(value, minimum, maximum)
+        return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
+
+    def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
+        """Returns an integer of a value set; others have no nearest one, since each has a meaning.
+
+        Args:
+            field: The field, for counters and log.
+            value: What the conversions gave.
+            ranges: Smallest and largest value of each legal range.
+
+        Raises:
+            OutOfRangeError: The value does not fit and drops the message.
+        """
+        if math.isfinite(value):
+            number = round(value)
+            if any(low <= number <= high for low, high in ranges):
+                return number
+        return self._outside(field, f"{value} is not in the value set", None)
+
+    def finite(self, field: str, value: float) -> float | Absent:
+        """Returns a number that is not infinite; not a number and the infinite have no nearest."""
+        if math.isfinite(value):
+            return value
+        return self._outside(field, f"{value} is no finite number", None)
+
+    def single(self, field: str, value: float) -> float | Absent:
+        """Returns a number that fits into single precision."""
+        return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
+
+    def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
+        """Returns a text of Latin-1 characters; one that does not fit has no nearest.
+
+        Args:
+            field: The field, for counters and log.
+            value: The text.
+            shortest: Fewest characters.
+            longest: Most characters.
+
+        Raises:
+            OutOfRangeError: The text does not fit and drops the message.
+        """
+        if not shortest <= len(value) <= longest:
+            reason = f"length {len(value)} is outside {shortest} .. {longest}"
+            return self._outside(field, reason, None)
+        if not value.isascii() and max(value) > "\xff":
+            return self._outside(field, f"{value!r} has characters beyond Latin-1", None)
+        return value
+
+    def octets(self, field: str, value: bytes, shortest: int, longest: int) -> bytes | Absent:
+        """Returns bytes of a legal length; others have no nearest."""
+        if shortest <= len(value) <= longest:
+            return value
+        reason = f"length {len(value)} is outside {shortest} .. {longest}"
+        return self._outside(field, reason, None)
+
+    def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
+        """Does with a value that does not fit what the policy says.
+
+        Args:
+            field: The field.
+            reason: Why the value does not fit.
+            nearest: The nearest value that fits; None when there is none.
+        """
+        raise NotImplementedError
+
+
+class Clamp(Limit[NoReturn]):
+    """Uses the nearest legal value; what has none drops the message."""
+
+    def _outside(self, field: str, reason: str, nearest: T | None) -> T:
+        if nearest is None:
+            raise OutOfRangeError(field, reason, NOT_CLAMPABLE)
+        self._count(CLAMP, field, reason)
+        return nearest
+
+
+class DropField(Limit[None]):
+    """Leaves the field out."""
+
+    def _outside(self, field: str, reason: str, nearest: T | None) -> None:
+        del nearest
+        self._count(DROP_FIELD, field, reason)
+
+
+class DropMessage(Limit[NoReturn]):
+    """Drops the message."""
+
+    policy: ClassVar[str] = DROP_MESSAGE
+
+    def _outside(self, field: str, reason: str, nearest: T | None) -> NoReturn:
+        del nearest
+        raise OutOfRangeError(field, reason, self.policy)
+
+
+class Error(DropMessage):
+    """Drops the message and reports an error."""
+
+    policy = ERROR
+
+
+def _nearest(value: float, minimum: Number, maximum: Number) -> Number | None:
+    """Returns the end beyond which a value lies; not a number lies beyond none."""
+    if math.isnan(value):
+        return None
+    return minimum if value < minimum else maximum
