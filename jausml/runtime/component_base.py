@@ -199,6 +199,7 @@ class ComponentBase:
                 raise RuntimeError(f"component {self.address} runs already")
             self.transport.attach(self.address, self._jaus_receive)
             self._jaus_running = True
+            self.core_state_changed()
             self._jaus_management.initialize()
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
@@ -245,6 +246,12 @@ class ComponentBase:
 
     def on_shutdown(self) -> None:
         """The component entered Shutdown, by its controller's command or by ``stop``."""
+
+    def core_state_changed(self) -> None:
+        """The status changed, or who controls the component; for modelled state machines."""
+
+    def core_event(self, name: str) -> None:
+        """An internal event of a core service happened; for modelled state machines."""
 
     # ---- state ------------------------------------------------------------------------------
 

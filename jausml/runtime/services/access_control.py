@@ -140,6 +140,7 @@ class AccessControlService:
     def _timed_out(self) -> None:
         if self.available:
             self._component.counters.add("access_control.timed_out")
+            self._component.core_event("Timedout")
             self.drop(Reject.CONTROL_RELEASED)
         else:
             self._restart_timer()
@@ -159,6 +160,7 @@ class AccessControlService:
 
     def _controller_changed(self) -> None:
         self._component.call(self._component.on_controller_changed, self.controller)
+        self._component.core_state_changed()
         self._authority_changed()
 
     def _authority_changed(self) -> None:

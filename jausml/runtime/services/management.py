@@ -91,9 +91,13 @@ class ManagementService:
         if self.status is Status.STANDBY:
             self._enter(Status.READY)
 
-    def _standby(self, _message: Standby, _sender: JausAddress) -> None:
+    def stand_by(self) -> None:
+        """Leave Ready for Standby; no effect in another state."""
         if self.status is Status.READY:
             self._enter(Status.STANDBY)
+
+    def _standby(self, _message: Standby, _sender: JausAddress) -> None:
+        self.stand_by()
 
     def _who_ends(self, _message: Message) -> Guard:
         """Return who may send Shutdown and Reset now.
@@ -167,6 +171,7 @@ class ManagementService:
             self._component.call(self._component.on_not_ready)
         elif status is Status.READY:
             self._component.call(self._component.on_ready)
+        self._component.core_state_changed()
         self._component.report_changed(ReportStatus)
 
     def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:
