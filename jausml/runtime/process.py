@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from .address import JausAddress
 from .component import ComponentSettings, JausComponent, Scope
+from .judp import JudpTransport
 from .loop import Loop
 from .settings import TransportSettings, add_arguments, from_arguments
-from .transport import JudpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

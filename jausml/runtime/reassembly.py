@@ -103,6 +103,10 @@ class Reassembly:
         """Bytes held for incomplete messages, with bookkeeping."""
         return self._size
 
+    def __len__(self) -> int:
+        """Return how many fragments are held."""
+        return sum(len(source.fragments) for source in self._sources.values())
+
     def add(self, packet: Packet, now: float) -> Packet | None:
         """Take a fragment and return the whole message that it completes, if it does.
 

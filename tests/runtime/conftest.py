@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.runtime.counters import Counters
+from jausml.runtime.judp import JudpTransport
 from jausml.runtime.loop import Loop
 from jausml.runtime.packet import Packet, parse_datagram
 from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transport import JudpTransport, ReceivedMessage
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.runtime.address import JausAddress
+    from jausml.runtime.transport import ReceivedMessage
 
 GROUP = "239.255.0.1"
 LOOPBACK = "127.0.0.1"

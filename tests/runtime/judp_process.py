@@ -7,11 +7,15 @@ Writes ``open HOST:PORT``, then one line for each message and for each change of
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
 from jausml.runtime.address import JausAddress
+from jausml.runtime.judp import JudpTransport
 from jausml.runtime.loop import Loop
 from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transport import JudpTransport, ReceivedMessage
+
+if TYPE_CHECKING:
+    from jausml.runtime.transport import ReceivedMessage
 
 ECHO = b"\x00\xd0"
 

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.judp import JudpTransport
 from jausml.runtime.loop import Loop
 from jausml.runtime.packet import (
     AckNak,
@@ -18,7 +19,7 @@ from jausml.runtime.packet import (
     Priority,
 )
 from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transport import JudpTransport, ReceivedMessage
+from jausml.runtime.transport import ReceivedMessage
 
 DRIVER = JausAddress(100, 1, 1)
 SENSOR = JausAddress(100, 1, 2)
@@ -261,7 +262,7 @@ class TestAcknowledge:
         wait_until(lambda: results and there.received)
         assert results == [True]
         assert there.payloads == [STATUS]
-        assert not here.transport._outbox
+        assert not here.transport._messenger._outbox
 
     def test_four_transmissions_then_failure(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02).attach(DRIVER)
@@ -297,7 +298,7 @@ class TestAcknowledge:
         peer.send(from_peer(sequence=6))
         wait_until(lambda: driver.received)
         assert [message.sequence for _, message in driver.received] == [6]
-        assert driver.counter("judp.unmatched_acknowledgement") == 1
+        assert driver.counter("judp.bad_acknowledgement") == 1  # it must be empty
         assert driver.counter("judp.nak") == 1
 
     def test_closing_reports_what_still_waits(self, station, wait_until):
@@ -448,7 +449,7 @@ class TestFragments:
         driver = station(reassembly_timeout=0.05).attach(DRIVER)
         peer.send(from_peer(b"\x02\x40a", 1, data_flags=DataFlags.FIRST))
         wait_until(lambda: driver.counter("judp.reassembly_timeout") == 1)
-        assert driver.transport._reassembly.size == 0
+        assert driver.transport._inbox._reassembly.size == 0
         peer.send(from_peer(b"b", 2, data_flags=DataFlags.LAST))
         peer.send(from_peer(sequence=3))
         wait_until(lambda: driver.received)
@@ -532,11 +533,11 @@ class TestBadDatagrams:
             damaged = bytearray(data)
             if damaged:
                 damaged[noise % len(damaged)] ^= noise
-            quiet._on_datagram(data, sender, by_multicast=by_multicast)
-            quiet._on_datagram(bytes(damaged), sender, by_multicast=by_multicast)
+            quiet.receive_datagram(data, sender, by_multicast=by_multicast)
+            quiet.receive_datagram(bytes(damaged), sender, by_multicast=by_multicast)
         assert len(quiet._book) <= 1024
-        assert len(quiet._duplicates) <= 256 * 16
-        assert quiet._reassembly.size <= 4 << 16
+        assert len(quiet._inbox._duplicates) <= 256 * 16
+        assert quiet._inbox._reassembly.size <= 4 << 16
 
 
 class TestThreads:
