@@ -14,12 +14,15 @@ from jausml.generation import (
     Finding,
     GenerationError,
     InternalError,
+    LibraryTarget,
+    Manifest,
     Plan,
     RefusedError,
     Target,
     WriteError,
     apply,
     drift,
+    is_on_request,
     load_targets,
     make_plan,
     read_manifest,
@@ -55,6 +58,12 @@ class LaunchingTarget(Protocol):
     help="Output folder; by default <name of the model file>_ws/src, a colcon workspace.",
 )
 @click.option("--target", "names", multiple=True, metavar="NAME", help="Only this target.")
+@click.option(
+    "--all",
+    "whole_library",
+    is_flag=True,
+    help="With --target wireshark: every message of the library, not only those of the system.",
+)
 @click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
@@ -66,6 +75,7 @@ def command(
     model: str,
     out: str | None,
     names: tuple[str, ...],
+    whole_library: bool,
     force: bool,
     project_root: str | None,
     allow_outside: bool,
@@ -83,15 +93,18 @@ def command(
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
     folder = _out_folder(model, out)
+    installed = _installed()
+    targets = _targets(names, installed)
+    if whole_library:
+        targets = _for_whole_library(targets)
     valid = _valid_model(model, project_root, allow_outside=allow_outside)
-    targets = _targets(names)
     artifacts = _rendered(valid, targets)
     manifest = read_manifest(folder)
     plan = make_plan(
         artifacts,
         folder,
         manifest,
-        targets={target.name for target in targets} if names else None,
+        targets=_covered(targets, manifest, installed) if not names else set(names),
         force=force,
         extra=_extra(valid, targets),
     )
@@ -122,16 +135,42 @@ def _valid_model(path: str, project_root: str | None, *, allow_outside: bool) ->
     return report.model
 
 
-def _targets(names: tuple[str, ...]) -> list[Target[Any]]:
+def _installed() -> dict[str, Target[Any]]:
     try:
-        installed = load_targets()
+        return load_targets()
     except GenerationError as error:
         raise EnvironmentFault(str(error)) from error
+
+
+def _targets(names: tuple[str, ...], installed: Mapping[str, Target[Any]]) -> list[Target[Any]]:
     unknown = [name for name in names if name not in installed]
     if unknown:
         known = ", ".join(installed) or "none"
         raise click.UsageError(f"no target '{unknown[0]}'; installed: {known}")
-    return [installed[name] for name in sorted(set(names) or installed)]
+    usual = (name for name, target in installed.items() if not is_on_request(target))
+    return [installed[name] for name in sorted(set(names) or usual)]
+
+
+def _for_whole_library(targets: Sequence[Target[Any]]) -> list[Target[Any]]:
+    if not any(isinstance(target, LibraryTarget) for target in targets):
+        raise click.UsageError("--all is an option of --target wireshark")
+    return [
+        target.for_whole_library() if isinstance(target, LibraryTarget) else target
+        for target in targets
+    ]
+
+
+def _covered(
+    targets: Sequence[Target[Any]], manifest: Manifest, installed: Mapping[str, Target[Any]]
+) -> set[str]:
+    """Returns the targets whose files a run without --target answers for.
+
+    Those of targets that are no longer installed are among them: nothing produces their files any
+    more. Files of a target that runs on request stay as they are.
+    """
+    asked = {name for name, target in installed.items() if is_on_request(target)}
+    written = {entry.target for entry in manifest.files.values()}
+    return {target.name for target in targets} | (written - asked)
 
 
 def _rendered(model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:

@@ -23,7 +23,7 @@ from jausml.generation.engine import (
 from jausml.generation.errors import GenerationError, InternalError, RefusedError, WriteError
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
 from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.target import Target, load_targets
+from jausml.generation.target import LibraryTarget, Target, is_on_request, load_targets
 from jausml.generation.writer import apply
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "GenerationError",
     "InternalError",
     "Kind",
+    "LibraryTarget",
     "Manifest",
     "MethodContract",
     "Plan",
@@ -51,6 +52,7 @@ __all__ = [
     "WriteError",
     "apply",
     "drift",
+    "is_on_request",
     "load_targets",
     "make_plan",
     "read_manifest",

@@ -14,7 +14,7 @@ import jinja2
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
-from jausml.generation import docstrings, literals
+from jausml.generation import docstrings, literals, lua_literals
 from jausml.generation.artifact import Artifact, Kind, SkeletonContract
 from jausml.generation.checks import syntax_problem
 from jausml.generation.errors import InternalError
@@ -247,6 +247,7 @@ class Renderer(JinjaGenerator, Generic[ModelT]):  # type: ignore[misc]  # multig
         "comment": literals.comment,
         "call_args": literals.call_args,
         "items_layout": literals.items,
+        "lua": lua_literals.lua_literal,
     }
 
     def __init__(self, target: Target[ModelT], model: ModelT) -> None:

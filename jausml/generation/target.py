@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, runtime_checkable
 
 from jausml.generation.errors import GenerationError
 
@@ -39,6 +39,26 @@ class Target(Protocol[ModelT_contra]):
         Args:
             model: A valid model.
         """
+
+
+@runtime_checkable
+class LibraryTarget(Protocol):
+    """A target that can describe the shipped library instead of what a system uses of it."""
+
+    def for_whole_library(self) -> Target[Any]:
+        """Returns the target that does."""
+
+
+def is_on_request(target: Target[Any]) -> bool:
+    """Tells whether a target runs only when it is named.
+
+    Such a target says so by an attribute `is_on_request`: what it makes is no part of the
+    workspace.
+
+    Args:
+        target: An installed target.
+    """
+    return bool(getattr(target, "is_on_request", False))
 
 
 def load_targets() -> dict[str, Target[Any]]:

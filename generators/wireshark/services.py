@@ -1,0 +1,60 @@
+"""Which services a dissector knows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.common.components import CORE, with_inherited
+from jausml.generators.common.system import system_of
+from jausml.model import library_root, read_models
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.model.model import Model
+
+_NEWEST_CORE = "core-1.1.xmi"
+
+
+def used_services(model: Model) -> list[Any]:
+    """Returns the services whose messages the components of a system send or receive.
+
+    The core services come last; every component has some of them from the runtime.
+
+    Args:
+        model: A valid model.
+    """
+    found = list(dict.fromkeys(_services(model)))
+    own = [service for service in with_inherited(found) if not _is_core(service)]
+    old = [service for service in with_inherited(found) if _is_core(service)]
+    return [*own, *library_services(_NEWEST_CORE), *old]
+
+
+def library_services(pattern: str = "*.xmi") -> list[Any]:
+    """Returns the services of the shipped library, by file and place in it.
+
+    Args:
+        pattern: Which of its JAUS models.
+    """
+    paths = sorted((library_root() / "jaus").glob(pattern))
+    return list(read_models(paths).model.instances("jaus.Service"))
+
+
+def _services(model: Model) -> Iterator[Any]:
+    system = system_of(model)
+    for component in (*system.components, *system.bridges):
+        yield from component.provides
+        yield from component.uses
+        for connection in component.connections:
+            yield from _owners(connection.message, connection.query)
+    for bridge in system.bridges:
+        for connection in bridge.bridgeConnections:
+            yield from _owners(connection.map.message, connection.query)
+
+
+def _owners(*messages: Any) -> Iterator[Any]:
+    yield from (message.eContainer() for message in messages if message is not None)
+
+
+def _is_core(service: Any) -> bool:
+    return str(service.urn).startswith(CORE)
