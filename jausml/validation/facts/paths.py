@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -46,6 +46,8 @@ class Attribute:
         values: Legal integers and ranges of a JAUS value set, empty for no restriction.
         length: Largest number of bytes or characters of a text, None for no limit.
         encoding: Encoding of a text on the wire.
+        optional: Whether it is a JAUS field that a message may leave out.
+        named: Whether the value set of a number gives single values a meaning.
     """
 
     kind: str
@@ -56,6 +58,8 @@ class Attribute:
     values: tuple[tuple[float, float], ...] = ()
     length: int | None = None
     encoding: str = "utf-8"
+    optional: bool = False
+    named: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +83,7 @@ def jaus_attribute(message: Any, path: str) -> Found:
     """
     where = f"message {message.name}"
     fields = attributes(message)
+    field: Any = None
     found: Any = None
     for position, step in enumerate(path.split(".")):
         if position:
@@ -92,7 +97,11 @@ def jaus_attribute(message: Any, path: str) -> Found:
         found = field if class_name(field) == "SubField" else resolve(field)
         if found is None:
             return None
-    return _jaus_value(found)
+    return replace(
+        _jaus_value(found),
+        optional=class_name(field) != "SubField" and bool(field.optional),
+        named=_is_named(found),
+    )
 
 
 def ros_attribute(message_type: Any, path: str) -> Found:
@@ -202,6 +211,11 @@ def _number(field: Any) -> Attribute:
     lower, upper = limits
     values = _legal(field.values)
     return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper, values=values)
+
+
+def _is_named(field: Any) -> bool:
+    values = field.values if class_name(field) in ("FixedField", "SubField") else None
+    return values is not None and any(class_name(v) == "EnumeratedValue" for v in values.values)
 
 
 def _legal(value_set: Any) -> tuple[tuple[float, float], ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.validation.rules import (
     bridge_connections,
     bridge_maps,
+    bridge_out_of_range,
     jaus_components,
     jaus_messages,
     jaus_services,
@@ -27,6 +28,7 @@ def all_rules() -> tuple[Rule, ...]:
         *jaus_messages.RULES,
         *ros.RULES,
         *bridge_maps.RULES,
+        *bridge_out_of_range.RULES,
         *bridge_connections.RULES,
         *names.RULES,
         *system.RULES,
