@@ -1,0 +1,244 @@
+"""State machines of services as a whole: machines of one name along inheritance, put together.
+
+A state has a path: the names from the outermost state, joined by dots. A name may be a path
+itself, so that enclosing states of which nothing is to be said need not be written: one state
+`Receiving.Ready.Controlled.Available.Ready` is the same as five, each inside the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+CORE_MACHINE = "ReceiveFSM"
+"""Machine of the core services, which a machine of this name extends (AS5710, Transport)."""
+
+CORE_EVENTS = frozenset(["Timedout", "Initialized", "Failure"])
+"""Internal events of AccessControl and Management (AS5710)."""
+
+_CORE_TREE = """
+Receiving
+Receiving.Ready
+Receiving.Ready.NotControlled
+Receiving.Ready.NotControlled.Available
+Receiving.Ready.NotControlled.Available.Standby
+Receiving.Ready.NotControlled.NotAvailable
+Receiving.Ready.NotControlled.NotAvailable.Init
+Receiving.Ready.NotControlled.NotAvailable.Failure
+Receiving.Ready.NotControlled.NotAvailable.Shutdown
+Receiving.Ready.NotControlled.NotAvailable.Emergency
+Receiving.Ready.Controlled
+Receiving.Ready.Controlled.Available
+Receiving.Ready.Controlled.Available.Standby
+Receiving.Ready.Controlled.Available.Ready
+Receiving.Ready.Controlled.NotAvailable
+Receiving.Ready.Controlled.NotAvailable.Emergency
+"""
+CORE_STATES = tuple(_CORE_TREE.split())
+"""States of the core services, the initial one of each group first (AS5710 v1.1, Management)."""
+
+CORE_LEAVES = frozenset(
+    path for path in CORE_STATES if not any(p.startswith(f"{path}.") for p in CORE_STATES)
+)
+"""Those of them that enclose no other core state."""
+
+ENTERED_BY_SERVICES = frozenset(
+    [
+        "Receiving.Ready.NotControlled.Available.Standby",
+        "Receiving.Ready.NotControlled.NotAvailable.Failure",
+        "Receiving.Ready.NotControlled.NotAvailable.Shutdown",
+        "Receiving.Ready.Controlled.Available.Standby",
+    ]
+)
+"""Core states that a service may enter by itself; the others take a message of another."""
+
+# AS6009 puts a state around those of Management that its v1.1 does not have.
+_GROUPS = ("Receiving.Ready.NotControlled.StateA", "Receiving.Ready.Controlled.StateB")
+
+
+@dataclass
+class Node:
+    """A state of a machine.
+
+    Attributes:
+        path: Its path.
+        elements: The `jaus.State` elements that describe it, those of heirs first.
+    """
+
+    path: str
+    elements: list[Any] = field(default_factory=list)
+
+    @property
+    def is_initial(self) -> bool:
+        """Whether an element says that it is initial."""
+        return any(element.initial for element in self.elements)
+
+
+@dataclass
+class Machine:
+    """Machines of one name along inheritance.
+
+    Attributes:
+        name: The name.
+        elements: The `jaus.StateMachine` elements, those of heirs last.
+        nodes: The modelled states by path, in model order, enclosing ones first.
+    """
+
+    name: str
+    elements: list[Any] = field(default_factory=list)
+    nodes: dict[str, Node] = field(default_factory=dict)
+
+    @property
+    def extends_core(self) -> bool:
+        """Whether its outer states are those of the core services."""
+        return self.name == CORE_MACHINE
+
+    def add(self, element: Any) -> None:
+        """Adds a machine of an heir.
+
+        Args:
+            element: The `jaus.StateMachine`.
+        """
+        self.elements.append(element)
+        for path, state in states_of(element):
+            names = path.split(".")
+            for length in range(1, len(names) + 1):
+                enclosing = ".".join(names[:length])
+                self.nodes.setdefault(enclosing, Node(enclosing))
+            self.nodes[path].elements.insert(0, state)
+
+    def children(self, path: str) -> list[str]:
+        """Returns the states directly inside a state, or the outermost ones of an empty path.
+
+        Args:
+            path: The enclosing state.
+        """
+        paths = dict.fromkeys([*(CORE_STATES if self.extends_core else ()), *self.nodes])
+        return [each for each in paths if each and each.rpartition(".")[0] == path]
+
+    def initial(self, path: str) -> str | None:
+        """Returns the state that entering a state enters, None without one.
+
+        Args:
+            path: The enclosing state; empty for the machine.
+        """
+        inside = self.children(path)
+        if self.extends_core and inside and inside[0] in CORE_STATES:
+            return inside[0]
+        marked = [each for each in inside if self.nodes[each].is_initial]
+        if not marked and len(inside) == 1:
+            return inside[0]
+        return marked[0] if marked else None
+
+    def innermost(self, path: str) -> str:
+        """Returns the state that a machine is in after entering a state.
+
+        Args:
+            path: The state.
+        """
+        inside = self.initial(path)
+        return path if inside is None else self.innermost(inside)
+
+    def resolve(self, source: str, target: str) -> str | None:
+        """Returns the path of the state that a target means, None when there is none.
+
+        A target is a path from the outermost state, or from a state that the source encloses,
+        stands beside, or lies in: the nearest is meant.
+
+        Args:
+            source: Path of the state with the transition.
+            target: Feature `target` of the transition.
+        """
+        known = {*self.nodes, *(CORE_STATES if self.extends_core else ())}
+        full = canonical(target) if self.extends_core else target
+        if full in known:
+            return full
+        outer = source
+        while outer:
+            if f"{outer}.{target}" in known:
+                return f"{outer}.{target}"
+            outer = outer.rpartition(".")[0]
+        return None
+
+
+def machines_of(services: Iterable[Any]) -> list[Machine]:
+    """Returns the machines of services, those of one name along inheritance put together.
+
+    Two services extend the core each for itself, unless one inherits the other.
+
+    Args:
+        services: `jaus.Service` elements, each after those that it inherits.
+    """
+    found: list[Machine] = []
+    by_service: dict[Any, dict[str, Machine]] = {}
+    for service in services:
+        inherited = dict(by_service.get(service.inherits, {}))
+        for element in service.machines:
+            machine = inherited.get(element.name)
+            if machine is None:
+                machine = inherited[element.name] = Machine(str(element.name))
+                found.append(machine)
+            machine.add(element)
+        by_service[service] = inherited
+    return found
+
+
+def states_of(machine: Any) -> Iterator[tuple[str, Any]]:
+    """Yields the states of a machine with their paths, enclosing ones first.
+
+    Args:
+        machine: The `jaus.StateMachine`.
+    """
+    aliased = machine.name == CORE_MACHINE
+    pending = [("", state) for state in reversed(machine.states)]
+    while pending:
+        outer, state = pending.pop()
+        path = f"{outer}.{state.name}" if outer else str(state.name)
+        yield (canonical(path) if aliased else path), state
+        pending += [(path, inner) for inner in reversed(state.states)]
+
+
+def canonical(path: str) -> str:
+    """Returns the path of a state of ReceiveFSM without the groups that only AS6009 has.
+
+    Its StateA and StateB stand for all states of NotControlled and Controlled.
+
+    Args:
+        path: A path as a service set has it.
+    """
+    for group in _GROUPS:
+        outer = group.rpartition(".")[0]
+        if path == group:
+            return outer
+        if path.startswith(f"{group}."):
+            inner = path.removeprefix(f"{group}.")
+            for available in ("Available", "NotAvailable"):
+                whole = f"{outer}.{available}.{inner}"
+                if whole in CORE_STATES or whole.rpartition(".")[0] in CORE_LEAVES:
+                    return whole
+    return path
+
+
+def core_leaf(path: str) -> str | None:
+    """Returns the innermost core state that a state is or lies in, None when there is none.
+
+    Args:
+        path: A path in ReceiveFSM.
+    """
+    while path:
+        if path in CORE_LEAVES:
+            return path
+        path = path.rpartition(".")[0]
+    return None
+
+
+def event_name(text: str | None) -> str:
+    """Returns the name of an internal event without the service that AS5684 puts before it.
+
+    Args:
+        text: Feature `event` of a transition, e.g. `accessControl.Timedout`.
+    """
+    return (text or "").rpartition(".")[2].strip()
