@@ -100,6 +100,20 @@ def test_same_model_gives_the_same_bytes(loop_files):
                 frd_angles_to_flu_quaternion(source.roll, source.pitch, source.yaw),
             )
 """,
+        # The policy of the connection, and those of assignments that have their own.
+        """
+        target.x = self.estimate.drop_message("X", source.pose.pose.position.x, -100000.0, 100000.0)
+""",
+        """
+        target.y = self.estimate.drop_field(
+            "Y", negate(source.pose.pose.position.y), -100000.0, 100000.0
+        )  # meter
+""",
+        """
+        target.propulsive_linear_effort_x = self.drive.error(
+            "PropulsiveLinearEffortX", scale(source.linear.x, 10.0), -100.0, 100.0
+        )
+""",
         # Conversions in order, within the range of the target.
         """
         target.propulsive_rotational_effort_z = self.drive.clamp(
@@ -344,9 +358,9 @@ DEFAULTS = {
 }
 
 
-def small(tmp_path, **texts):
+def small(tmp_path, template=SYSTEM, **texts):
     path = tmp_path / "small.xmi"
-    path.write_text(SYSTEM.format(**{**DEFAULTS, **texts}), encoding="utf-8")
+    path.write_text(template.format(**{**DEFAULTS, **texts}), encoding="utf-8")
     result = read_models([path], project_root=tmp_path)
     assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
     return result.model
@@ -424,6 +438,30 @@ def test_kinds_to_jaus(tmp_path, source, target, expected):
     text = body(tmp_path, line, direction="rosToJaus")
     assert "target.head = Mixed.Head()" in text
     assert expected in text
+
+
+@pytest.mark.parametrize(
+    ("connection", "field", "expected"),
+    [
+        ("clamp", "asConnection", "clamp"),
+        ("dropMessage", "asConnection", "drop_message"),
+        ("error", "asConnection", "error"),
+        ("dropField", "asConnection", "drop_field"),
+        ("dropField", "clamp", "clamp"),
+        ("clamp", "dropField", "drop_field"),
+        ("clamp", "dropMessage", "drop_message"),
+        ("dropMessage", "error", "error"),
+    ],
+)
+def test_policy_of_the_field_comes_before_that_of_the_connection(
+    tmp_path, connection, field, expected
+):
+    line = assignment("FieldAssignment", "toJaus", "Head.Effort", source="real")
+    line = line.replace(" target=", f' outOfRange="{field}" target=')
+    template = SYSTEM.replace('direction="{direction}"', 'direction="{direction}" {policy}')
+    policy = f'outOfRange="{connection}"'
+    text = body(tmp_path, line, direction="rosToJaus", template=template, policy=policy)
+    assert f'self.things.{expected}("Head.Effort", source.real, -1.0, 1.0)' in text
 
 
 @pytest.mark.parametrize(

@@ -238,18 +238,43 @@ def test_topic_to_report(system):
     with Repeater(publisher, odometry_of(2e5, 0.0)):
         wait_for(lambda: drops(system, "estimate", "out_of_range"), "counted drop")
     assert operator.of_kind("event")[-1]["x"] == pytest.approx(3.0, abs=1e-4)
+    # Another field has another policy: the report goes out without it.
+    with Repeater(publisher, odometry_of(5.0, float("nan"))):
+        wait_for(lambda: operator.of_kind("event")[-1]["y"] is None, "report without Y")
+    assert operator.of_kind("event")[-1]["x"] == pytest.approx(5.0, abs=1e-4)
+    wait_for(lambda: counted(system, "estimate", "out of range: drop_field Y"), "count")
     assert operator.stop() == 0
 
 
-def drops(system, connection, reason):
+def test_a_value_whose_policy_is_error(system):
+    from geometry_msgs.msg import Twist
+
+    publisher = system.ros.publisher(Twist, "cmd_vel", 1)
+    with Repeater(publisher, twist(1.0, 0.5)):
+        wait_for(lambda: commands(system.vehicle), "command")
+    with Repeater(publisher, twist(11.0, 0.5)):
+        wait_for(lambda: state(system, "drive").level == b"\x02", "status ERROR")
+        # The topic is not silent, but nothing of it is of use.
+        wait_for(lambda: efforts(system.vehicle)[-1]["rotational"] is None, "safe value")
+    name = "out of range: error PropulsiveLinearEffortX"
+    wait_for(lambda: counted(system, "drive", name), "count")
+
+
+def state(system, connection):
     from diagnostic_msgs.msg import DiagnosticArray
 
     arrays = system.ros.listen(DiagnosticArray, "/diagnostics")
-    for status in arrays[-1].status if arrays else ():
-        if status.name.endswith(f": {connection}"):
-            values = {value.key: value.value for value in status.values}
-            return int(values.get(f"dropped: {reason}", 0))
-    return 0
+    statuses = wait_for(lambda: arrays, "diagnostics")[-1].status
+    return next(status for status in statuses if status.name.endswith(f": {connection}"))
+
+
+def counted(system, connection, name):
+    values = {value.key: value.value for value in state(system, connection).values}
+    return int(values.get(name, 0))
+
+
+def drops(system, connection, reason):
+    return counted(system, connection, f"dropped: {reason}")
 
 
 def test_killed_vehicle_recovers(system):
