@@ -108,11 +108,13 @@ class Packet(NamedTuple):
 
 _DATAGRAM_HEADER = struct.Struct("<BBHBII")
 _HEADER = struct.Struct("<BHBII")
-_AFTER_COMPRESSION = struct.Struct("<BII")
+_FIELDS = struct.Struct("<BII")
 _SEQUENCE = struct.Struct("<H")
 _HEADER_SIZE = 12
+_FIELDS_OFFSET = 3
 _COMPRESSION_FIELDS_SIZE = 2
 _COMPRESSED = 3
+_TYPE_MASK = 0x3F
 _FLAGS = tuple(
     (
         Priority(flags & 3),
@@ -122,54 +124,116 @@ _FLAGS = tuple(
     )
     for flags in range(256)
 )
+_OTHER_VERSIONS = (
+    (b"\x01", "judp.version_1", "AS5669 version 1, which AS5669A replaced"),
+    (b"JAUS01.0", "judp.reference_architecture", "JAUS Reference Architecture 3 (OPC)"),
+)
 
 
 def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
     """Return the messages of a datagram in their order; never raises.
 
-    What cannot be read is counted: ``judp.bad_version``; ``judp.truncated``, the size says more
-    than there is; ``judp.bad_size``; ``judp.bad_message_type``, reserved by the standard;
-    ``judp.compressed``; ``judp.trailing_bytes``, ignored after a good message.
+    What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
+    protocols; ``judp.bad_version``; ``judp.truncated``, the size says more than there is;
+    ``judp.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
+    ``parse_message`` counts.
     """
     if not data or data[0] != JUDP_VERSION:
-        counters.count("judp.bad_version" if data else "judp.truncated", data[:32].hex())
+        _count_version(data, counters)
         return []
     packets: list[Packet] = []
     offset, end = 1, len(data)
     while offset < end:
         size = -1
         if end - offset >= EMPTY_MESSAGE_SIZE:
-            kind, size, flags, destination, source = _HEADER.unpack_from(data, offset)
+            size = message_size(data, offset)
         if not EMPTY_MESSAGE_SIZE <= size <= end - offset:
             _count_remainder(data, offset, size, counters)
             break
-        start = offset + _HEADER_SIZE
+        packet = parse_message(data, offset, size, counters)
+        if packet is not None:
+            packets.append(packet)
         offset += size
-        if kind:
-            reason = _unreadable(kind, size)
-            if reason:
-                counters.count(reason, data[:32].hex())
-                continue
-            # The standard puts two bytes of header compression before the flags. Requests and
-            # confirmations (1 and 2) carry an uncompressed message: read it, decline silently.
-            start += _COMPRESSION_FIELDS_SIZE
-            flags, destination, source = _AFTER_COMPRESSION.unpack_from(data, start - 9)
-        priority, broadcast, acknowledge, data_flags = _FLAGS[flags]
-        packets.append(
-            Packet(
-                address_of(destination),
-                address_of(source),
-                data[start : offset - 2],
-                data[offset - 2] | data[offset - 1] << 8,
-                priority,
-                broadcast,
-                acknowledge,
-                data_flags,
-            )
-        )
     if end == 1:
         counters.count("judp.truncated", data.hex())
     return packets
+
+
+def message_size(data: bytes | bytearray, offset: int) -> int:
+    """Return the size that the message at an offset states, of which three bytes are there."""
+    return data[offset + 1] | data[offset + 2] << 8
+
+
+def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
+    """Return one message without the version byte of its datagram; never raises.
+
+    What cannot be read is counted: ``judp.bad_message_type``, reserved by the standard;
+    ``judp.compressed``; ``judp.bad_size``.
+
+    Args:
+        data: Bytes with the message.
+        offset: Where it begins.
+        size: Its size in bytes, at least 14, all of them there.
+        counters: Where a drop is counted.
+    """
+    kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
+    start, end = offset + _HEADER_SIZE, offset + size
+    if kind:
+        reason, skipped = _compression(data, offset, size)
+        if reason:
+            counters.count(reason, data[offset : offset + 32].hex())
+            return None
+        start += skipped
+        flags, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET + skipped)
+    priority, broadcast, acknowledge, data_flags = _FLAGS[flags]
+    return Packet(
+        address_of(destination),
+        address_of(source),
+        data[start : end - 2],
+        data[end - 2] | data[end - 1] << 8,
+        priority,
+        broadcast,
+        acknowledge,
+        data_flags,
+    )
+
+
+def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
+    """Return why a message cannot be read, if so, and the bytes to skip before its fields.
+
+    The standard has the header compression flags in bits 6-7 and, when they are set, two more
+    bytes before the fields. Requests and confirmations (1 and 2) carry an uncompressed message:
+    it is read, and the offer declined silently. Peers exist that use bits 0-1 (Junior and the
+    node manager of fkie), or that set bits 6-7 without the two bytes. Both are read where the
+    addresses leave no doubt what is meant.
+    """
+    kind = data[offset]
+    if kind >> 6 == _COMPRESSED and not kind & _TYPE_MASK:
+        return "judp.compressed", 0
+    with_fields = size >= EMPTY_MESSAGE_SIZE + _COMPRESSION_FIELDS_SIZE and _is_plausible(
+        data, offset + _COMPRESSION_FIELDS_SIZE
+    )
+    if kind & _TYPE_MASK:
+        is_misplaced = kind in (1, 2) and with_fields and not _is_plausible(data, offset)
+        return ("", _COMPRESSION_FIELDS_SIZE) if is_misplaced else ("judp.bad_message_type", 0)
+    if with_fields:
+        return "", _COMPRESSION_FIELDS_SIZE
+    return ("", 0) if _is_plausible(data, offset) else ("judp.bad_size", 0)
+
+
+def _is_plausible(data: bytes, offset: int) -> bool:
+    """Return whether the addresses of a message, read at an offset, can be addresses."""
+    _, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET)
+    to = address_of(destination)
+    return address_of(source).is_concrete and bool(to.subsystem and to.node and to.component)
+
+
+def _count_version(data: bytes, counters: Counters) -> None:
+    for start, name, title in _OTHER_VERSIONS:
+        if data.startswith(start):
+            counters.count(name, f"a peer speaks {title}; let it send AS5669A: {data[:32].hex()}")
+            return
+    counters.count("judp.bad_version" if data else "judp.truncated", data[:32].hex())
 
 
 def _count_remainder(data: bytes, offset: int, size: int, counters: Counters) -> None:
@@ -180,14 +244,3 @@ def _count_remainder(data: bytes, offset: int, size: int, counters: Counters) ->
     else:
         name = "judp.truncated"
     counters.count(name, f"{len(data)} bytes: {data[:32].hex()}")
-
-
-def _unreadable(kind: int, size: int) -> str:
-    """Return why a message with a first byte other than zero cannot be read, if so."""
-    if kind & 0x3F:
-        return "judp.bad_message_type"
-    if kind >> 6 == _COMPRESSED:
-        return "judp.compressed"
-    if size < EMPTY_MESSAGE_SIZE + _COMPRESSION_FIELDS_SIZE:
-        return "judp.bad_size"
-    return ""

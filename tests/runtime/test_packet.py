@@ -55,7 +55,7 @@ def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes() -> Non
         data, header = bytes.fromhex(line["hex"]), line["header"]
         packets, counts = parse(data)
         if data[0] != 2:
-            assert (packets, counts) == ([], {"judp.bad_version": 1})
+            assert (packets, counts) == ([], {"judp.version_1": 1})
             continue
         (packet,) = packets
         assert counts == {}
@@ -90,7 +90,9 @@ def test_every_message_of_a_datagram_is_read(packets: list[Packet]) -> None:
         (b"", "judp.truncated"),
         (b"\x02", "judp.truncated"),
         (b"\x03" + message().encode()[1:], "judp.bad_version"),
-        (b"\x01" + message().encode()[1:], "judp.bad_version"),
+        (b"\x01" + message().encode()[1:], "judp.version_1"),
+        (b"JAUS01.0" + bytes(16), "judp.reference_architecture"),
+        (b"JAUS", "judp.bad_version"),
         (message().encode()[:-1], "judp.truncated"),
         (message().encode()[:14], "judp.truncated"),
         (message().encode()[:5], "judp.truncated"),
@@ -117,12 +119,42 @@ def test_a_reserved_message_type_does_not_hide_the_next_message() -> None:
     assert parse(data) == ([message(8)], {"judp.bad_message_type": 1})
 
 
-@pytest.mark.parametrize("flags", [0x40, 0x80])
-def test_the_fields_of_a_compression_request_are_skipped(flags: int) -> None:
+def with_compression(kind: int, *, fields: bytes) -> bytes:
     plain = message().encode()
-    size = (len(plain) - 1 + 2).to_bytes(2, "little")
-    data = b"\x02" + bytes([flags]) + size + b"\x01\x0c" + plain[4:]
-    assert parse(data) == ([message()], {})
+    size = (len(plain) - 1 + len(fields)).to_bytes(2, "little")
+    return b"\x02" + bytes([kind]) + size + fields + plain[4:]
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "count"),
+    [
+        pytest.param(0x40, b"\x01\x0c", {}, id="as the standard has it"),
+        pytest.param(0x80, b"\x00\x00", {}, id="confirmed"),
+        pytest.param(0x40, b"", {}, id="flags without their bytes, which Junior ignores"),
+        pytest.param(0x01, b"\x01\x00", {}, id="Junior's place of the flags"),
+        pytest.param(0x02, b"\x01\x00", {}, id="Junior's place of the flags, confirmed"),
+        pytest.param(0x03, b"\x01\x00", {"judp.bad_message_type": 1}, id="compressed or type 3"),
+        pytest.param(0x01, b"", {"judp.bad_message_type": 1}, id="reserved type"),
+        pytest.param(0x41, b"\x01\x0c", {"judp.bad_message_type": 1}, id="both"),
+        pytest.param(0xC0, b"\x01\x0c", {"judp.compressed": 1}, id="compressed"),
+    ],
+)
+def test_header_compression_is_read_where_there_is_no_doubt(
+    kind: int, fields: bytes, count: dict[str, int]
+) -> None:
+    expected = [] if count else [message()]
+    assert parse(with_compression(kind, fields=fields)) == (expected, count)
+
+
+def test_an_older_protocol_is_named_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    counters = Counters()
+    for _ in range(100):
+        parse_datagram(b"\x01" + bytes(30), counters)
+        parse_datagram(b"JAUS01.0" + bytes(16), counters)
+    assert [record.getMessage().split(";")[0] for record in caplog.records] == [
+        "judp.version_1 (1 times): a peer speaks AS5669 version 1, which AS5669A replaced",
+        "judp.reference_architecture (1 times): a peer speaks JAUS Reference Architecture 3 (OPC)",
+    ]
 
 
 @given(st.binary(max_size=200))

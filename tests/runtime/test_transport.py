@@ -461,7 +461,7 @@ class TestBadDatagrams:
         ("data", "counter"),
         [
             (b"", "judp.truncated"),
-            (b"\x01" + bytes(30), "judp.bad_version"),
+            (b"\x01" + bytes(30), "judp.version_1"),
             (b"\x00" + bytes(30), "judp.bad_version"),
             (b"\x00F" + bytes(30), "judp.bad_version"),
             (from_peer().encode()[:-3], "judp.truncated"),
