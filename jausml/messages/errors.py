@@ -1,0 +1,104 @@
+"""What goes wrong with messages: bytes, values, definitions, and names that nobody knows."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+ErrorT = TypeVar("ErrorT", bound="CodecError")
+
+
+class MessageError(ValueError):
+    """Whatever is wrong with a message, a name or a catalogue."""
+
+
+class CodecError(MessageError):
+    """Something is wrong at one place of a message.
+
+    Attributes:
+        reason: What is wrong.
+        path: Path of the field, e.g. `NodeList[2].NodeRec.NodeID`; empty for the message itself.
+    """
+
+    def __init__(self, reason: str, path: str = "") -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.path = path
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.reason}" if self.path else self.reason
+
+    def inside(self: ErrorT, step: str) -> ErrorT:
+        """Puts a step before the path and returns the error, on its way out of a container.
+
+        Args:
+            step: Name of the field, or `[index]` of an element.
+        """
+        joint = "" if not self.path or self.path.startswith("[") else "."
+        self.path = f"{step}{joint}{self.path}"
+        return self
+
+
+class DecodeError(CodecError):
+    """Bytes that are not the message they claim to be."""
+
+
+class EncodeError(CodecError):
+    """Fields that cannot be encoded: a value out of range, an absent or unknown field."""
+
+
+class DefinitionError(CodecError):
+    """A message definition of a model that gives no codec; `jausml validate` tells more."""
+
+
+class CatalogueError(MessageError):
+    """Models that cannot be read."""
+
+
+class UnknownServiceError(MessageError):
+    """No service has the name.
+
+    Attributes:
+        suggestions: Names that are similar.
+    """
+
+    def __init__(self, message: str, suggestions: Sequence[str] = ()) -> None:
+        super().__init__(message + did_you_mean(suggestions))
+        self.suggestions = tuple(suggestions)
+
+
+class UnknownMessageError(UnknownServiceError):
+    """No message has the name or code."""
+
+
+class AmbiguousMessageError(MessageError):
+    """A name or code has several meanings.
+
+    Attributes:
+        choices: The meanings, each as `NAME of SERVICE/VERSION`.
+    """
+
+    def __init__(self, what: str, choices: Sequence[str]) -> None:
+        super().__init__(f"{what} has several meanings: " + ", ".join(choices))
+        self.choices = tuple(choices)
+
+
+def did_you_mean(suggestions: Sequence[str]) -> str:
+    """Returns the end of an error message that offers names, empty without any."""
+    return f"; did you mean {' or '.join(suggestions)}?" if suggestions else ""
+
+
+def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
+    """Returns the known names that resemble one, without regard to case.
+
+    Args:
+        name: The name that was not found.
+        known: The names that exist.
+        limit: How many to return at most.
+    """
+    by_folded = {each.casefold(): each for each in known}
+    found = get_close_matches(name.casefold()[:200], by_folded, n=limit, cutoff=0.7)
+    return [by_folded[each] for each in found]
