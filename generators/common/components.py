@@ -14,8 +14,20 @@ CORE = "urn:jaus:jss:core:"
 """Prefix of the URNs of the core services (AS5710)."""
 
 RUNTIME_SERVICES = frozenset(
-    CORE + name
-    for name in ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+    [
+        CORE + "AccessControl",
+        CORE + "Discovery",
+        CORE + "Events",
+        CORE + "ListManager",
+        CORE + "Liveliness",
+        CORE + "Liveness",
+        CORE + "Management",
+        CORE + "Time",
+        CORE + "Transport",
+        "urn:jaus:jss:iop:UnsolicitedHeartbeat",
+        "urn:jaus:jss:manipulator:ListManager",
+        "urn:jaus:jss:mobility:ListManager",
+    ]
 )
 """Services whose messages the runtime handles itself."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .dispatch import Provision, Router
@@ -18,15 +19,20 @@ from .services.definitions import (
 )
 from .services.discovery import DiscoveryService
 from .services.events import EventsService
-from .services.liveness import LivenessService
+from .services.list_manager import LIST_MANAGERS, ListManagerService
+from .services.liveness import UNSOLICITED, LivenessService
 from .services.management import ManagementService
+from .services.time_service import TimeService
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from .address import JausAddress
+    from .completion import Completion
     from .counters import Counters
+    from .dispatch import Handler
     from .loop import Loop
+    from .services.element_list import ElementList, ListElement
     from .transport import ReceivedMessage, Transport
 
 COMPONENT_TYPE = 60001
@@ -87,8 +93,15 @@ class ComponentBase:
         self._jaus_management = ManagementService(
             self, self._jaus_access, enabled="Management" in provided
         )
-        if not provided.isdisjoint(("Liveness", "Liveliness")):  # core v1.0 spells it both ways
-            LivenessService(self)
+        self._jaus_time = TimeService(self, enabled="Time" in provided)
+        self._jaus_list = ListManagerService(
+            self, enabled=any(service.urn in LIST_MANAGERS for service in self.services)
+        )
+        self._jaus_liveness = LivenessService(
+            self,
+            enabled=not provided.isdisjoint(("Liveness", "Liveliness")),  # v1.0 spells it both ways
+            unsolicited=UNSOLICITED in provided,
+        )
         if "Discovery" in provided:
             DiscoveryService(self)
 
@@ -97,7 +110,7 @@ class ComponentBase:
     def handle(
         self,
         message_class: type[M],
-        handler: Callable[[M, JausAddress], None],
+        handler: Callable[[M, JausAddress], Completion | None],
         *,
         when: Guard | Callable[[M], Guard] = Guard.ANY,
     ) -> None:
@@ -105,7 +118,8 @@ class ComponentBase:
 
         Args:
             message_class: Generated codec of the message.
-            handler: Acts on the message.
+            handler: Acts on the message. It returns a new ``Completion`` when the command takes
+                time, for the client of a command event.
             when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
                 no error reply. A function tells it from the message, e.g. to take the limits of
                 a SetVelocityCommand in Standby and its current command in Ready alone.
@@ -204,6 +218,7 @@ class ComponentBase:
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()
+            self._jaus_liveness.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.
@@ -215,6 +230,7 @@ class ComponentBase:
             if self._jaus_running:
                 self._jaus_management.shut_down()
                 self._jaus_events.stop()
+                self._jaus_liveness.stop()
                 self._jaus_running = False
                 self.transport.detach(self.address)
 
@@ -246,6 +262,31 @@ class ComponentBase:
 
     def on_shutdown(self) -> None:
         """The component entered Shutdown, by its controller's command or by ``stop``."""
+
+    def on_set_time(self, time: datetime) -> None:
+        """The controller has set the component's clock (AS5710, Time, SetTime).
+
+        Args:
+            time: What it was set to, in UTC. The host's clock is left as it is.
+        """
+
+    def host_time(self) -> datetime:
+        """Return the time in UTC that the component's clock runs by; the host's unless overridden.
+
+        Override it for a component that lives in simulated time.
+        """
+        return datetime.now(timezone.utc)
+
+    def supports_element(self, element: ListElement) -> bool:
+        """Return whether the component's list may hold an element (AS5710, ListManager).
+
+        By default these are the messages that the component's list drivers execute, e.g.
+        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        """
+        return self._jaus_list.is_of_driver(element)
+
+    def on_list_changed(self) -> None:
+        """The controller has changed ``elements`` (AS5710, ListManager)."""
 
     def core_state_changed(self) -> None:
         """The status changed, or who controls the component; for modelled state machines."""
@@ -295,6 +336,16 @@ class ComponentBase:
         with self.loop.lock:
             self._jaus_access.offered = available
 
+    @property
+    def current_time(self) -> datetime:
+        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        return self._jaus_time.now()
+
+    @property
+    def elements(self) -> ElementList:
+        """The list that the controller edits (AS5710, ListManager); not to be changed here."""
+        return self._jaus_list.elements
+
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
         """Whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
@@ -328,6 +379,18 @@ class ComponentBase:
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""
         return self._jaus_router.call(function, *arguments)
+
+    def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
+        """Call user code; tell whether it raised no error, and what it returned."""
+        return self._jaus_router.attempt(function, *arguments)
+
+    def permissions_changed(self) -> None:
+        """End the commands under way that are not allowed any more; called by the services."""
+        self._jaus_events.permissions_changed()
+
+    def command_handler(self, code: int) -> Handler | None:
+        """Return what acts on a message."""
+        return self._jaus_router.handler(code)
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
         """Return what answers a query."""

@@ -132,12 +132,16 @@ class Router:
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call a function; an error is logged and counted, and None returned."""
+        return self.attempt(function, *arguments)[1]
+
+    def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
+        """Call a function; tell whether it raised no error, and what it returned."""
         try:
-            return function(*arguments)
+            return True, function(*arguments)
         except Exception as error:
             name = getattr(function, "__qualname__", repr(function))
             self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
-            return None
+            return False, None
 
     def _handle(self, handler: Handler, payload: bytes, sender: JausAddress) -> None:
         """Act on a message if its sender is obeyed; one that is not costs no decoding."""

@@ -95,10 +95,9 @@ def test_commands_are_obeyed_as_the_service_demands() -> None:
     flat = " ".join(base.split())
     assert "self.handle(SetWrenchEffort, self.on_set_wrench_effort, when=Guard.READY)" in flat
     assert "self.handle(SetLocalPose, self.on_set_local_pose, when=Guard.CONTROLLED)" in flat
-    assert "self.handle(SetElement, self.on_set_element, when=Guard.CONTROLLED)" in flat
     assert "self.handle(ExecuteList, self.on_execute_list, when=Guard.READY)" in flat
-    assert "self.provide(QueryTime, ReportTime, self.report_time)" in flat
-    assert "RequestControl" not in flat
+    for name in ("RequestControl", "SetElement", "QueryTime"):
+        assert name not in flat, "the runtime handles the messages of the core services"
 
 
 def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> None:
@@ -106,7 +105,7 @@ def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> No
     assert skeleton.contract is not None
     names = [method.name for method in skeleton.contract.methods]
     assert len(set(names)) == len(names)
-    assert {"on_set_wrench_effort", "report_wrench_effort", "report_time"} <= set(names)
+    assert {"on_set_wrench_effort", "report_wrench_effort", "on_execute_list"} <= set(names)
     for method in skeleton.contract.methods:
         if not method.optional:
             assert f"    def {method.name}(" in skeleton.text

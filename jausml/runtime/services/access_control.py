@@ -160,6 +160,7 @@ class AccessControlService:
 
     def _controller_changed(self) -> None:
         self._component.call(self._component.on_controller_changed, self.controller)
+        self._component.permissions_changed()
         self._component.core_state_changed()
         self._authority_changed()
 

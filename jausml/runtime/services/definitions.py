@@ -74,6 +74,11 @@ class ComponentSettings:
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
         event_rate_max: Fastest periodic event in Hz; faster requests get this rate.
         max_events: Events that the component serves at a time, 0 to 255.
+        heartbeat_rate: Rate in Hz of heartbeats that nobody has asked for, up to 100; 0 means
+            never. None means 1 Hz if the component provides the service UnsolicitedHeartbeat of
+            the IOP, and never if it does not.
+        heartbeat_scope: Whom these reach: SUBSYSTEM or SYSTEM.
+        max_list_elements: Elements that the list of a ListManager may hold, 0 to 65534.
         discovery_scope: What the Discovery service answers for. One component of a subsystem
             takes SUBSYSTEM, by convention n.1.1.
         subsystem_name: Name of the subsystem in ReportIdentification; the component's own
@@ -82,6 +87,8 @@ class ComponentSettings:
             of is forgotten.
         register_services: Whether the component registers its services with the Discovery
             service of its subsystem.
+        discovery_timeout: Seconds without an answer of that Discovery service after which it is
+            taken for lost, and looked for.
         retry_min: Seconds before an unanswered request is sent again for the first time.
         retry_max: Longest time in seconds between two requests that stay unanswered.
         refused_retry: Seconds between two requests after a refusal.
@@ -99,10 +106,14 @@ class ComponentSettings:
     event_rate_min: float = 0.1
     event_rate_max: float = 100.0
     max_events: int = 255
+    heartbeat_rate: float | None = None
+    heartbeat_scope: Scope = Scope.SUBSYSTEM
+    max_list_elements: int = 1024
     discovery_scope: Scope = Scope.COMPONENT
     subsystem_name: str = ""
     registration_lifetime: float = 300.0
     register_services: bool = True
+    discovery_timeout: float = 60.0
     retry_min: float = 0.5
     retry_max: float = 5.0
     refused_retry: float = 5.0
@@ -117,6 +128,10 @@ class ComponentSettings:
         _check("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
         _check("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)
         _check("max_events", self.max_events, 0, 255)
+        _check("heartbeat_rate", self.heartbeat_rate or 0.0, 0, 100)
+        _check("heartbeat_scope", self.heartbeat_scope, Scope.SYSTEM, Scope.SUBSYSTEM)
+        _check("max_list_elements", self.max_list_elements, 0, 65534)
+        _check("discovery_timeout", self.discovery_timeout, 1, 86400)
         _check("registration_lifetime", self.registration_lifetime, 1, 86400)
         _check("retry_min", self.retry_min, 0.05, 60)
         _check("retry_max", self.retry_max, self.retry_min, 600)

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 from ..core_messages import (
     CancelEvent,
     ConfirmEventRequest,
-    CreateCommandEvent,
     CreateEvent,
     Event,
     QueryEvents,
     QueryEventTimeout,
-    RejectEventRequest,
     ReportEvents,
     ReportEventTimeout,
     UpdateEvent,
 )
 from ..message import DecodeError, Message
+from .command_events import CommandEvents
+from .definitions import VERSION_1_1
+from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
     from ..address import JausAddress
@@ -28,19 +29,7 @@ if TYPE_CHECKING:
 
 PERIODIC = CreateEvent.EventType.PERIODIC_SC
 EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE
-RejectCode = RejectEventRequest.ResponseCode
 UNKNOWN_EVENT = RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST
-
-EVENT_IDS = 255
-"""Event ids are 0 to 254; peers take 255 for "no event"."""
-
-
-class _RequestError(Exception):
-    """The request cannot be met."""
-
-    def __init__(self, code: RejectCode, text: str) -> None:
-        super().__init__(text)
-        self.code = code
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +59,11 @@ class _Event:
 
 
 class EventsService:
-    """Creates, serves and expires events (AS5710 v1.1, Events)."""
+    """Creates, serves and expires events (AS5710, Events).
+
+    A component that provides Events v1.0 has no command events, and its events do not expire:
+    v1.0 has no messages for either.
+    """
 
     def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
         """Serve the messages of Events if the component provides the service."""
@@ -79,19 +72,22 @@ class EventsService:
         self._settings = component.settings
         self._events: dict[int, _Event] = {}
         self._watchers: dict[int, list[_Event]] = {}
-        self._next_id = 0
+        self._ids = EventIds(component.settings.max_events)
+        is_1_1 = component.core_version("Events") >= VERSION_1_1
+        self._timeout = component.settings.event_timeout if is_1_1 else 0
+        self._commands = CommandEvents(component, self._ids, enabled=enabled and is_1_1)
         if not enabled:
             return
         component.handle(CreateEvent, self._create)
         component.handle(UpdateEvent, self._update)
         component.handle(CancelEvent, self._cancel)
-        component.handle(CreateCommandEvent, self._create_command_event)
         component.provide(
             QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
         )
-        component.provide(
-            QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
-        )
+        if is_1_1:
+            component.provide(
+                QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
+            )
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one."""
@@ -99,8 +95,13 @@ class EventsService:
             if self._events.get(event.event_id) is event:
                 self._send_if_changed(event)
 
+    def permissions_changed(self) -> None:
+        """Fail the commands under way that their clients may not give any more."""
+        self._commands.recheck()
+
     def stop(self) -> None:
-        """Forget all events."""
+        """Fail all commands under way and forget all events."""
+        self._commands.stop()
         for event in list(self._events.values()):
             self._remove(event)
 
@@ -112,8 +113,8 @@ class EventsService:
             event = self._find(sender, setup.payload)
             if event is None:
                 event = self._add(sender, message.request_id, setup)
-        except _RequestError as error:
-            self._reject(sender, message.request_id, error)
+        except RequestError as error:
+            reject(self._component, sender, message.request_id, error)
             return
         event.request_id = message.request_id
         self._apply(event, setup, report=True)
@@ -122,47 +123,42 @@ class EventsService:
         try:
             event = self._own(sender, message.event_id)
             setup = self._check(message)
-        except _RequestError as error:
-            self._reject(sender, message.request_id, error)
+        except RequestError as error:
+            reject(self._component, sender, message.request_id, error)
             return
         event.request_id = message.request_id
         self._apply(event, setup, report=setup != event.setup)
 
     def _cancel(self, message: CancelEvent, sender: JausAddress) -> None:
-        try:
-            event = self._own(sender, message.event_id)
-        except _RequestError as error:
-            self._reject(sender, message.request_id, error)
-            return
-        event.request_id = message.request_id
-        self._remove(event)
-        self._confirm(event, 0.0)
-
-    def _create_command_event(self, message: CreateCommandEvent, sender: JausAddress) -> None:
-        refusal = _RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, "no command events")
-        self._reject(sender, message.request_id, refusal)
+        if not self._commands.cancel(sender, message.event_id):
+            try:
+                self._remove(self._own(sender, message.event_id))
+            except RequestError as error:
+                reject(self._component, sender, message.request_id, error)
+                return
+        self._confirm(sender, message.request_id, message.event_id)
 
     def _check(self, message: CreateEvent | UpdateEvent) -> _Setup:
         payload = message.query_message
         code = int.from_bytes(payload[:2], "little")
         provision = self._component.provision(code)
         if provision is None:
-            raise _RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no report for {code:04X}")
+            raise RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no report for {code:04X}")
         if message.event_type not in (PERIODIC, EVERY_CHANGE):
-            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, f"event type {message.event_type}")
+            raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"event type {message.event_type}")
         periodic = message.event_type == PERIODIC
         if periodic and not provision.periodic:
-            raise _RequestError(RejectCode.PERIODIC_EVENTS_NOT_SUPPORTED, "no periodic events")
+            raise RequestError(RejectCode.PERIODIC_EVENTS_NOT_SUPPORTED, "no periodic events")
         if not periodic and not provision.every_change:
-            raise _RequestError(
+            raise RequestError(
                 RejectCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED, "no every-change events"
             )
         if periodic and message.requested_periodic_rate <= 0:
-            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, "periodic rate of 0 Hz")
+            raise RequestError(RejectCode.INVALID_EVENT_SETUP, "periodic rate of 0 Hz")
         try:
             query = provision.query_class.decode(payload)
         except DecodeError as error:
-            raise _RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
+            raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
         rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
         return _Setup(provision, query, payload, periodic, rate)
 
@@ -178,16 +174,11 @@ class EventsService:
     def _own(self, client: JausAddress, event_id: int) -> _Event:
         event = self._events.get(event_id)
         if event is None or event.client != client:
-            raise _RequestError(UNKNOWN_EVENT, f"no event {event_id}")
+            raise RequestError(UNKNOWN_EVENT, f"no event {event_id}")
         return event
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
-        if len(self._events) >= self._settings.max_events:
-            raise _RequestError(RejectCode.CONNECTION_REFUSED, "too many events")
-        while self._next_id in self._events:
-            self._next_id = (self._next_id + 1) % EVENT_IDS
-        event = _Event(self._next_id, client, request_id, setup)
-        self._next_id = (self._next_id + 1) % EVENT_IDS
+        event = _Event(self._ids.take(), client, request_id, setup)
         self._events[event.event_id] = event
         return event
 
@@ -197,7 +188,7 @@ class EventsService:
         event.setup = setup
         self._index()
         self._restart_expiry(event)
-        self._confirm(event, setup.rate)
+        self._confirm(event.client, event.request_id, event.event_id, setup.rate)
         if rephase:
             self._stop_timer(event)
             if setup.periodic:
@@ -208,6 +199,7 @@ class EventsService:
 
     def _remove(self, event: _Event) -> None:
         del self._events[event.event_id]
+        self._ids.give_back(event.event_id)
         self._stop_timer(event)
         if event.expiry is not None:
             event.expiry.cancel()
@@ -256,14 +248,14 @@ class EventsService:
     def _restart_expiry(self, event: _Event) -> None:
         if event.expiry is not None:
             event.expiry.cancel()
-        if self._settings.event_timeout:
-            delay = 60.0 * self._settings.event_timeout
+        if self._timeout:
+            delay = 60.0 * self._timeout
             event.expiry = self._loop.call_later(delay, lambda: self._expire(event))
 
     def _expire(self, event: _Event) -> None:
         self._component.counters.add("events.expired")
         self._remove(event)
-        self._confirm(event, 0.0)
+        self._confirm(event.client, event.request_id, event.event_id)
 
     @staticmethod
     def _stop_timer(event: _Event) -> None:
@@ -273,16 +265,11 @@ class EventsService:
 
     # ---- answers ----------------------------------------------------------------------------
 
-    def _confirm(self, event: _Event, rate: float) -> None:
+    def _confirm(
+        self, client: JausAddress, request_id: int, event_id: int, rate: float = 0.0
+    ) -> None:
         message = ConfirmEventRequest(
-            request_id=event.request_id, event_id=event.event_id, confirmed_periodic_rate=rate
-        )
-        self._component.send(message, event.client)
-
-    def _reject(self, client: JausAddress, request_id: int, error: _RequestError) -> None:
-        self._component.counters.add("events.rejected")
-        message = RejectEventRequest(
-            request_id=request_id, response_code=error.code, error_message=str(error)[:80]
+            request_id=request_id, event_id=event_id, confirmed_periodic_rate=rate
         )
         self._component.send(message, client)
 
@@ -302,7 +289,7 @@ class EventsService:
     def _report_timeout(
         self, _query: QueryEventTimeout, _sender: JausAddress
     ) -> ReportEventTimeout:
-        return ReportEventTimeout(timeout=self._settings.event_timeout)
+        return ReportEventTimeout(timeout=self._timeout)
 
 
 def _selects(query: QueryEvents, event: _Event) -> bool:

@@ -1,23 +1,60 @@
-"""The Liveness service: a heartbeat for whoever asks (AS5710)."""
+"""The Liveness service: a heartbeat for whoever asks, and unasked (AS5710; IOP)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from ..core_messages import QueryHeartbeatPulse, ReportHeartbeatPulse
+from .definitions import Scope
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
     from ..component_base import ComponentBase
+    from ..loop import Timer
     from ..message import Message
+
+UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
+"""Service of the IOP that promises a heartbeat nobody has asked for."""
+
+UNSOLICITED_RATE = 1.0
+"""Rate in Hz of a component that provides it; the IOP leaves the rate open."""
 
 
 class LivenessService:
-    """Answers QueryHeartbeatPulse; clients watch it through a periodic event."""
+    """Answers QueryHeartbeatPulse, and sends its report unasked if that is wanted."""
 
-    def __init__(self, component: ComponentBase) -> None:
-        """Serve the messages of Liveness."""
-        component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
+    def __init__(self, component: ComponentBase, *, enabled: bool, unsolicited: bool) -> None:
+        """Serve the messages of Liveness.
+
+        Args:
+            component: The component that lives.
+            enabled: Whether it provides Liveness.
+            unsolicited: Whether it provides UnsolicitedHeartbeat.
+        """
+        self._component = component
+        self._timer: Timer | None = None
+        settings, own = component.settings, component.address
+        default = UNSOLICITED_RATE if unsolicited else 0.0
+        self._rate = default if settings.heartbeat_rate is None else settings.heartbeat_rate
+        subsystem = JausAddress(own.subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
+        self._audience = BROADCAST if settings.heartbeat_scope is Scope.SYSTEM else subsystem
+        if enabled:
+            component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
+
+    def start(self) -> None:
+        """Begin to send heartbeats nobody has asked for, if any are wanted."""
+        if self._rate > 0:
+            self._beat()
+
+    def stop(self) -> None:
+        """Send no heartbeat any more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _beat(self) -> None:
+        self._timer = self._component.loop.call_later(1.0 / self._rate, self._beat)
+        self._component.send(ReportHeartbeatPulse(), self._audience)
 
 
 def _pulse(_query: Message, _sender: JausAddress) -> ReportHeartbeatPulse:

@@ -169,6 +169,7 @@ class ManagementService:
         self._access.managed = status in (Status.STANDBY, Status.READY)
         if former is Status.READY:
             self._component.call(self._component.on_not_ready)
+            self._component.permissions_changed()
         elif status is Status.READY:
             self._component.call(self._component.on_ready)
         self._component.core_state_changed()

@@ -158,11 +158,9 @@ class TestReject:
     def test_5_message_unsupported(self, server, client, query):
         assert code_of(client.ask(create(query), server)) == 5
 
-    def test_5_command_events(self, server, client):
+    def test_5_command_event_of_a_query(self, server, client):
         message = CreateCommandEvent(
-            request_id=1,
-            maximum_allowed_duration=1,
-            command_message=RequestControl(authority_code=1).encode(),
+            request_id=1, maximum_allowed_duration=1, command_message=STATUS
         )
         assert code_of(client.ask(message, server)) == 5
 

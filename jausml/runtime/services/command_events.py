@@ -1,0 +1,172 @@
+"""Command events: a command whose end its sender is told of (AS5710 v1.1, Events)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..completion import Completion
+from ..core_messages import (
+    CancelEvent,
+    CommandEvent,
+    ConfirmEventRequest,
+    CreateCommandEvent,
+    CreateEvent,
+    UpdateEvent,
+)
+from ..message import DecodeError, Message, read_code
+from .event_requests import RejectCode, RequestError, reject
+
+if TYPE_CHECKING:
+    from ..address import JausAddress
+    from ..component_base import ComponentBase
+    from ..dispatch import Handler
+    from ..loop import Timer
+    from .event_requests import EventIds
+
+Result = CommandEvent.CommandResult
+
+NO_COMMANDS = frozenset(
+    each.CODE for each in (CreateEvent, UpdateEvent, CancelEvent, CreateCommandEvent)
+)
+"""Messages of Events itself: a command event must not nest."""
+
+
+@dataclass(slots=True, eq=False)
+class _Command:
+    """One command of one client, under way."""
+
+    event_id: int
+    client: JausAddress
+    message: Message
+    handler: Handler
+    completion: Completion | None = None
+    expiry: Timer | None = None
+
+
+class CommandEvents:
+    """Executes commands that come as events, and reports their ends."""
+
+    def __init__(self, component: ComponentBase, ids: EventIds, *, enabled: bool) -> None:
+        """Serve CreateCommandEvent if the component provides Events v1.1."""
+        self._component = component
+        self._ids = ids
+        self._commands: dict[int, _Command] = {}
+        if enabled:
+            component.handle(CreateCommandEvent, self._create)
+
+    def cancel(self, client: JausAddress, event_id: int) -> bool:
+        """Forget a client's command event; tell whether there was one."""
+        command = self._commands.get(event_id)
+        if command is None or command.client != client:
+            return False
+        self._remove(command)
+        return True
+
+    def recheck(self) -> None:
+        """Fail the commands that their clients may not give any more.
+
+        A command that needs Ready or control has failed when that is lost.
+        """
+        for command in list(self._commands.values()):
+            # One without a completion is being executed, and may end control itself: Reset does.
+            if command.completion is not None and not self._permits(command):
+                self._finish(command, Result.UNSUCCESSFUL)
+
+    def stop(self) -> None:
+        """Fail all commands."""
+        for command in list(self._commands.values()):
+            self._finish(command, Result.UNSUCCESSFUL)
+
+    def _create(self, request: CreateCommandEvent, sender: JausAddress) -> None:
+        try:
+            handler, message = self._check(request.command_message, sender)
+            command = self._replaced(sender, message) or self._added(sender, message, handler)
+        except RequestError as error:
+            reject(self._component, sender, request.request_id, error)
+            return
+        command.message = message
+        confirm = ConfirmEventRequest(request_id=request.request_id, event_id=command.event_id)
+        self._component.send(confirm, sender)
+        command.expiry = self._component.loop.call_later(
+            request.maximum_allowed_duration, lambda: self._expire(command)
+        )
+        self._execute(command)
+
+    def _check(self, payload: bytes, sender: JausAddress) -> tuple[Handler, Message]:
+        """Return what executes a command; raises RequestError when that is not possible."""
+        code = read_code(payload)
+        handler = self._component.command_handler(code)
+        is_query = self._component.provision(code) is not None
+        if handler is None or is_query or code in NO_COMMANDS:
+            raise RequestError(RejectCode.MESSAGE_NOT_SUPPORTED, f"no command {code:04X}")
+        try:
+            message = handler.message_class.decode(payload)
+        except DecodeError as error:
+            raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error
+        if not self._permits(_Command(0, sender, message, handler)):
+            self._component.counters.add("component.command_refused")
+            raise RequestError(RejectCode.CONNECTION_REFUSED, "not controlled by you and ready")
+        return handler, message
+
+    def _permits(self, command: _Command) -> bool:
+        guard = self._component.call(command.handler.guard_for, command.message)
+        return guard is not None and self._component.allows(guard, command.client)
+
+    def _replaced(self, client: JausAddress, message: Message) -> _Command | None:
+        """Return the client's event on the same command, ready for its successor."""
+        for command in self._commands.values():
+            if command.client == client and command.message.CODE == message.CODE:
+                self._detach(command)
+                return command
+        return None
+
+    def _added(self, client: JausAddress, message: Message, handler: Handler) -> _Command:
+        event_id = self._ids.take()
+        command = self._commands[event_id] = _Command(event_id, client, message, handler)
+        return command
+
+    def _execute(self, command: _Command) -> None:
+        succeeded, answer = self._component.attempt(
+            command.handler.action, command.message, command.client
+        )
+        if self._commands.get(command.event_id) is not command:
+            return  # the handler has stopped the component
+        if not succeeded:
+            self._finish(command, Result.UNSUCCESSFUL)
+        elif isinstance(answer, Completion):
+            command.completion = answer
+            answer.when_ended(lambda: self._ended(command, answer))
+            self.recheck()
+        else:
+            self._finish(command, Result.SUCCESSFUL)
+
+    def _ended(self, command: _Command, completion: Completion) -> None:
+        with self._component.loop.lock:
+            if command.completion is completion and command.event_id in self._commands:
+                result = Result.SUCCESSFUL if completion.succeeded else Result.UNSUCCESSFUL
+                self._finish(command, result)
+
+    def _expire(self, command: _Command) -> None:
+        self._component.counters.add("events.command_expired")
+        self._finish(command, Result.UNSUCCESSFUL)
+
+    def _finish(self, command: _Command, result: Result) -> None:
+        self._remove(command)
+        message = CommandEvent(event_id=command.event_id, command_result=result)
+        self._component.send(message, command.client)
+
+    def _remove(self, command: _Command) -> None:
+        del self._commands[command.event_id]
+        self._ids.give_back(command.event_id)
+        self._detach(command)
+
+    @staticmethod
+    def _detach(command: _Command) -> None:
+        """End the timer and the completion, which concern nobody from now on."""
+        completion, command.completion = command.completion, None
+        if completion is not None:
+            completion.fail()
+        if command.expiry is not None:
+            command.expiry.cancel()
+            command.expiry = None

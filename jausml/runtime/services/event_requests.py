@@ -1,0 +1,71 @@
+"""What report events and command events share: their ids and refusals (AS5710, Events)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core_messages import RejectEventRequest
+
+if TYPE_CHECKING:
+    from ..address import JausAddress
+    from ..component_base import ComponentBase
+
+RejectCode = RejectEventRequest.ResponseCode
+
+EVENT_IDS = 255
+"""Event ids are 0 to 254; peers take 255 for "no event"."""
+
+MAX_TEXT = 80
+"""Characters that an ErrorMessage holds."""
+
+
+class RequestError(Exception):
+    """An event request that cannot be met.
+
+    Attributes:
+        code: Code for RejectEventRequest.
+    """
+
+    def __init__(self, code: RejectCode, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class EventIds:
+    """Hands out the ids that are free, each as late as possible after its last use."""
+
+    def __init__(self, limit: int) -> None:
+        """Start with all ids free.
+
+        Args:
+            limit: Most ids in use at a time, 0 to 255.
+        """
+        self._limit = limit
+        self._used: set[int] = set()
+        self._next = 0
+
+    def take(self) -> int:
+        """Return a free id; raises RequestError when as many as allowed are in use."""
+        if len(self._used) >= self._limit:
+            raise RequestError(RejectCode.CONNECTION_REFUSED, "too many events")
+        while self._next in self._used:
+            self._next = (self._next + 1) % EVENT_IDS
+        event_id = self._next
+        self._next = (event_id + 1) % EVENT_IDS
+        self._used.add(event_id)
+        return event_id
+
+    def give_back(self, event_id: int) -> None:
+        """Take an id for free again."""
+        self._used.discard(event_id)
+
+
+def reject(
+    component: ComponentBase, client: JausAddress, request_id: int, error: RequestError
+) -> None:
+    """Refuse a request of a client."""
+    component.counters.add("events.rejected")
+    message = RejectEventRequest(
+        request_id=request_id, response_code=error.code, error_message=str(error)[:MAX_TEXT]
+    )
+    component.send(message, client)

@@ -1,0 +1,116 @@
+"""The Time service: the component's clock, which its controller may set (AS5710)."""
+
+from __future__ import annotations
+
+from datetime import datetime, time, timedelta, timezone
+from typing import TYPE_CHECKING
+
+from ..core_messages import QueryTime, ReportTime, SetTime
+from ..counters import LOGGER
+from .definitions import Guard
+
+if TYPE_CHECKING:
+    from ..address import JausAddress
+    from ..component_base import ComponentBase
+
+TIME_STAMP = 1 << 0
+"""Bit of the time of day and day of month in a QueryTime's PresenceVector."""
+
+DATE_STAMP = 1 << 1
+"""Bit of the date in a QueryTime's PresenceVector."""
+
+FIRST_YEAR = 2000
+"""Year that a DateStamp counts from."""
+
+
+class TimeService:
+    """Reports the time in UTC, and keeps the offset to the host's clock that SetTime asks for.
+
+    The clock of the host is never set.
+    """
+
+    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
+        """Serve the messages of Time if the component provides the service."""
+        self._component = component
+        self._offset = timedelta()
+        if enabled:
+            component.handle(SetTime, self._set_time, when=Guard.CONTROLLED)
+            # Time changes always: only a rate makes sense.
+            component.provide(QueryTime, ReportTime, self._report, every_change=False)
+
+    def now(self) -> datetime:
+        """Return the component's time in UTC."""
+        return self._component.host_time() + self._offset
+
+    def _set_time(self, message: SetTime, sender: JausAddress) -> None:
+        try:
+            told = self._told(message)
+        except (ValueError, OverflowError) as error:
+            self._component.counters.count("time.refused", f"SetTime of {sender}: {error}")
+            return
+        self._offset = told - self._component.host_time()
+        LOGGER.info("%s: time set by %s", self._component.address, sender)
+        self._component.call(self._component.on_set_time, told)
+
+    def _told(self, message: SetTime) -> datetime:
+        """Return the moment that a SetTime means; raises ValueError when it means none."""
+        now = self.now()
+        stamp, date = message.time_stamp, message.date_stamp
+        if stamp is None and date is None:
+            raise ValueError("it holds neither a time nor a date")
+        if stamp is None:
+            clock = now.time()
+        else:
+            clock = time(stamp.hour, stamp.minutes, stamp.seconds, stamp.milliseconds * 1000)
+        if date is None:
+            return _nearest(now, stamp.day if stamp is not None else now.day, clock)
+        if stamp is not None and stamp.day != date.day:
+            raise ValueError(f"its days contradict each other: {stamp.day} and {date.day}")
+        return _moment(FIRST_YEAR + date.year, date.month, date.day, clock)
+
+    def _report(self, query: QueryTime, _sender: JausAddress) -> ReportTime:
+        now = self.now()
+        report = ReportTime()
+        if query.presence_vector & TIME_STAMP:
+            report.time_stamp = ReportTime.TimeStamp(
+                milliseconds=now.microsecond // 1000,
+                seconds=now.second,
+                minutes=now.minute,
+                hour=now.hour,
+                day=now.day,
+            )
+        if query.presence_vector & DATE_STAMP:
+            report.date_stamp = ReportTime.DateStamp(
+                day=now.day, month=now.month, year=now.year - FIRST_YEAR
+            )
+        return report
+
+
+def _moment(year: int, month: int, day: int, clock: time) -> datetime:
+    return datetime(
+        year,
+        month,
+        day,
+        clock.hour,
+        clock.minute,
+        clock.second,
+        clock.microsecond,
+        tzinfo=timezone.utc,
+    )
+
+
+def _nearest(now: datetime, day: int, clock: time) -> datetime:
+    """Return the moment nearest to now that has the day of month and time of day.
+
+    A TimeStamp has no month: near the end of one, its day may be of the next.
+    """
+    candidates = []
+    for months in (-1, 0, 1):
+        year, month = divmod(now.year * 12 + now.month - 1 + months, 12)
+        try:
+            candidates.append(_moment(year, month + 1, day, clock))
+        except ValueError:
+            continue  # the month has no such day
+    if not candidates:
+        raise ValueError(f"no month near {now:%Y-%m} has a day {day}")
+    return min(candidates, key=lambda moment: abs(moment - now))
