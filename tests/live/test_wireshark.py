@@ -1,0 +1,375 @@
+"""The generated dissector in tshark, against bytes of other implementations and against damage."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from jausml.generators.wireshark.services import library_services
+from jausml.generators.wireshark.views import DissectorView
+
+from .wireshark_support import (
+    ROOT,
+    TSHARK,
+    Shown,
+    datagram,
+    dissect,
+    packet,
+    run_tshark,
+    shown,
+    tcp,
+    udp,
+    write_capture,
+    write_dissector,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.skipif(TSHARK is None, reason="tshark is not installed (package tshark)"),
+]
+
+GOLDEN = ROOT.parent / "shared" / "golden"
+WRENCH = bytes.fromhex("05047008FF7FFFFF8000")
+"""SetWrenchEffort with four optional members."""
+
+
+class SystemOfNothing:
+    """What a dissector of services alone needs of a system."""
+
+    name = "library"
+    hosts = ()
+    components = ()
+
+
+def lines(name: str) -> list[dict[str, Any]]:
+    """Returns the vectors of a file, none when it is not there."""
+    path = GOLDEN / name
+    if not path.exists():
+        return []
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+VECTORS = lines("jaus_messages.jsonl")
+DATAGRAMS = lines("judp_datagrams.jsonl")
+needs_vectors = pytest.mark.skipif(not VECTORS, reason="vectors of other implementations: absent")
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, DissectorView]:
+    """The dissector of the whole library."""
+    view = DissectorView(SystemOfNothing(), "library", library_services())
+    return write_dissector(tmp_path_factory.mktemp("all") / "all.lua", view), view
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The dissector of the example system."""
+    return write_dissector(tmp_path_factory.mktemp("example") / "example.lua")
+
+
+# -- vectors of other implementations ----------------------------------------------------------
+
+
+def leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
+    """Yields the filters that a field should show, with their values, in the order of the wire."""
+    kind = node["kind"]
+    if kind in ("number", "text", "bits", "bytes"):
+        yield from plain_leaves(node, value)
+    elif kind == "choice":
+        yield f"{node['filter']}.index", value["index"]
+        yield from leaves(node["options"][value["index"]], value["value"])
+    elif kind in ("list", "array"):
+        if kind == "list":
+            yield f"{node['filter']}.count", len(value)
+        for item in value:
+            yield from leaves(node["element"], item)
+    elif kind == "variant":
+        yield f"{node['filter']}.tag", value["_tag"]
+        if node["options"]:
+            option = node["options"][value["_tag"]]
+            yield from leaves(option, value.get(option["name"]))
+    else:
+        yield from record_leaves(node, value)
+
+
+def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
+    if node["kind"] == "bits":
+        for part in node["parts"]:
+            yield part["filter"], value[part["name"]]
+    elif node["kind"] == "bytes":
+        yield node["filter"], value["hex"]
+        if "format" in value:
+            yield f"{node['filter']}.format", value["format"]
+    else:
+        yield node["filter"], value
+
+
+def record_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
+    if "_pv" in value:
+        yield f"{node['filter']}.presence", value["_pv"]
+    for member in node["fields"]:
+        if member["name"] in value:
+            yield from leaves(member, value[member["name"]])
+
+
+def expected(message: Any, fields: dict[str, Any]) -> list[tuple[str, Any]]:
+    if not message.body:
+        return []
+    return list(leaves(message.body, fields[message.body["name"]]))
+
+
+def is_close(field: Shown, value: Any) -> bool:
+    if isinstance(value, float):
+        # Wireshark prints 15 significant digits of a double and 6 of a single.
+        return math.isclose(float(field.show), value, rel_tol=1e-5, abs_tol=1e-9)
+    if isinstance(value, int):
+        return int(field.show, 0) == value
+    return value in (field.show, field.value)
+
+
+def matches(fields: list[Shown], message: Any, vector: dict[str, Any]) -> bool:
+    try:
+        wanted = expected(message, vector["fields"])
+    except (KeyError, TypeError, AttributeError):
+        return False  # the layout of another definition
+    names = {name for name, _ in wanted}
+    found = [field for field in fields if field.name in names]
+    return [field.name for field in found] == [name for name, _ in wanted] and all(
+        is_close(field, value) for field, (_, value) in zip(found, wanted, strict=True)
+    )
+
+
+@needs_vectors
+def test_every_vector_shows_its_name_and_fields(
+    library: tuple[Path, DissectorView], tmp_path: Path
+) -> None:
+    script, view = library
+    packets = [udp(datagram(bytes.fromhex(each["hex"]))) for each in VECTORS]
+    wrong, ambiguous = [], 0
+    for vector, fields in zip(VECTORS, dissect(script, packets, tmp_path), strict=True):
+        code = int(vector["id"], 16)
+        assert int(shown(fields, "jaus.code")[0], 16) == code
+        assert not shown(fields, "jaus.malformed"), vector
+        # The messages inside some vectors were made up.
+        holds_another = len(shown(fields, "jaus.code")) > 1
+        assert holds_another or not shown(fields, "jaus.surplus"), vector
+        name = shown(fields, "jaus.message")[0]
+        definitions = [m for m in view.messages if m.code == code and m.name == name]
+        if name != vector["message"] and shown(fields, "jaus.ambiguous"):
+            ambiguous += 1  # another message of the code takes up the same bytes
+        elif not any(matches(fields, each, vector) for each in definitions):
+            wrong.append((vector["message"], vector["hex"], vector["fields"], fields))
+    assert not wrong, (len(wrong), wrong[:3])
+    assert ambiguous <= len(VECTORS) // 50
+
+
+@pytest.mark.skipif(not DATAGRAMS, reason="datagrams of other implementations: absent")
+def test_captured_datagrams_show_their_header(
+    library: tuple[Path, DissectorView], tmp_path: Path
+) -> None:
+    script, _ = library
+    packets = [udp(bytes.fromhex(each["hex"])) for each in DATAGRAMS]
+    for each, fields in zip(DATAGRAMS, dissect(script, packets, tmp_path), strict=True):
+        header = each["header"]
+        if header["version"] != 2:
+            assert shown(fields, "jaus.version") == [str(header["version"])]
+            assert shown(fields, "jaus.malformed") == [""]
+            continue
+        for name in ("version", "message_type", "data_size", "priority", "broadcast", "ack_nak"):
+            assert shown(fields, f"jaus.{name}") == [str(header[name])], name
+        assert shown(fields, "jaus.data_flags") == [str(header["data_flags"])]
+        assert shown(fields, "jaus.sequence") == [str(header["sequence"])]
+        for side in ("source", "destination"):
+            address = "{subsystem}.{node}.{component}".format(**header[side])
+            assert shown(fields, f"jaus.{side}") == [address]
+
+
+# -- what the transport can do -------------------------------------------------------------------
+
+
+def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> None:
+    data = b"\x02" + packet(WRENCH, 7) + packet(bytes.fromhex("0320"), 8)
+    (fields,) = dissect(example, [udp(data)], tmp_path)
+    assert shown(fields, "jaus.code") == ["0x0405", "0x2003"]
+    assert shown(fields, "jaus.sequence") == ["7", "8"]
+    text = run_tshark(example, tmp_path / "packets.pcap")
+    assert "SetWrenchEffort, 126.1.20 -> 200.1.2; QueryTimeout, 126.1.20 -> 200.1.2" in text
+
+
+def test_scaled_values_stand_beside_the_raw_integer(example: Path, tmp_path: Path) -> None:
+    (fields,) = dissect(example, [udp(datagram(WRENCH))], tmp_path)
+    name = "jaus.set_wrench_effort"
+    assert shown(fields, f"{name}.presence") == ["0x0870"]
+    assert shown(fields, f"{name}.propulsive_rotational_effort_z") == ["100"]
+    assert shown(fields, f"{name}.propulsive_rotational_effort_z.raw") == ["65535"]
+    assert not shown(fields, f"{name}.propulsive_linear_effort_x")
+
+
+def test_fields_filter(example: Path, tmp_path: Path) -> None:
+    capture = write_capture(
+        tmp_path / "two.pcap", [udp(datagram(WRENCH, 1)), udp(datagram(b"\x03\x20", 2))]
+    )
+    wanted = "jaus.set_wrench_effort.propulsive_rotational_effort_z > 99.9"
+    assert run_tshark(example, capture, "-Y", wanted).count("\n") == 1
+    assert run_tshark(example, capture, "-Y", 'jaus.source == "126.1.20"').count("\n") == 2
+    assert run_tshark(example, capture, "-Y", "jaus.message == QueryTimeout").count("\n") == 1
+
+
+def test_an_acknowledgement_has_no_body(example: Path, tmp_path: Path) -> None:
+    (fields,) = dissect(example, [udp(datagram(b"", 9, 0x31))], tmp_path)
+    assert shown(fields, "jaus.ack_nak") == ["3"]
+    assert not shown(fields, "jaus.code")
+    assert not shown(fields, "jaus.malformed")
+    assert "Acknowledge, 126.1.20" in run_tshark(example, tmp_path / "packets.pcap")
+
+
+def test_header_compression_bytes_are_skipped(example: Path, tmp_path: Path) -> None:
+    plain = packet(b"\x03\x20", 5)
+    data = b"\x02\x40" + (len(plain) + 2).to_bytes(2, "little") + b"\x07\x0c" + plain[3:]
+    (fields,) = dissect(example, [udp(data)], tmp_path)
+    assert shown(fields, "jaus.compression") == ["1"]
+    assert shown(fields, "jaus.compression.number") == ["7"]
+    assert shown(fields, "jaus.compression.length") == ["12"]
+    assert shown(fields, "jaus.message") == ["QueryTimeout"]
+
+
+def test_an_embedded_message_is_shown_inside(example: Path, tmp_path: Path) -> None:
+    inner = bytes.fromhex("0324ff01")
+    event = bytes.fromhex("f1410502") + len(inner).to_bytes(4, "little") + inner
+    (fields,) = dissect(example, [udp(datagram(event))], tmp_path)
+    assert shown(fields, "jaus.code") == ["0x41f1", "0x2403"]
+
+
+def test_messages_are_shown_to_a_bounded_depth(example: Path, tmp_path: Path) -> None:
+    data = b"\x03\x20"
+    for _ in range(40):
+        data = bytes.fromhex("f1410502") + len(data).to_bytes(4, "little") + data
+    (fields,) = dissect(example, [udp(datagram(data))], tmp_path)
+    assert shown(fields, "jaus.code") == ["0x41f1"] * 9
+    assert shown(fields, "jaus.limit") == [""]
+
+
+PARTS = [WRENCH[:2], WRENCH[2:5], WRENCH[5:8], WRENCH[8:]]
+FLAGS = [0x41, 0x81, 0x81, 0xC1]
+
+
+@pytest.mark.parametrize("first", [10, 65534], ids=["plain", "wrapping"])
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2)], ids=["in order", "mixed"])
+def test_fragments_are_reassembled(
+    example: Path, tmp_path: Path, first: int, order: tuple[int, ...]
+) -> None:
+    packets = [udp(datagram(PARTS[n], first + n, FLAGS[n])) for n in order]
+    for arguments in ((), ("-2",)):
+        packets_shown = dissect(example, packets, tmp_path, *arguments)
+        codes = [shown(fields, "jaus.code") for fields in packets_shown]
+        assert codes == [[], [], [], ["0x0405"]]
+        assert shown(packets_shown[3], "jaus.reassembled.length") == [str(len(WRENCH))]
+        assert all(shown(fields, "jaus.fragment") for fields in packets_shown)
+
+
+def test_fragments_of_two_senders_are_not_mixed(example: Path, tmp_path: Path) -> None:
+    other = b"\x02" + packet(PARTS[1], 11, FLAGS[1], source=(7, 7, 7))
+    packets = [
+        udp(datagram(PARTS[0], 10, FLAGS[0])),
+        udp(other),
+        udp(datagram(WRENCH[5:], 12, FLAGS[3])),
+    ]
+    assert not any(shown(fields, "jaus.code") for fields in dissect(example, packets, tmp_path))
+
+
+@pytest.mark.parametrize("cut", [1, 2, 4, 13, 24, 25, 26, 40])
+def test_tcp_is_cut_into_messages(example: Path, tmp_path: Path, cut: int) -> None:
+    stream = b"\x02" + packet(WRENCH, 1) + packet(b"\x03\x20", 2) + packet(WRENCH, 3)
+    answer = b"\x02" + packet(bytes.fromhex("034005"), 1)
+    packets = [tcp(stream[:cut], 0), tcp(stream[cut:], cut), tcp(answer, 0, is_answer=True)]
+    fields = [field for each in dissect(example, packets, tmp_path) for field in each]
+    codes = shown(fields, "jaus.code")
+    assert codes == ["0x0405", "0x2003", "0x0405", "0x4003"]
+    assert shown(fields, "jaus.version") == ["2", "2"]
+    assert not shown(fields, "jaus.malformed")
+
+
+# -- several definitions of one code ---------------------------------------------------------------
+
+
+def test_of_several_definitions_the_one_that_fits_is_shown(
+    library: tuple[Path, DissectorView], tmp_path: Path
+) -> None:
+    script, view = library
+    codes = [message.code for message in view.messages]
+    assert len(codes) > len(set(codes)), "no code has two definitions"
+    code = next(m.code for m in view.messages if m.name == "QueryJointPositions")
+    first, second = (m for m in view.messages if m.code == code)
+    query = udp(datagram(code.to_bytes(2, "little")))  # both are a code alone
+    (fields,) = dissect(script, [query], tmp_path)
+    assert shown(fields, "jaus.message") == [first.name]
+    assert shown(fields, "jaus.ambiguous") == [""]
+    (fields,) = dissect(script, [query], tmp_path, "-o", f"jaus.service:{second.services[0]}")
+    assert shown(fields, "jaus.message") == [second.name]
+
+
+# -- damage --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("data", "name"),
+    [
+        (b"\x02", "malformed"),
+        (b"\x03" + packet(WRENCH), "malformed"),
+        (b"\x02" + packet(WRENCH)[:-1], "malformed"),
+        (b"\x02" + packet(WRENCH) + b"garbage", "malformed"),
+        (datagram(b""), "malformed"),
+        (datagram(WRENCH[:-1]), "malformed"),
+        (datagram(bytes.fromhex("0504ffff") + bytes(18)), "malformed"),
+        (datagram(WRENCH + b"\0"), "surplus"),
+        (datagram(b"\xff\xee\1"), "unknown"),
+    ],
+)
+def test_damage_is_named(example: Path, tmp_path: Path, data: bytes, name: str) -> None:
+    if data == b"\x02":
+        data = b"\x02\x00"
+    (fields,) = dissect(example, [udp(data)], tmp_path)
+    assert shown(fields, f"jaus.{name}") == [""]
+
+
+def test_no_datagram_breaks_the_dissector(
+    library: tuple[Path, DissectorView], tmp_path: Path
+) -> None:
+    script, view = library
+    chance = random.Random(3794)
+    packets = [udp(datagram_of_chance(chance, view)) for _ in range(6000)]
+    capture = write_capture(tmp_path / "damage.pcap", packets)
+    text = run_tshark(script, capture, "-V", timeout=110)
+    assert text.count("Transport version") >= 3000
+
+
+def datagram_of_chance(chance: random.Random, view: DissectorView) -> bytes:
+    """Returns a datagram that is cut, changed, or whose body is random."""
+    code = chance.choice(view.messages).code.to_bytes(2, "little")
+    if VECTORS and chance.random() < 0.5:
+        payload = bytes.fromhex(chance.choice(VECTORS)["hex"])
+    else:
+        payload = code + chance.randbytes(chance.randrange(60))
+    data = bytearray(payload)
+    way = chance.randrange(4)
+    if way == 0:
+        del data[chance.randrange(len(data)) :]
+    elif way == 1:
+        data[chance.randrange(len(data))] = chance.choice((0, 1, 127, 128, 255))
+    elif way == 2:
+        data += chance.randbytes(chance.randrange(1, 20))
+    flags = chance.choice((1, 1, 1, 0x31, 0x41, 0x81, 0xC1, chance.randrange(256)))
+    whole = bytearray(datagram(bytes(data), chance.randrange(4), flags))
+    if chance.random() < 0.2:
+        whole[chance.randrange(1, len(whole))] = chance.randrange(256)
+    if chance.random() < 0.1:
+        del whole[chance.randrange(1, len(whole)) :]
+    return bytes(whole)
