@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import queue
 import socket
+from datetime import datetime, timezone
 from typing import Any
 
 import operator_jaus.operator_jaus_base as operator_base
@@ -39,8 +40,8 @@ class Driver(WrenchDriver):
     def report_local_pose(self, query: Any, sender: Any) -> ReportLocalPose:
         return ReportLocalPose(x=1.0)
 
-    def report_time(self, query: Any, sender: Any) -> ReportTime:
-        return ReportTime(time_stamp=ReportTime.TimeStamp(day=7))
+    def host_time(self) -> datetime:
+        return datetime(2026, 3, 7, tzinfo=timezone.utc)
 
     def on_not_ready(self) -> None:
         events.put(("not ready",))

@@ -120,7 +120,7 @@ def test_hooks_of_every_component_are_in_the_contract() -> None:
     own = {
         name: tuple(inspect.signature(method).parameters)[1:]
         for name, method in vars(JausComponent).items() | vars(ComponentBase).items()
-        if name.startswith("on_") and name != "on_message"
+        if name.startswith(("on_", "host_time", "supports_element")) and name != "on_message"
     }
     assert hooks == own
 
