@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test lint format bench emf reference clean
+.PHONY: demo test live lint format bench emf reference clean
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -15,6 +15,10 @@ demo: $(READY)  ## generate the example system, drive it through a turn, draw th
 
 test: $(READY)  ## every test, with coverage
 	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered $(TESTS)
+
+live: $(READY)  ## the tests with real processes: rclpy, sockets, tshark
+	@command -v tshark >/dev/null || echo "tshark is absent: the Wireshark dissector is NOT tested (apt-get install tshark)"
+	$(BIN)/python -m pytest -m live $(TESTS)
 
 lint: $(READY)  ## format, lint, types, layers
 	$(BIN)/ruff format --check .
