@@ -14,6 +14,7 @@ from jausml.generators.common import components, imports, names
 from jausml.generators.common.layout import Call, hexadecimal, statement, text
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.message_examples import example_bytes
+from jausml.generators.jaus_component import machines
 from jausml.generators.jaus_component.handlers import (
     GUARD_TEXTS,
     Answer,
@@ -39,10 +40,14 @@ _HOOKS = {
     "on_not_ready": (),
     "on_controller_changed": ("controller",),
     "on_emergency": ("active",),
+    "on_set_time": ("time",),
+    "on_list_changed": (),
     "on_shutdown": (),
+    "host_time": (),
+    "supports_element": ("element",),
 }
 # Methods of the component itself that a message of an unlucky name must not replace.
-_TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"])
+_TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONENT_NAMES
 _RUNTIME_NAMES = {
     "jausml_runtime.address": ("JausAddress",),
     "jausml_runtime.component": (
@@ -52,6 +57,7 @@ _RUNTIME_NAMES = {
         "Scope",
         "ServiceIdentity",
     ),
+    **machines.RUNTIME_NAMES,
 }
 
 
@@ -122,6 +128,7 @@ class ComponentView:
         used = components.with_inherited(self.component.uses)
         services = [*self._services, *(s for s in used if s.urn not in components.RUNTIME_SERVICES)]
         elements = [m for s in services for m in [*s.inputs, *s.outputs]]
+        elements += machines.messages_of(self._services)
         for connection in self.component.connections:
             elements += [connection.message, self._query_of(connection)]
         return build_message_map(dict.fromkeys(elements))
@@ -161,7 +168,7 @@ class ComponentView:
             for message in service.inputs:
                 view = self._messages[message]
                 report = components.report_for(message, components.with_inherited([service]))
-                if view.code in handlers or view.code in answers:
+                if view.code in handlers or view.code in answers or self._machines.takes(view.code):
                     continue
                 if report is None:
                     handlers[view.code] = self._handler(message, service)
@@ -169,6 +176,36 @@ class ComponentView:
                     answers[view.code] = self._answer(message, report)
         received = tuple(self._received(each) for each in self.component.connections)
         return tuple(handlers.values()), tuple(answers.values()), received
+
+    @functools.cached_property
+    def _machines(self) -> machines.Machines:
+        return machines.Machines(self._services, self._messages, self._methods)
+
+    @property
+    def state_machines(self) -> tuple[machines.MachineView, ...]:
+        """The state machines."""
+        return self._machines.views
+
+    @property
+    def events(self) -> tuple[machines.EventView, ...]:
+        """Internal events that the component may raise."""
+        return self._machines.events if self.state_machines else ()
+
+    @property
+    def machine_registrations(self) -> tuple[str, ...]:
+        """Statements of the constructor that give messages to the machines."""
+        found: dict[int, str] = {}
+        for service in self._services:
+            for message in service.inputs:
+                code = self._messages[message].code
+                if self._machines.takes(code):
+                    found[code] = self._machines.registration(message, service)
+        return tuple(found.values())
+
+    @property
+    def superclass(self) -> str:
+        """Class of the runtime that the base derives from."""
+        return "ModelledComponent" if self.state_machines else "JausComponent"
 
     @property
     def handlers(self) -> tuple[Handler, ...]:
@@ -193,6 +230,7 @@ class ComponentView:
     def _all_methods(self) -> Iterator[Method]:
         yield from (handler.method for handler in self.handlers)
         yield from (answer.method for answer in self.answers)
+        yield from self._machines.methods
         for each in self.received:
             yield each.method
             if each.silent:
