@@ -1,0 +1,1 @@
+"""Traffic: JAUS messages from hex text, from capture files and from the network."""
