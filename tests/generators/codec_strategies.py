@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from typing import TYPE_CHECKING, Any
 
 from hypothesis import strategies as st
@@ -79,14 +80,27 @@ def fixed(value: Fixed) -> st.SearchStrategy[Any]:
     """Returns legal values of one wire item."""
     if value.python_type == "str":
         return st.text(LATIN1, max_size=int(value.limits[0]))
-    if value.check == "one_of":
+    if value.check in ("one_of", "whole_of"):
         pairs = re.findall(r"\((-?\d+), (-?\d+)\)", value.limits[0])
         return st.one_of(st.integers(int(low), int(high)) for low, high in pairs)
     if value.scale is not None:
-        return st.floats(*value.scale)
+        return st.sampled_from(value.scale) | st.floats(*value.scale)
+    lower, upper = value.limits
     if value.check == "real":
-        width = 32 if value.format == "f" else 64
-        return st.floats(-1.0, 1.0, width=width).filter(
-            lambda x: float(value.limits[0]) <= x <= float(value.limits[1])
-        )
-    return st.integers(int(value.limits[0]), int(value.limits[1]))
+        return real(float(lower), float(upper), single=value.format == "f")
+    numbers = st.integers(int(lower), int(upper))
+    return numbers.map(float) if value.check == "whole" else numbers
+
+
+def real(lower: float, upper: float, *, single: bool) -> st.SearchStrategy[float]:
+    """Returns numbers of a range that have no more digits than the wire carries."""
+    numbers = st.floats(lower, upper) | st.floats(max(lower, -1.0), min(upper, 1.0))
+    if not single:
+        return numbers
+    return numbers.map(to_single).filter(lambda number: lower <= number <= upper)
+
+
+def to_single(number: float) -> float:
+    """Returns the nearest number of single precision."""
+    nearest: float = struct.unpack("<f", struct.pack("<f", number))[0]
+    return nearest

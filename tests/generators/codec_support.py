@@ -10,9 +10,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lxml import etree
+
 from jausml.generation.engine import FileTask, Renderer
 from jausml.generators.common.fields import Tag
-from jausml.generators.common.message_builder import build_messages
+from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.messages import MessagesModule, MessageView
 from jausml.generators.common.nested import BitFieldClass, ContainerClass
 from jausml.model import read_models
@@ -73,19 +75,54 @@ def load(text: str, name: str) -> ModuleType:
 
 def read_messages(path: Path) -> tuple[MessageView, ...]:
     """Returns the views of all messages of a file's services."""
+    return tuple(dict.fromkeys(_read(path).values()))
+
+
+def _read(path: Path) -> dict[str, MessageView]:
     result = read_models([path])
     assert not result.diagnostics, result.diagnostics
     model = result.model
     services = [s for s in model.instances("jaus.Service") if Path(model.location(s).path) == path]
-    return build_messages(m for s in services for m in [*s.inputs, *s.outputs])
+    found = build_message_map(m for s in services for m in [*s.inputs, *s.outputs])
+    return {f"{element.eContainer().name}.{element.name}": v for element, v in found.items()}
+
+
+@functools.cache
+def definitions(set_name: str) -> dict[str, MessageView]:
+    """Returns the views of all definitions of a set by service and message.
+
+    Several services of a set define some messages; equal definitions share a view.
+    """
+    return _read(LIBRARY / LIBRARY_FILES[set_name])
 
 
 @functools.cache
 def library(set_name: str) -> tuple[tuple[MessageView, ...], str, ModuleType]:
     """Returns views, text and module of the messages of a service set of the library."""
-    views = read_messages(LIBRARY / LIBRARY_FILES[set_name])
+    views = tuple(dict.fromkeys(definitions(set_name).values()))
     text = render(views)
     return views, text, load(text, f"generated_{set_name.replace('-', '_').replace('.', '_')}")
+
+
+def codec(set_name: str, definition: str) -> tuple[MessageView, Any]:
+    """Returns view and class of one definition."""
+    view = definitions(set_name)[definition]
+    return view, getattr(library(set_name)[2], view.class_name)
+
+
+def listed_definitions() -> list[tuple[str, str]]:
+    """Returns set and definition of every message of the library, as its files list them.
+
+    The files are read as mere XML, so that a message which the reader or the builder loses is
+    missed by the tests.
+    """
+    found = []
+    for set_name in shipped_sets():
+        root = etree.parse(LIBRARY / LIBRARY_FILES[set_name]).getroot()
+        for service in root.iter("services"):
+            messages = [*service.iterchildren("inputs"), *service.iterchildren("outputs")]
+            found += [(set_name, f"{service.get('name')}.{m.get('name')}") for m in messages]
+    return found
 
 
 def shipped_sets() -> list[str]:

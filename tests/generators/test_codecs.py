@@ -1,69 +1,138 @@
-"""Properties of the generated codecs of every message that the library ships."""
+"""Properties of the generated codec of every message that the library ships.
+
+Each definition of each service set has its own tests. A long run takes more examples of each:
+JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
+"""
 
 from __future__ import annotations
 
+import contextlib
+import os
+import tracemalloc
 from typing import Any
 
 import pytest
+from codec_nearness import differences
 from codec_strategies import messages
-from codec_support import library, shipped_sets
-from hypothesis import HealthCheck, given, settings
+from codec_support import codec, definitions, library, listed_definitions, shipped_sets
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from jausml.generators.common.message_examples import example_bytes
 from jausml.runtime.message import DecodeError, EncodeError
 
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 FEW = settings(
-    max_examples=25, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+    max_examples=EXAMPLES,
+    deadline=None,
+    database=None,
+    derandomize=EXAMPLES < 100,
+    phases=[Phase.explicit, Phase.generate, Phase.shrink],
+    suppress_health_check=list(HealthCheck),
 )
+DEFINITIONS = listed_definitions()
+EVERY_DEFINITION = pytest.mark.parametrize(
+    ("set_name", "definition"), DEFINITIONS, ids=["-".join(each) for each in DEFINITIONS]
+)
+# Python objects are larger than bytes on the wire, by about this factor.
+BASE, FACTOR = 32_768, 1024
 
 
-def classes(set_name: str) -> list[tuple[Any, Any]]:
-    views, _, module = library(set_name)
-    return [(view, getattr(module, view.class_name)) for view in views]
+def test_no_definition_is_lost() -> None:
+    built = [(name, key) for name in shipped_sets() for key in definitions(name)]
+    assert sorted(built) == sorted(DEFINITIONS)
+    assert len(built) > 400
 
 
-def check_round_trip(strategy: st.SearchStrategy[Any]) -> None:
+@EVERY_DEFINITION
+def test_what_is_encoded_decodes_to_the_nearest_values(set_name: str, definition: str) -> None:
+    view, cls = codec(set_name, definition)
+
     @FEW
-    @given(strategy)
+    @given(messages(view, cls))
     def round_trip(message: Any) -> None:
         data = message.encode()
-        decoded = type(message).decode(data)
-        # Scaled values moved to the nearest step: from there nothing moves any more.
+        decoded = cls.decode(data)
+        assert differences(view, message, decoded) == []
+        # From the nearest step nothing moves any more.
         assert decoded.encode() == data
-        assert type(message).decode(decoded.encode()) == decoded
+        assert cls.decode(decoded.encode()) == decoded
 
     round_trip()
 
 
-def check_refusals(cls: Any, example: bytes) -> None:
+@st.composite
+def mutations(draw: st.DrawFn, payload: bytes) -> bytes:
+    """Returns payloads that are the message no more, or only nearly."""
+    body = payload[2:]
+    cut = draw(st.integers(0, len(body)))
+    kind = draw(st.sampled_from(["random", "short", "long", "flip", "replace", "ones"]))
+    if kind == "random":
+        body = draw(st.binary(max_size=40))
+    elif kind == "short":
+        body = body[:cut]
+    elif kind == "long":
+        body += draw(st.binary(min_size=1, max_size=8))
+    elif kind == "flip" and body:
+        bit = draw(st.integers(0, 8 * len(body) - 1))
+        flipped = body[bit // 8] ^ 1 << bit % 8
+        body = body[: bit // 8] + bytes([flipped]) + body[bit // 8 + 1 :]
+    elif kind == "replace":
+        body = body[:cut] + draw(st.binary(max_size=4)) + body[cut + draw(st.integers(0, 8)) :]
+    elif kind == "ones":
+        body = body[:cut] + b"\xff" * 8 + body[cut + 8 :]
+    return payload[:2] + body
+
+
+@EVERY_DEFINITION
+def test_other_bytes_raise_nothing_but_decode_error(set_name: str, definition: str) -> None:
+    view, cls = codec(set_name, definition)
+
     @FEW
-    @given(st.binary(max_size=40), st.integers(0, len(example)), st.binary(max_size=4))
-    def decode(body: bytes, cut: int, other: bytes) -> None:
-        for payload in (body, example[:2] + body, example[:cut] + other + example[cut + 4 :]):
-            try:
-                message = cls.decode(payload)
-            except DecodeError:
-                continue
-            try:
-                data = message.encode()
-            except EncodeError:
-                continue
-            assert cls.decode(data).encode() == data
+    @given(messages(view, cls).flatmap(lambda message: mutations(message.encode())))
+    def decode(payload: bytes) -> None:
+        try:
+            message = cls.decode(payload)
+        except DecodeError:
+            return
+        try:
+            data = message.encode()
+        except EncodeError:  # values that peers send, though the definition does not list them
+            return
+        assert cls.decode(data).encode() == data
 
     decode()
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
-def test_what_is_encoded_decodes_to_the_nearest_values(set_name: str) -> None:
-    for view, cls in classes(set_name):
-        check_round_trip(messages(view, cls))
+@EVERY_DEFINITION
+def test_huge_counts_take_no_memory(set_name: str, definition: str) -> None:
+    view, cls = codec(set_name, definition)
+    example = example_bytes(view)
+    if not has_counts(view):
+        return
+    payloads = [
+        example[:cut] + b"\xff" * width + example[cut + width :]
+        for cut in range(2, len(example))
+        for width in (1, 2, 4, 8)
+    ]
+    tracemalloc.start()
+    try:
+        for payload in payloads:
+            tracemalloc.reset_peak()
+            before = tracemalloc.get_traced_memory()[0]
+            with contextlib.suppress(DecodeError):
+                cls.decode(payload)
+            taken = tracemalloc.get_traced_memory()[1] - before
+            assert taken < BASE + FACTOR * len(payload)
+    finally:
+        tracemalloc.stop()
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
-def test_arbitrary_bytes_raise_nothing_but_decode_error(set_name: str) -> None:
-    for view, cls in classes(set_name):
-        check_refusals(cls, example_bytes(view))
+def has_counts(view: Any) -> bool:
+    members = list(view.body.members)
+    for part in view.nested:
+        members += getattr(part, "members", ())
+    return any(member.value.kind in ("list", "blob") for member in members)
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
@@ -86,6 +155,11 @@ def test_defaults_are_legal_unless_something_must_be_given(set_name: str) -> Non
         assert (view.code, view.jaus_name) == (message.CODE, message.NAME)
         problem = encode_problem(message)
         assert problem == "" or "length 0 is outside" in problem
+
+
+def classes(set_name: str) -> list[tuple[Any, Any]]:
+    views, _, module = library(set_name)
+    return [(view, getattr(module, view.class_name)) for view in views]
 
 
 def encode_problem(message: Any) -> str:
