@@ -32,7 +32,6 @@ FORMATS = {
     "float32": "f",
     "float64": "d",
 }
-_TYPES = {letter: name for name, letter in FORMATS.items()}
 _FLOAT_LIMITS = {"float32": 3.4028234663852886e38, "float64": 1.7976931348623157e308}
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
 
@@ -279,8 +278,8 @@ def as_real(value: Fixed) -> Fixed:
     """
     if value.python_type == "float":
         return value
-    limits = integer_limits(_TYPES[value.format])
-    return replace(value, python_type="float", check="whole", limits=tuple(map(str, limits)))
+    check = "whole_of" if value.check == "one_of" else "whole"
+    return replace(value, python_type="float", check=check)
 
 
 def count_limits(count_type: str, lower: int, upper: int) -> tuple[int, int]:
@@ -337,20 +336,42 @@ def _real(numeric_type: str, value_set: Any) -> Fixed:
     values = list(value_set.values) if value_set is not None else []
     # A set of single reals has no use; of ranges the outer limits are kept.
     if values and all(value.eClass.name == "ValueRange" for value in values):
-        lower = min(float(value.lower) for value in values)
-        upper = max(float(value.upper) for value in values)
-        if numeric_type == "float32":
-            # A limit that is not a single is met by the single next to it.
-            lower, upper = min(lower, _single(lower)), max(upper, _single(upper))
+        starts = [_end(numeric_type, v.lower, inclusive=v.lowerInclusive, up=True) for v in values]
+        ends = [_end(numeric_type, v.upper, inclusive=v.upperInclusive, up=False) for v in values]
+        lower, upper = max(lower, min(starts)), min(upper, max(ends))
     text = "" if upper == limit else f"{lower!r} .. {upper!r}"
     limits = (python_literal(lower), python_literal(upper))
     default = python_literal(0.0 if lower <= 0.0 <= upper else lower)
     return Fixed(FORMATS[numeric_type], "float", default, "real", limits, range_text=text)
 
 
-def _single(value: float) -> float:
-    single: float = struct.unpack("<f", struct.pack("<f", value))[0]
-    return single
+def _end(numeric_type: str, limit: float, *, inclusive: bool, up: bool) -> float:
+    """Returns the last legal number at an end of a range.
+
+    Args:
+        numeric_type: Wire type, whose precision counts.
+        limit: The limit that the model states.
+        inclusive: Whether the limit itself is legal.
+        up: Whether legal numbers lie above the limit.
+    """
+    if numeric_type == "float64" or abs(limit) > _FLOAT_LIMITS[numeric_type]:
+        return limit if inclusive else math.nextafter(limit, math.inf if up else -math.inf)
+    single: float = struct.unpack("<f", struct.pack("<f", limit))[0]
+    # A limit that is not a single is met by the single next to it.
+    if inclusive:
+        return min(single, limit) if up else max(single, limit)
+    beyond = single > limit if up else single < limit
+    return single if beyond else _next_single(single, up=up)
+
+
+def _next_single(value: float, *, up: bool) -> float:
+    """Returns the single precision number above or below another."""
+    if value == 0.0:
+        return 2.0**-149 if up else -(2.0**-149)
+    bits: int = struct.unpack("<I", struct.pack("<f", value))[0]
+    step = 1 if up == (value > 0) else -1
+    following: float = struct.unpack("<f", struct.pack("<I", bits + step))[0]
+    return following
 
 
 def _scaled(numeric_type: str, scale: Any) -> Fixed:

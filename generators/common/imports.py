@@ -18,7 +18,7 @@ STANDARD = {
 }
 _CODEC = (
     "check_count check_presence exactly integer latin1 one_of padded real scaled scaled_down"
-    " scaled_up sized take take_text unpadded whole"
+    " scaled_up sized take take_text unpadded whole whole_of"
 )
 _MESSAGE = "DecodeError EncodeError Message"
 

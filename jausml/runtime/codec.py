@@ -83,6 +83,20 @@ def whole(value: float, lower: int, upper: int, field: str) -> int:
     return integer(number, lower, upper, field)
 
 
+def whole_of(value: float, ranges: Sequence[tuple[int, int]], field: str) -> int:
+    """Returns the integer of a value set that a real number stands for.
+
+    Args:
+        value: A number without a fraction.
+        ranges: Smallest and largest value of each legal range.
+        field: Attribute that an error names.
+
+    Raises:
+        EncodeError: No range holds the value, it has a fraction or is no number.
+    """
+    return one_of(whole(value, ranges[0][0], ranges[-1][1], field), ranges, field)
+
+
 def real(value: float, lower: float, upper: float, field: str) -> float:
     """Returns a real number that lies in its range.
 
@@ -120,7 +134,7 @@ def scaled(value: float, lower: float, step: float, maximum: int, field: str) ->
         position = (value - lower) / step
         if 0.0 <= position <= maximum:
             return round(position)
-    except TypeError:
+    except (TypeError, OverflowError):
         raise EncodeError(field, f"{value!r} is not a number") from None
     return _end(value, lower, step, maximum, field)
 

@@ -10,6 +10,8 @@ import struct
 from typing import ClassVar, TypeVar
 
 _CODE = struct.Struct("<H")
+# What values raise that are not even of the type of their field.
+_MISFITS = (struct.error, TypeError, AttributeError, OverflowError)
 
 MessageT = TypeVar("MessageT", bound="Message")
 
@@ -78,12 +80,12 @@ class Message:
         """Returns the message code and the body as bytes.
 
         Raises:
-            EncodeError: A field is out of range, not a number or too long.
+            EncodeError: A field is out of range, too long or of another type.
         """
         out = bytearray(_CODE.pack(self.CODE))
         try:
             self.write_to(out)
-        except struct.error as error:
+        except _MISFITS as error:
             raise EncodeError(self.NAME, str(error)) from error
         return bytes(out)
 
