@@ -203,3 +203,67 @@ def test_output_that_cannot_be_written(jausml):
     assert result.exit_code == 2
     assert "out is no folder" in result.stderr
     assert jausml("generate", ".").exit_code == 2
+
+
+class AskedTarget(SmallTarget):
+    """Runs when it is named."""
+
+    name = "asked"
+    is_on_request = True
+
+    def __init__(self, messages="some"):
+        self.messages = messages
+
+    def for_whole_library(self):
+        return AskedTarget("all")
+
+    def tasks(self, _):
+        return [TextTask([TextFile("asked.lua", f"-- {self.messages}\n", "asked", "m")])]
+
+
+@pytest.fixture
+def asked(targets):
+    targets["asked"] = AskedTarget()
+
+
+@pytest.mark.usefixtures("asked")
+def test_a_target_on_request_does_not_run_by_itself(jausml, folder):
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    assert not (folder / "out" / "asked.lua").exists()
+    assert jausml("generate", "good.xmi", "-o", "out", "--target", "asked").exit_code == 0
+    assert (folder / "out" / "asked.lua").read_text().endswith("-- some\n")
+    assert (folder / "out" / "sensor_base.py").exists()
+
+
+@pytest.mark.usefixtures("asked")
+def test_files_of_a_target_on_request_stay_when_others_run(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out", "--target", "asked")
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    assert (folder / "out" / "asked.lua").exists()
+    result = jausml("generate", "good.xmi", "-o", "out", "--check")
+    assert result.exit_code == 0
+    assert "asked.lua" not in result.output
+
+
+@pytest.mark.usefixtures("asked")
+def test_files_of_a_target_that_is_gone_are_deleted(jausml, folder, targets):
+    jausml("generate", "good.xmi", "-o", "out")
+    del targets["small"]
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    assert not (folder / "out" / "sensor_base.py").exists()
+
+
+@pytest.mark.usefixtures("asked")
+def test_all_reaches_the_target_that_knows_it(jausml, folder):
+    arguments = ("generate", "good.xmi", "-o", "out", "--target", "asked", "--all")
+    assert jausml(*arguments).exit_code == 0
+    assert (folder / "out" / "asked.lua").read_text().endswith("-- all\n")
+
+
+@pytest.mark.parametrize("arguments", [(), ("--target", "small")])
+@pytest.mark.usefixtures("asked")
+def test_all_without_such_a_target_is_a_usage_error(jausml, folder, arguments):
+    result = jausml("generate", "good.xmi", "-o", "out", "--all", *arguments)
+    assert result.exit_code == 2
+    assert "--all is an option of --target wireshark" in result.stderr
+    assert not (folder / "out").exists()

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 import random
+import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from jausml.generators.wireshark.services import library_services
 from jausml.generators.wireshark.views import DissectorView
+from jausml.model import read_models
 
 from .wireshark_support import (
     ROOT,
@@ -322,6 +324,98 @@ def test_of_several_definitions_the_one_that_fits_is_shown(
     assert shown(fields, "jaus.ambiguous") == [""]
     (fields,) = dissect(script, [query], tmp_path, "-o", f"jaus.service:{second.services[0]}")
     assert shown(fields, "jaus.message") == [second.name]
+
+
+# -- kinds of fields that the library hardly has ---------------------------------------------------
+
+MODELS = ROOT / "tests" / "generators"
+MORE_KINDS = """<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="more">
+ <services name="S" urn="urn:s"><inputs name="More" code="0x0E01">
+  <body xsi:type="jaus:Record" name="Rec" presenceVector="uint64">
+   <fields xsi:type="jaus:BitField" name="Wide" type="uint64">
+    <subFields name="Low" lowBit="0" highBit="3"/>
+    <subFields name="High" lowBit="60" highBit="63">
+     <values><values xsi:type="jaus:EnumeratedValue" name="TOP" value="15"/></values></subFields>
+   </fields>
+   <fields xsi:type="jaus:FixedField" name="Sign" type="int8">
+    <values><values xsi:type="jaus:EnumeratedValue" name="MINUS" value="-1"/></values></fields>
+   <fields xsi:type="jaus:FixedField" name="Huge" type="uint64">
+    <values><values xsi:type="jaus:EnumeratedValue" name="SEVEN" value="7"/>
+     <values xsi:type="jaus:ValueRange" lower="8" upper="9"/></values></fields>
+   <fields xsi:type="jaus:FixedLengthString" name="Fixed" length="6"/>
+   <fields xsi:type="jaus:FixedField" name="Later" optional="true" type="int64"/>
+  </body></inputs></services></jaus:ServiceSet>
+"""
+
+
+def dissector_of(model: Path, folder: Path) -> tuple[Path, DissectorView]:
+    services = list(read_models([model]).model.instances("jaus.Service"))
+    view = DissectorView(SystemOfNothing(), model.name, services)
+    return write_dissector(folder / "own.lua", view), view
+
+
+def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
+    script, _ = dissector_of(MODELS / "every_kind.xmi", tmp_path)
+    body = struct.pack("<Bff", 1, 1.5, -2.5)
+    body += struct.pack("<hQBBdB4B", -2, 2**64 - 1, 7, 8, 0.1, 0, 1, 2, 3, 4)
+    body += b"\2ab\0" + b"\2\0" + b"\2\5\6" + b"\0" + b"\0\5" + struct.pack("<f", 0.5)
+    (fields,) = dissect(script, [udp(datagram(b"\0\1" + body))], tmp_path)
+    values = {
+        "presence": ["0x01"],
+        "first.x": ["1.5"],
+        "second.x": ["-2.5"],
+        "numbers.signed": ["-2"],
+        "numbers.wide": ["1"],
+        "numbers.wide.raw": [str(2**64 - 1)],
+        "numbers.real": ["0.1"],
+        "numbers.gap": ["0"],
+        "numbers.matrix.m": ["1", "2", "3", "4"],
+        "numbers.labels.l": ["ab", ""],
+        "lists.count": ["2"],
+        "lists.inner.count": ["2", "0"],
+        "lists.inner.n": ["5", "6"],
+        "choice.tag": ["0"],
+        "choice.a.v.index": ["5"],
+        "choice.a.v.real": ["0.5"],
+    }
+    assert {name: shown(fields, f"jaus.kinds.{name}") for name in values} == values
+    assert not shown(fields, "jaus.malformed")
+    assert not shown(fields, "jaus.surplus")
+
+
+def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
+    model = tmp_path / "more.xmi"
+    model.write_text(MORE_KINDS, encoding="utf-8")
+    script, _ = dissector_of(model, tmp_path)
+    body = struct.pack("<QQbQ6sq", 1, 0xF << 60 | 5, -1, 7, b"caf\xe9\0\0", -(2**63))
+    data = [udp(datagram(b"\1\x0e" + body))]
+    (fields,) = dissect(script, data, tmp_path)
+    values = {
+        "presence": ["0x0000000000000001"],
+        "wide.low": ["5"],
+        "wide.high": ["15"],
+        "sign": ["-1"],
+        "huge": ["7"],
+        "fixed": ["caf\u00e9"],
+        "later": [str(-(2**63))],
+    }
+    assert {name: shown(fields, f"jaus.more.{name}") for name in values} == values
+    text = run_tshark(script, tmp_path / "packets.pcap", "-V")
+    assert "High: TOP (15)" in text
+    assert "Sign: MINUS (-1)" in text
+    assert "Huge: 7 (SEVEN)" in text
+
+
+def test_hostile_names_only_show(tmp_path: Path) -> None:
+    script, view = dissector_of(MODELS / "hostile_messages.xmi", tmp_path)
+    packets = [
+        udp(datagram(message.code.to_bytes(2, "little") + bytes(80))) for message in view.messages
+    ]
+    for message, fields in zip(view.messages, dissect(script, packets, tmp_path), strict=True):
+        assert shown(fields, "jaus.message") == [message.name]
 
 
 # -- damage --------------------------------------------------------------------------------------

@@ -1,0 +1,178 @@
+"""The dissector's tables: which messages, what their filters are called, model text is data."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from jausml.generation.engine import Renderer
+from jausml.generation.errors import GenerationError
+from jausml.generation.header import has_valid_header
+from jausml.generators.wireshark.services import library_services, used_services
+from jausml.generators.wireshark.target import TARGET
+from jausml.generators.wireshark.views import message_tables
+from jausml.model import read_models
+
+HERE = Path(__file__).parent
+MODELS = HERE.parents[1] / "models"
+FILTER = re.compile(r"jaus\.[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
+SETS = """<?xml version="1.0" encoding="UTF-8"?>
+<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+ xmlns:jaus="http://www.jausml.org/jaus/1.0" name="own">{}</jaus:ServiceSet>
+"""
+SERVICE = """
+ <services name="{urn}" urn="{urn}"><inputs name="SetSpeed" code="0x0E00">
+  <body xsi:type="jaus:Record" name="Rec" presenceVector="none">
+   <fields xsi:type="jaus:FixedField" name="Speed" type="{kind}" optional="true"/>
+  </body></inputs></services>
+"""
+
+
+@pytest.fixture(scope="module")
+def example():
+    return read_models([MODELS / "catvehicle" / "catvehicle.xmi"]).model
+
+
+def tables(path: Path):
+    result = read_models([path])
+    assert not result.diagnostics
+    return message_tables(result.model.instances("jaus.Service"))
+
+
+def own(folder: Path, *services: str):
+    path = folder / "own.xmi"
+    path.write_text(SETS.format("".join(services)), encoding="utf-8")
+    return tables(path)
+
+
+def render(model, target=TARGET):
+    (artifact,) = Renderer(target, model).render()
+    return artifact
+
+
+def nodes(table):
+    """Yields all tables inside a body."""
+    if isinstance(table, dict):
+        if "filter" in table:
+            yield table
+        table = list(table.values())
+    for each in table if isinstance(table, list) else ():
+        yield from nodes(each)
+
+
+def test_the_system_decides_which_messages_are_known(example):
+    names = {message.name for message in message_tables(used_services(example))}
+    library = {message.name for message in message_tables(library_services())}
+
+    assert {"SetWrenchEffort", "ReportVelocityState"} < names  # of its services
+    assert {"QueryHeartbeatPulse", "ReportServices", "SetTime"} < names  # of the core
+    assert names < library
+    assert "SetJointEffort" in library - names
+
+
+def test_all_knows_every_message_of_the_library(example):
+    text = render(example, TARGET.for_whole_library()).text
+
+    defined = {
+        m.name
+        for m in read_models(sorted((MODELS / "library/jaus").glob("*.xmi"))).model.instances(
+            "jaus.MessageDef"
+        )
+    }
+    assert len(defined) > 300
+    assert all(f'    name = "{name}",\n    filter = ' in text for name in defined)
+
+
+def test_filters_are_valid_and_of_one_type_each():
+    types: dict[str, set[str]] = {}
+    for message in message_tables(library_services()):
+        assert FILTER.fullmatch(message.filter)
+        for node in nodes(message.body):
+            assert FILTER.fullmatch(node["filter"])
+            shown = "double" if "scale" in node else node.get("type", node.get("kind", "bits"))
+            types.setdefault(node["filter"], set()).add(shown)
+    kinds = {filter_name: each - {"record", "list", "bits"} for filter_name, each in types.items()}
+    assert not {name: each for name, each in kinds.items() if len(each) > 1}
+
+
+def test_filters_are_made_of_the_names(example):
+    messages = {m.name: m for m in message_tables(used_services(example))}
+    (effort, *_) = messages["SetWrenchEffort"].body["fields"]
+
+    assert effort["filter"] == "jaus.set_wrench_effort.propulsive_linear_effort_x"
+    assert effort["scale"] == [-100.0, 100.0]
+    (velocity, *_) = messages["ReportVelocityState"].body["fields"]
+    assert velocity["units"] == "meter per second"
+    services = list(nodes(messages["ReportServices"].body))
+    assert "jaus.report_services.node_list.node_rec.node_id" in {n["filter"] for n in services}
+
+
+def test_equal_definitions_are_one_with_two_services(tmp_path):
+    (message,) = own(
+        tmp_path,
+        SERVICE.format(urn="urn:a", kind="uint8"),
+        SERVICE.format(urn="urn:b", kind="uint8"),
+    )
+
+    assert message.services == ["urn:a 1.0", "urn:b 1.0"]
+
+
+def test_definitions_whose_filters_differ_in_type_have_two_names(tmp_path):
+    first, second = own(
+        tmp_path,
+        SERVICE.format(urn="urn:a", kind="uint8"),
+        SERVICE.format(urn="urn:b", kind="float32"),
+    )
+
+    assert (first.filter, second.filter) == ("jaus.set_speed", "jaus.set_speed_2")
+    assert (first.name, second.name) == ("SetSpeed", "SetSpeed")
+
+
+def test_without_a_presence_vector_no_member_is_optional(tmp_path):
+    (message,) = own(tmp_path, SERVICE.format(urn="urn:a", kind="uint8"))
+
+    assert "optional" not in message.body["fields"][0]
+
+
+def test_a_message_that_contains_itself_is_refused(tmp_path):
+    loop = """
+ <types xsi:type="jaus:Record" xmi:id="R" name="R">
+  <fields xsi:type="jaus:TypeReference" name="again" target="R"/></types>
+ <services name="S" urn="urn:s"><inputs name="M" code="0x0E00">
+  <body xsi:type="jaus:TypeReference" name="Body" target="R"/></inputs></services>"""
+    with pytest.raises(GenerationError, match="'again' of M contains itself"):
+        own(tmp_path, loop)
+
+
+def test_names_of_the_model_are_data():
+    messages = tables(HERE / "hostile_messages.xmi")
+
+    for message in messages:
+        assert message.name.isprintable()
+        for node in nodes(message.body):
+            assert node["name"].isprintable() or "\U0001f600" in node["name"]
+            assert FILTER.fullmatch(node["filter"])
+    filters = [node["filter"] for node in messages[0].body["fields"]]
+    assert len(filters) == len(set(filters))
+
+
+def test_of_two_names_of_one_value_the_first_is_shown():
+    first = tables(HERE / "hostile_messages.xmi")[0]
+    (names,) = (n["names"] for n in nodes(first.body) if "names" in n and 2 in n["names"])
+
+    assert names[2] == "MRO"
+
+
+def test_the_file_is_lua_with_a_header_and_the_same_each_time(example):
+    artifact = render(example)
+
+    assert artifact.path == "wireshark/catvehicle_jaus.lua"
+    assert artifact.text.startswith("-- Generated by jausml ")
+    assert has_valid_header(artifact.text)
+    assert not has_valid_header(artifact.text.replace("3794", "3795"))
+    assert artifact.text == render(example).text
+    assert artifact.text.isascii()
+    assert "local PORTS = { 3794 }" in artifact.text
