@@ -6,17 +6,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..address import BROADCAST
-from ..core_messages import QueryIdentification, ReportIdentification, ReportServices
-from ..services.definitions import Scope
+from ..core_messages import (
+    QueryIdentification,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+)
+from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
-    all_of,
+    query_all_service_lists,
     query_all_services,
     register_services,
+    reported_service_list,
     reported_services,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from ..address import JausAddress
     from ..component_base import ComponentBase
@@ -30,7 +36,13 @@ EAGER_INTERVAL = 5.0
 """Seconds between them."""
 
 STEADY_INTERVAL = 15.0
-"""Seconds between two attempts later on; also renews the registration."""
+"""Seconds between two attempts later on; also renews the registration.
+
+IOP asks every component to look around at least once in 5 minutes.
+"""
+
+OCU_TYPES = range(20001, 30001)
+"""Component types of operator control units, which also look for the system's Discovery."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +66,11 @@ class _Search:
 
 
 class DiscoveryClient:
-    """Registers one component with its subsystem and finds the providers of services."""
+    """Registers one component with its subsystem and finds the providers of services.
+
+    Attributes:
+        server: The Discovery service that the component is registered with.
+    """
 
     def __init__(self, component: ComponentBase) -> None:
         """Listen to the answers of Discovery services."""
@@ -62,10 +78,16 @@ class DiscoveryClient:
         self._searches: list[_Search] = []
         self._timer: Timer | None = None
         self._tries = 0
+        self.server: JausAddress | None = None
+        self._heard = 0.0
         settings = component.settings
-        self._registers = settings.register_services and settings.discovery_scope > Scope.SUBSYSTEM
+        serves = any(service.urn == CORE + "Discovery" for service in component.services)
+        # The server of a subsystem looks around to know the servers of other subsystems.
+        self._is_server = serves and settings.discovery_scope <= Scope.SUBSYSTEM
+        self._registers = settings.register_services and not self._is_server
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services_reported)
+        component.on_message(ReportServiceList, self._service_list_reported)
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
         """Search for the providers of a service until the component stops."""
@@ -86,15 +108,28 @@ class DiscoveryClient:
 
     def _look_around(self) -> None:
         self.stop()
-        if self._registers:
-            everyone = all_of(self._component.address.subsystem)
-            self._component.send(QueryIdentification(query_type=Scope.SUBSYSTEM), everyone)
+        self._notice_loss()
+        identifies = self._registers or self._is_server
+        if identifies:
+            self._component.send(QueryIdentification(query_type=Scope.SUBSYSTEM), BROADCAST)
+            if self._component.component_type in OCU_TYPES:
+                self._component.send(QueryIdentification(query_type=Scope.SYSTEM), BROADCAST)
         if self._searches:
+            # Peers of v1.0 know the first alone.
             self._component.send(query_all_services(), BROADCAST)
-        if self._registers or self._searches:
+            self._component.send(query_all_service_lists(), BROADCAST)
+        if identifies or self._searches:
             self._tries += 1
             delay = EAGER_INTERVAL if self._tries < EAGER_TRIES else STEADY_INTERVAL
             self._timer = self._component.loop.call_later(delay, self._look_around)
+
+    def _notice_loss(self) -> None:
+        """Take a server for lost that answered nothing for long, and look for it eagerly."""
+        settings, now = self._component.settings, self._component.loop.now()
+        if self.server is not None and now > self._heard + settings.discovery_timeout:
+            self._component.counters.count("discovery_client.lost", str(self.server))
+            self.server = None
+            self._tries = 0
 
     def _identified(self, report: ReportIdentification, sender: JausAddress) -> None:
         own = self._component.address
@@ -104,12 +139,19 @@ class DiscoveryClient:
             and sender.subsystem == own.subsystem
             and sender != own
         ):
+            self.server = sender
+            self._heard = self._component.loop.now()
             self._component.send(register_services(self._component.services), sender)
 
     def _services_reported(self, report: ReportServices, sender: JausAddress) -> None:
-        if not self._searches:
-            return
-        for address, services in reported_services(report, sender.subsystem):
+        self._take(reported_services(report, sender.subsystem))
+
+    def _service_list_reported(self, report: ReportServiceList, _sender: JausAddress) -> None:
+        self._take(reported_service_list(report))
+
+    def _take(self, found: Iterable[tuple[JausAddress, tuple[ServiceIdentity, ...]]]) -> None:
+        """Tell the searches what was found; nothing is read without any."""
+        for address, services in found if self._searches else ():
             for search in tuple(self._searches):
                 offered = any(service.urn == search.urn for service in services)
                 if offered and address not in search.found:

@@ -23,6 +23,12 @@ if TYPE_CHECKING:
     from ..loop import Timer
     from ..message import Message
 
+EVENT_REQUESTS = range(224)
+"""Request ids of the events of one provider."""
+
+COMMAND_REQUESTS = range(224, 255)
+"""Request ids of the command events of one provider, whose confirmations are of the same kind."""
+
 STRAY_REQUEST = 255
 """Request id with which events that nobody here wants are cancelled."""
 
@@ -239,8 +245,8 @@ class EventClient:
             self._component.send(message, sender)
 
     def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
-        for request_id in range(STRAY_REQUEST):
+        for request_id in EVENT_REQUESTS:
             if (provider, request_id) not in self._by_request:
                 stream.request_id = request_id
                 return request_id
-        raise ValueError(f"more than {STRAY_REQUEST} events of {provider}")
+        raise ValueError(f"more than {len(EVENT_REQUESTS)} events of {provider}")

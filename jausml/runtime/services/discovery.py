@@ -17,7 +17,7 @@ from ..core_messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from .definitions import Scope, ServiceIdentity
+from .definitions import VERSION_1_1, Scope, ServiceIdentity
 from .discovery_messages import (
     registered_services,
     report_configuration,
@@ -43,8 +43,9 @@ MAX_SUBSYSTEMS = 255
 
 
 class DiscoveryService:
-    """Answers for the component, its node or its subsystem (AS5710 v1.1, Discovery).
+    """Answers for the component, its node or its subsystem (AS5710, Discovery).
 
+    A component that provides Discovery v1.0 knows no QueryServiceList.
     A query whose scope is wider than the service's own stays unanswered.
     """
 
@@ -54,12 +55,13 @@ class DiscoveryService:
         self._scope = component.settings.discovery_scope
         self._registered: dict[JausAddress, tuple[ServiceIdentity, ...]] = {}
         self._heard: dict[JausAddress, float] = {}
-        self._servers: dict[int, JausAddress] = {}
+        self._servers: dict[int, tuple[JausAddress, float]] = {}
         component.provide(QueryIdentification, ReportIdentification, self._identification)
         component.provide(QueryConfiguration, ReportConfiguration, self._configuration)
         component.provide(QuerySubsystemList, ReportSubsystemList, self._subsystem_list)
         component.provide(QueryServices, ReportServices, self._services)
-        component.provide(QueryServiceList, ReportServiceList, self._service_list)
+        if component.core_version("Discovery") >= VERSION_1_1:
+            component.provide(QueryServiceList, ReportServiceList, self._service_list)
         component.handle(RegisterServices, self._register)
         component.on_message(ReportIdentification, self._server_found)
 
@@ -100,8 +102,14 @@ class DiscoveryService:
     def _subsystem_list(self, _query: Message, _sender: JausAddress) -> ReportSubsystemList | None:
         if self._scope > Scope.SUBSYSTEM:
             return None
-        own = self._component.address
-        return report_subsystem_list({**self._servers, own.subsystem: own}.values())
+        own, limit = self._component.address, self._oldest()
+        self._servers = {
+            subsystem: (server, heard)
+            for subsystem, (server, heard) in self._servers.items()
+            if heard >= limit
+        }
+        others = {subsystem: server for subsystem, (server, _) in self._servers.items()}
+        return report_subsystem_list({**others, own.subsystem: own}.values())
 
     def _services(self, query: QueryServices, _sender: JausAddress) -> ReportServices:
         own = self._component.address.subsystem
@@ -127,7 +135,7 @@ class DiscoveryService:
 
     def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:
         if report.query_type == Scope.SUBSYSTEM and len(self._servers) < MAX_SUBSYSTEMS:
-            self._servers[sender.subsystem] = sender
+            self._servers[sender.subsystem] = sender, self._component.loop.now()
 
     def _answers_for(self, other: JausAddress) -> bool:
         own = self._component.address
@@ -139,9 +147,13 @@ class DiscoveryService:
             return (other.subsystem, other.node) == (own.subsystem, own.node)
         return False
 
+    def _oldest(self) -> float:
+        """Return the time before which whoever was heard last is forgotten."""
+        return self._component.loop.now() - self._component.settings.registration_lifetime
+
     def _catalog(self) -> dict[JausAddress, Sequence[ServiceIdentity]]:
         """Return the component and those that registered and were heard of lately."""
-        limit = self._component.loop.now() - self._component.settings.registration_lifetime
+        limit = self._oldest()
         for address in [each for each, heard in self._heard.items() if heard < limit]:
             del self._heard[address]
             del self._registered[address]

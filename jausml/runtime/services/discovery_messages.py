@@ -34,6 +34,19 @@ def query_all_services() -> QueryServices:
     return QueryServices(node_list=[node])
 
 
+def query_all_service_lists() -> QueryServiceList:
+    """Return the query of v1.1 for all services of all components of all subsystems."""
+    component = QueryServiceList.ComponentRec(component_id=WILDCARD_COMPONENT)
+    node = QueryServiceList.NodeSeq(
+        node_rec=QueryServiceList.NodeRec(node_id=WILDCARD_NODE), component_list=[component]
+    )
+    subsystem = QueryServiceList.SubsystemSeq(
+        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=WILDCARD_SUBSYSTEM),
+        node_list=[node],
+    )
+    return QueryServiceList(subsystem_list=[subsystem])
+
+
 def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
     """Return the registration of a component's services."""
     return RegisterServices(
@@ -114,6 +127,25 @@ def reported_services(
             yield address, services
 
 
+def reported_service_list(
+    report: ReportServiceList,
+) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
+    """Yield the components of a ReportServiceList with their services."""
+    for subsystem in report.subsystem_list:
+        for node in subsystem.node_list:
+            for component in node.component_list:
+                services = tuple(
+                    ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
+                    for each in component.service_list
+                )
+                address = JausAddress(
+                    subsystem.subsystem_rec.subsystem_id,
+                    node.node_rec.node_id,
+                    component.component_rec.component_id,
+                )
+                yield address, services
+
+
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
     """Return what is known of the subsystems, nodes and components that a query names.
 
@@ -181,11 +213,6 @@ def report_subsystem_list(servers: Iterable[JausAddress]) -> ReportSubsystemList
             for server in servers
         ]
     )
-
-
-def all_of(subsystem: int = WILDCARD_SUBSYSTEM) -> JausAddress:
-    """Return the wildcard address of a subsystem."""
-    return JausAddress(subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
 
 
 def _listed_component(

@@ -77,6 +77,7 @@ def found(report):
 @pytest.mark.parametrize("asked", [0, SYSTEM, SUBSYSTEM, NODE, COMPONENT, 200])
 def test_identification_within_the_scope_only(world, client, scope, asked):
     tested = server(world, scope)
+    client.take()
     client.send_bytes(bytes([0x00, 0x2B, asked]), tested)
     answers = client.take()
     if scope <= asked <= COMPONENT:

@@ -1,0 +1,189 @@
+"""Commands whose end is told (AS5710 v1.1, Events, command events, client side)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core_messages import (
+    CancelEvent,
+    CommandEvent,
+    ConfirmEventRequest,
+    CreateCommandEvent,
+    RejectEventRequest,
+)
+from .event_subscription import COMMAND_REQUESTS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..address import JausAddress
+    from ..component_base import ComponentBase
+    from ..loop import Timer
+    from ..message import Message
+
+MAX_DURATION = 0xFFFFFFFF
+"""Longest MaximumAllowedDuration in seconds."""
+
+
+class PendingCommand:
+    """A command whose end is awaited; made by ``JausComponent.command``.
+
+    Attributes:
+        target: The component that executes it.
+        request_id: Marks our request in the target's answers.
+        event_id: The target's id of the command event, once confirmed.
+        max_duration: Seconds in which the target must have done it.
+    """
+
+    def __init__(
+        self,
+        client: CommandClient,
+        target: JausAddress,
+        request_id: int,
+        max_duration: int,
+        on_done: Callable[[bool], None] | None,
+        on_refused: Callable[[int | None, str], None] | None,
+    ) -> None:
+        """Use ``JausComponent.command`` instead."""
+        self.target = target
+        self.request_id = request_id
+        self.event_id: int | None = None
+        self.max_duration = max_duration
+        self._client = client
+        self._on_done = on_done
+        self._on_refused = on_refused
+        self._timer: Timer | None = None
+
+    def cancel(self) -> None:
+        """Await the end no longer; neither callback is called. The command itself goes on."""
+        with self._client.component.loop.lock:
+            self._client.forget(self)
+            if self.event_id is not None:
+                cancel = CancelEvent(request_id=self.request_id, event_id=self.event_id)
+                self._client.component.send(cancel, self.target)
+
+    def send(self, payload: bytes, timeout: float) -> None:
+        """Send the command; the transport repeats it until the target has it."""
+        component = self._client.component
+        message = CreateCommandEvent(
+            request_id=self.request_id,
+            maximum_allowed_duration=self.max_duration,
+            command_message=payload,
+        )
+        component.send(message, self.target, acknowledge=True)
+        self._wait(timeout, lambda: self.refused(None, "no answer"))
+
+    def confirmed(self, event_id: int, margin: float) -> None:
+        """Wait for the end, a little longer than the target has for it."""
+        self.event_id = event_id
+        self._wait(self.max_duration + margin, self._lost)
+
+    def refused(self, code: int | None, text: str) -> None:
+        """Tell the user that the command was not executed."""
+        self._client.forget(self)
+        self._client.component.counters.add("command_client.refused")
+        if self._on_refused is not None:
+            self._client.component.call(self._on_refused, code, text)
+
+    def done(self, *, succeeded: bool) -> None:
+        """Tell the user the end."""
+        self._client.forget(self)
+        if self._on_done is not None:
+            self._client.component.call(self._on_done, succeeded)
+
+    def stop_waiting(self) -> None:
+        """Wait for nothing any more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _wait(self, seconds: float, action: Callable[[], None]) -> None:
+        self.stop_waiting()
+        self._timer = self._client.component.loop.call_later(seconds, action)
+
+    def _lost(self) -> None:
+        self._client.component.counters.add("command_client.lost")
+        self.done(succeeded=False)
+
+
+class CommandClient:
+    """The commands of one component that wait for their ends.
+
+    Attributes:
+        component: The component that commands.
+    """
+
+    def __init__(self, component: ComponentBase) -> None:
+        """Listen to the answers of targets."""
+        self.component = component
+        self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
+        # Messages may be reordered: ends of commands that are not confirmed yet.
+        self._early: dict[tuple[JausAddress, int], int] = {}
+        component.on_message(ConfirmEventRequest, self._confirmed)
+        component.on_message(RejectEventRequest, self._rejected)
+        component.on_message(CommandEvent, self._ended)
+
+    def command(
+        self,
+        target: JausAddress,
+        command: Message,
+        on_done: Callable[[bool], None] | None,
+        on_refused: Callable[[int | None, str], None] | None,
+        max_duration: int,
+        timeout: float,
+    ) -> PendingCommand:
+        """Send a command as soon as the component runs, and await its end."""
+        if not target.is_concrete:
+            raise ValueError(f"{target} does not name one component")
+        if not 0 <= max_duration <= MAX_DURATION:
+            raise ValueError(f"duration {max_duration} s is outside 0..{MAX_DURATION}")
+        payload = command.encode()
+        free = (each for each in COMMAND_REQUESTS if (target, each) not in self._pending)
+        request_id = next(free, None)
+        if request_id is None:
+            raise ValueError(f"more than {len(COMMAND_REQUESTS)} commands under way at {target}")
+        pending = PendingCommand(self, target, request_id, max_duration, on_done, on_refused)
+        self._pending[target, request_id] = pending
+        self.component.when_started(lambda: self._start(pending, payload, timeout))
+        return pending
+
+    def forget(self, pending: PendingCommand) -> None:
+        """Drop a command that has ended or is awaited no longer."""
+        pending.stop_waiting()
+        self._pending.pop((pending.target, pending.request_id), None)
+
+    def stop(self) -> None:
+        """Await no end any more."""
+        for pending in list(self._pending.values()):
+            self.forget(pending)
+
+    def _start(self, pending: PendingCommand, payload: bytes, timeout: float) -> None:
+        if self._pending.get((pending.target, pending.request_id)) is pending:
+            pending.send(payload, timeout)
+
+    def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
+        pending = self._pending.get((sender, message.request_id))
+        if pending is not None and pending.event_id is None:
+            pending.confirmed(message.event_id, self.component.settings.retry_max)
+            result = self._early.pop((sender, message.event_id), None)
+            if result is not None:
+                pending.done(succeeded=result == CommandEvent.CommandResult.SUCCESSFUL)
+
+    def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
+        pending = self._pending.get((sender, message.request_id))
+        if pending is not None and pending.event_id is None:
+            pending.refused(message.response_code, message.error_message or "")
+
+    def _ended(self, message: CommandEvent, sender: JausAddress) -> None:
+        waiting = [each for each in self._pending.values() if each.target == sender]
+        for pending in waiting:
+            if pending.event_id == message.event_id:
+                pending.done(
+                    succeeded=message.command_result == CommandEvent.CommandResult.SUCCESSFUL
+                )
+                return
+        self._early = {}
+        if any(pending.event_id is None for pending in waiting):
+            self._early = {(sender, message.event_id): message.command_result}
+        else:
+            self.component.counters.add("command_client.unknown_event")

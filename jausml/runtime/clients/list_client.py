@@ -1,0 +1,289 @@
+"""Editing and reading the lists of other components (AS5710, ListManager, client side)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core_messages import (
+    ConfirmElementRequest,
+    DeleteElement,
+    QueryElement,
+    QueryElementList,
+    RejectElementRequest,
+    ReportElement,
+    ReportElementList,
+    SetElement,
+)
+from ..services.element_list import ALL_UIDS, NO_UID, ListElement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from ..address import JausAddress
+    from ..component_base import ComponentBase
+    from ..loop import Timer
+    from ..message import Message
+    from .query import QueryClient
+
+MAX_ELEMENTS = 255
+"""Elements that one request holds (AS5710, SetElement)."""
+
+MAX_BYTES = 1400
+"""Bytes of elements in one request, unless one element alone has more: fits an Ethernet frame."""
+
+ELEMENT_HEADER = 9
+"""Bytes of an element next to its data: three UIDs, format and count."""
+
+
+class ListRequest:
+    """A change of another component's list, under way; made by ``JausComponent``.
+
+    The requests are sent one after the other, each again until it is answered.
+
+    Attributes:
+        target: The component that keeps the list.
+    """
+
+    def __init__(
+        self,
+        client: ListClient,
+        target: JausAddress,
+        requests: Sequence[SetElement | DeleteElement],
+        on_done: Callable[[], None] | None,
+        on_refused: Callable[[int | None], None] | None,
+        timeout: float,
+        retries: int,
+    ) -> None:
+        """Use ``JausComponent.set_list`` or ``JausComponent.delete_elements`` instead."""
+        self.target = target
+        self._client = client
+        self._requests = list(requests)
+        self._on_done = on_done
+        self._on_refused = on_refused
+        self._timeout = timeout
+        self._retries = retries
+        self._attempts = 0
+        self._request_id = -1
+        self._timer: Timer | None = None
+
+    def cancel(self) -> None:
+        """Send no further request; neither callback is called."""
+        with self._client.component.loop.lock:
+            self._client.forget(self)
+
+    def send_next(self) -> None:
+        """Send the next request, or tell the user that all are confirmed."""
+        if not self._requests:
+            self._client.forget(self)
+            if self._on_done is not None:
+                self._client.component.call(self._on_done)
+            return
+        self._request_id = self._client.next_request_id()
+        self._requests[0].request_id_rec.request_id = self._request_id
+        self._attempts = self._retries + 1
+        self._send()
+
+    def confirmed(self, request_id: int) -> None:
+        """Go on after the confirmation of the request under way."""
+        if request_id == self._request_id:
+            self.stop_waiting()
+            del self._requests[0]
+            self.send_next()
+
+    def rejected(self, request_id: int, code: int) -> None:
+        """Give up after the refusal of the request under way."""
+        if request_id == self._request_id:
+            self._refuse(code)
+
+    def stop_waiting(self) -> None:
+        """Wait for no answer any more."""
+        self._request_id = -1
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _send(self) -> None:
+        if self._attempts <= 0:
+            self._client.component.counters.add("list_client.unanswered")
+            self._refuse(None)
+            return
+        self._attempts -= 1
+        self._timer = self._client.component.loop.call_later(self._timeout, self._send)
+        self._client.component.send(self._requests[0], self.target)
+
+    def _refuse(self, code: int | None) -> None:
+        self._client.forget(self)
+        if self._on_refused is not None:
+            self._client.component.call(self._on_refused, code)
+
+
+class ListClient:
+    """The changes that one component makes to the lists of others.
+
+    Attributes:
+        component: The component that edits.
+    """
+
+    def __init__(self, component: ComponentBase, queries: QueryClient) -> None:
+        """Listen to the answers of list managers."""
+        self.component = component
+        self._queries = queries
+        self._pending: list[ListRequest] = []
+        self._last_request_id = 0
+        component.on_message(ConfirmElementRequest, self._confirmed)
+        component.on_message(RejectElementRequest, self._rejected)
+
+    def set_list(
+        self,
+        target: JausAddress,
+        elements: Iterable[ListElement],
+        on_done: Callable[[], None] | None,
+        on_refused: Callable[[int | None], None] | None,
+        timeout: float,
+        retries: int,
+    ) -> ListRequest:
+        """Delete the target's list and set another one."""
+        requests: list[SetElement | DeleteElement] = [_deletion([ALL_UIDS])]
+        requests += _settings(list(elements))
+        return self._start(target, requests, on_done, on_refused, timeout, retries)
+
+    def delete(
+        self,
+        target: JausAddress,
+        uids: Sequence[int],
+        on_done: Callable[[], None] | None,
+        on_refused: Callable[[int | None], None] | None,
+        timeout: float,
+        retries: int,
+    ) -> ListRequest:
+        """Delete elements of the target's list, at most 255."""
+        return self._start(target, [_deletion(uids)], on_done, on_refused, timeout, retries)
+
+    def read(
+        self,
+        target: JausAddress,
+        on_list: Callable[[tuple[ListElement, ...]], None],
+        on_failure: Callable[[], None] | None,
+        timeout: float,
+        retries: int,
+    ) -> None:
+        """Ask for the order, then for one element after the other."""
+        found: list[ListElement] = []
+
+        def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
+            self._queries.ask(target, query, report, take, on_failure, timeout, retries)
+
+        def take_list(report: ReportElementList, _sender: JausAddress) -> None:
+            read_next([each.element_uid for each in report.element_list])
+
+        def read_next(uids: list[int]) -> None:
+            if not uids:
+                self.component.call(on_list, tuple(found))
+                return
+
+            def take_element(report: ReportElement, _sender: JausAddress) -> None:
+                if report.element_uid != uids[0]:  # a late answer to an earlier query
+                    read_next(uids)
+                    return
+                found.append(_element(report))
+                read_next(uids[1:])
+
+            ask(QueryElement(element_uid=uids[0]), ReportElement, take_element)
+
+        ask(QueryElementList(), ReportElementList, take_list)
+
+    def next_request_id(self) -> int:
+        """Return an id that marks a request in its answer."""
+        self._last_request_id = (self._last_request_id + 1) & 0xFF
+        return self._last_request_id
+
+    def forget(self, request: ListRequest) -> None:
+        """Drop a change that is done, refused or cancelled."""
+        request.stop_waiting()
+        if request in self._pending:
+            self._pending.remove(request)
+
+    def stop(self) -> None:
+        """Cancel all changes."""
+        for request in list(self._pending):
+            self.forget(request)
+
+    def _start(
+        self,
+        target: JausAddress,
+        requests: Sequence[SetElement | DeleteElement],
+        on_done: Callable[[], None] | None,
+        on_refused: Callable[[int | None], None] | None,
+        timeout: float,
+        retries: int,
+    ) -> ListRequest:
+        if not target.is_concrete:
+            raise ValueError(f"{target} does not name one component")
+        for each in requests:
+            each.encode()
+        request = ListRequest(self, target, requests, on_done, on_refused, timeout, retries)
+        self._pending.append(request)
+        self.component.when_started(lambda: self._begin(request))
+        return request
+
+    def _begin(self, request: ListRequest) -> None:
+        if request in self._pending:
+            request.send_next()
+
+    def _confirmed(self, message: ConfirmElementRequest, sender: JausAddress) -> None:
+        for request in tuple(self._pending):
+            if request.target == sender:
+                request.confirmed(message.request_id)
+
+    def _rejected(self, message: RejectElementRequest, sender: JausAddress) -> None:
+        for request in tuple(self._pending):
+            if request.target == sender:
+                request.rejected(message.request_id, message.response_code)
+
+
+def _deletion(uids: Sequence[int]) -> DeleteElement:
+    return DeleteElement(
+        delete_element_list=[DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids]
+    )
+
+
+def _settings(elements: list[ListElement]) -> list[SetElement]:
+    """Return the requests that append the elements piece by piece.
+
+    The list must be valid after each: the last element of a piece has no next one until the next
+    piece appends to it, and the circle is closed by the last piece.
+    """
+    requests: list[SetElement] = []
+    while elements:
+        size, count = 0, 0
+        while count < min(len(elements), MAX_ELEMENTS):
+            size += ELEMENT_HEADER + len(elements[count].data)
+            if count and size > MAX_BYTES:
+                break
+            count += 1
+        piece, elements = elements[:count], elements[count:]
+        records = [_record(each) for each in piece]
+        if elements:
+            records[-1].next_uid = NO_UID
+        requests.append(SetElement(element_list=records))
+    return requests
+
+
+def _record(element: ListElement) -> SetElement.ElementRec:
+    return SetElement.ElementRec(
+        element_uid=element.uid,
+        previous_uid=element.previous_uid,
+        next_uid=element.next_uid,
+        element_data=SetElement.ElementData(element.data_format, element.data),
+    )
+
+
+def _element(report: ReportElement) -> ListElement:
+    data = report.element_data
+    return ListElement(
+        report.element_uid,
+        report.previous_uid,
+        report.next_uid,
+        bytes(data.data),
+        data.format_index,
+    )
