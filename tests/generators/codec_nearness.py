@@ -1,14 +1,16 @@
-"""Compares a message with what came back of it: equal but for the steps of scaled fields."""
+"""What scaled fields of messages hold, and whether a message came back as near as they allow."""
 
 from __future__ import annotations
 
 import sys
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.common.fields import Fixed
+from jausml.generators.common.fields import Bits, Fixed
 from jausml.generators.common.nested import ContainerClass, VariableFieldClass
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.generators.common.messages import MessageView
 
 
@@ -21,6 +23,34 @@ def differences(view: MessageView, sent: Any, received: Any) -> list[str]:
         received: The message that was decoded.
     """
     return _container(view.body, sent, received, view.class_name)
+
+
+def coded_values(view: MessageView, message: Any) -> list[tuple[Fixed, Any]]:
+    """Returns the scaled and bit fields of a message with their values, in wire order."""
+    return list(_coded_in(view.body, message))
+
+
+def _coded_in(part: Any, message: Any) -> Iterator[tuple[Fixed, Any]]:
+    if isinstance(part, VariableFieldClass):
+        chosen = next(each for each in part.alternatives if each.index == message.index)
+        yield from _coded_of(chosen.value, message.value)
+        return
+    for member in part.members:
+        value = getattr(message, member.attribute)
+        if value is not None:
+            yield from _coded_of(member.value, value)
+
+
+def _coded_of(value: Any, content: Any) -> Iterator[tuple[Fixed, Any]]:
+    if value.kind in ("list", "array"):
+        for item in content:
+            yield from _coded_of(value.element, item)
+    elif value.kind == "variant":
+        yield from _coded_in(value.options[content.TAG].part, content)
+    elif value.kind == "part":
+        yield from _coded_in(value.part, content)
+    elif isinstance(value, Bits) or (isinstance(value, Fixed) and value.scale is not None):
+        yield value, content
 
 
 def _container(part: ContainerClass, sent: Any, received: Any, place: str) -> list[str]:

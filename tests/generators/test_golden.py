@@ -6,8 +6,11 @@ import math
 from typing import Any
 
 import pytest
+from codec_nearness import coded_values
 from codec_support import FieldNames, golden_vectors, library, shipped_sets
 
+from jausml.generators.common.fields import Bits
+from jausml.runtime.codec import scaled
 from jausml.runtime.message import EncodeError
 
 # A list that shall have an element but has none: we take it from a peer, but do not send it.
@@ -71,3 +74,32 @@ def test_a_list_that_is_too_short_is_taken_but_not_sent() -> None:
     assert names.to_fields(message) == vector["fields"]
     with pytest.raises(EncodeError, match="subsystem_list"):
         message.encode()
+
+
+def steps(value: Any) -> tuple[float, float, int]:
+    """Returns lower limit, step and largest integer of a scaled field."""
+    lower, upper = value.scale
+    largest = 2 ** (8 * value.size) - 1
+    return lower, (upper - lower) / largest, largest
+
+
+@pytest.mark.parametrize("set_name", shipped_sets())
+def test_coded_values_are_the_integers_of_the_other_implementation(set_name: str) -> None:
+    checked = 0
+    for vector in (each for each in VECTORS if each["set"] == set_name):
+        for names in candidates(vector):
+            found = coded_values(names.view, names.cls.decode(bytes.fromhex(vector["hex"])))
+            assert len(found) == len(vector["raw"])
+            for (value, content), raw in zip(found, vector["raw"].values(), strict=True):
+                if isinstance(value, Bits):
+                    assert content.to_integer() == raw
+                    continue
+                lower, step, largest = steps(value)
+                assert content == pytest.approx(lower + raw * step, abs=1e-9 * step * largest)
+                # That implementation cuts off: what it was given lies up to a step above, and a
+                # rounding encoder makes of it the same integer or the next one.
+                given = min(content + 0.999 * step, value.scale[1])
+                assert scaled(given, lower, step, largest, "") - raw in (0, 1)
+                assert scaled(content, lower, step, largest, "") == raw
+                checked += 1
+    assert checked or set_name.startswith("core")
