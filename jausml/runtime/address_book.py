@@ -71,13 +71,8 @@ class AddressBook:
         A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out: the
         component can still be found by multicast.
         """
-        for address, (host, port) in entries.items():
-            try:
-                resolved = socket.gethostbyname(host)
-            except OSError as error:
-                self._counters.count("judp.unresolved_host", f"{address} at {host}: {error}")
-            else:
-                self._configured[address] = _Entry((resolved, port), -math.inf)
+        for address, endpoint in resolve(entries, self._counters).items():
+            self._configured[address] = _Entry(endpoint, -math.inf)
 
     def find(self, address: JausAddress) -> Endpoint | None:
         """Return the endpoint of a component, if known."""
@@ -120,3 +115,19 @@ class AddressBook:
             return Doubt.NONE
         entry.asked = now
         return Doubt.SEARCH
+
+
+def resolve(
+    entries: Mapping[JausAddress, Endpoint], counters: Counters
+) -> dict[JausAddress, Endpoint]:
+    """Return entries with IPv4 addresses for host names.
+
+    A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out.
+    """
+    resolved: dict[JausAddress, Endpoint] = {}
+    for address, (host, port) in entries.items():
+        try:
+            resolved[address] = (socket.gethostbyname(host), port)
+        except OSError as error:
+            counters.count("judp.unresolved_host", f"{address} at {host}: {error}")
+    return resolved

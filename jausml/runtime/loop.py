@@ -127,6 +127,15 @@ class Loop:
             self._selector.register(sock, selectors.EVENT_READ, on_readable)
         self._wake()
 
+    def watch_writable(self, sock: socket.socket, *, wanted: bool) -> None:
+        """Also call the callback of a registered socket whenever it can be written, or no more."""
+        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if wanted else 0)
+        with self._state:
+            if not self._closed:
+                key = self._selector.get_key(sock)
+                self._selector.modify(sock, events, key.data)
+        self._wake()
+
     def unregister(self, sock: socket.socket) -> None:
         """Stop watching a socket; to be called before it is closed, without effect if unknown."""
         with self._state:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from .address import JausAddress
 from .component import ComponentSettings, JausComponent, Scope
-from .judp import JudpTransport
 from .loop import Loop
 from .settings import TransportSettings, add_arguments, from_arguments
+from .transports import NetworkTransport, create_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -73,8 +73,8 @@ def run(
         parser.error(str(error))
     stop = StopRequest()
     try:
-        with stop.on_signals(), running_transport(transport_settings) as judp:
-            component = factory(judp, arguments.jaus_id, behaviour)
+        with stop.on_signals(), running_transport(transport_settings) as network:
+            component = factory(network, arguments.jaus_id, behaviour)
             component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
             component.start()
             LOGGER.info("%s runs as %s", name, arguments.jaus_id)
@@ -142,14 +142,14 @@ def configure_log(level: str) -> None:
 
 
 @contextmanager
-def running_transport(settings: TransportSettings) -> Iterator[JudpTransport]:
-    """Open JUDP on a loop of its own for the duration of a block.
+def running_transport(settings: TransportSettings) -> Iterator[NetworkTransport]:
+    """Open a transport on a loop of its own for the duration of a block.
 
     Raises:
         OSError: The network cannot be used as the settings say.
     """
     with Loop() as loop:
-        transport = JudpTransport(settings, loop)
+        transport = create_transport(settings, loop)
         transport.open()
         try:
             loop.start()

@@ -1,10 +1,11 @@
-"""Settings of the JUDP transport and the command line options that set them."""
+"""Settings of the transport and the command line options that set them."""
 
 from __future__ import annotations
 
 import argparse
 import ipaddress
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from typing import TYPE_CHECKING
 
 from .address import JausAddress
@@ -25,13 +26,24 @@ Endpoint = tuple[str, int]
 """IPv4 address (or host name in static entries) and UDP port."""
 
 
+class TransportKind(Enum):
+    """How the messages of a process travel (AS5669A)."""
+
+    JUDP = "judp"
+    """Datagrams (UDP); peers find each other by multicast."""
+    JTCP = "jtcp"
+    """Connections (TCP); peers are those of the address book and those that connect."""
+    NODE_MANAGER = "node-manager"
+    """Through the node manager of the host, which owns the port."""
+
+
 @dataclass(frozen=True)
 class TransportSettings:
-    """How JUDP reaches its peers (AS5669A).
+    """How a process reaches its peers (AS5669A).
 
     Attributes:
         interface: IPv4 address of the one network interface to use.
-        port: UDP port shared with every peer.
+        port: UDP or TCP port shared with every peer.
         multicast_group: IPv4 group for wildcard destinations and for discovery.
         multicast_ttl: Routers that a multicast may pass, 0 to 255.
         address_book: Known components and where they are; what is learnt from datagrams
@@ -48,6 +60,12 @@ class TransportSettings:
             message also asks for the peer by multicast.
         takeover_interval: Seconds between two attempts to own the shared port.
         receive_buffer: Bytes that the kernel may hold for one socket.
+        transport: How messages travel.
+        send_buffer: Bytes that may wait for a slow JTCP peer.
+        connection_timeout: Seconds in which a JTCP connection must be made, and in which a peer
+            must take something of what waits for it.
+        node_manager_directory: Folder of the local sockets of a node manager and its
+            components; the system's folder for temporary files when empty.
 
     Raises:
         ValueError: A value is out of its range.
@@ -68,6 +86,10 @@ class TransportSettings:
     address_lifetime: float = 10.0
     takeover_interval: float = 1.0
     receive_buffer: int = 1 << 20
+    transport: TransportKind = TransportKind.JUDP
+    send_buffer: int = 1 << 20
+    connection_timeout: float = 5.0
+    node_manager_directory: str = ""
 
     def __post_init__(self) -> None:
         """Refuse values with which nothing could be exchanged."""
@@ -88,6 +110,8 @@ class TransportSettings:
         _check("duplicate_window", self.duplicate_window, 0, 60)
         _check("reassembly_timeout", self.reassembly_timeout, 0.01, 60)
         _check("address_lifetime", self.address_lifetime, 0.1, 86400)
+        _check("send_buffer", self.send_buffer, 0, 1 << 30)
+        _check("connection_timeout", self.connection_timeout, 0.01, 600)
         _check("takeover_interval", self.takeover_interval, 0.05, 60)
         for address, (_, port) in self.address_book.items():
             if not address.is_concrete:
@@ -113,11 +137,17 @@ def add_arguments(
         help="IPv4 address of the network interface (default %(default)s)",
     )
     group.add_argument(
+        "--jaus-transport",
+        choices=[kind.value for kind in TransportKind],
+        default=known.transport.value,
+        help="UDP, TCP, or through the node manager of this host (default %(default)s)",
+    )
+    group.add_argument(
         "--jaus-port",
         type=int,
         default=known.port,
         metavar="PORT",
-        help="UDP port shared with every peer (default %(default)s)",
+        help="UDP or TCP port shared with every peer (default %(default)s)",
     )
     group.add_argument(
         "--jaus-multicast-group",
@@ -140,6 +170,12 @@ def add_arguments(
         metavar="ID=HOST:PORT",
         help="where a component is, e.g. 100.1.2=192.168.0.7:3794; may be repeated",
     )
+    group.add_argument(
+        "--jaus-node-manager-directory",
+        default=known.node_manager_directory,
+        metavar="FOLDER",
+        help="where the node manager has its local sockets (default: that for temporary files)",
+    )
 
 
 def from_arguments(
@@ -159,6 +195,8 @@ def from_arguments(
         known,
         interface=arguments.jaus_interface,
         port=arguments.jaus_port,
+        transport=TransportKind(arguments.jaus_transport),
+        node_manager_directory=arguments.jaus_node_manager_directory,
         multicast_group=arguments.jaus_multicast_group,
         multicast_ttl=arguments.jaus_multicast_ttl,
         address_book={**known.address_book, **dict(arguments.jaus_peer)},

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml.runtime.counters import Counters
-from jausml.runtime.judp import JudpTransport
 from jausml.runtime.loop import Loop
 from jausml.runtime.packet import Packet, parse_datagram
 from jausml.runtime.settings import TransportSettings
+from jausml.runtime.transports import create_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -37,7 +37,7 @@ class Station:
 
     def __init__(self, settings: TransportSettings) -> None:
         self.loop = Loop()
-        self.transport = JudpTransport(settings, self.loop)
+        self.transport = create_transport(settings, self.loop)
         self.received: list[tuple[JausAddress, ReceivedMessage]] = []
         self.transport.open()
         self.loop.start()

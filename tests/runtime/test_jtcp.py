@@ -1,0 +1,440 @@
+"""JAUS over TCP, over real connections on loopback."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime import jtcp
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.counters import Counters
+from jausml.runtime.jtcp import JtcpTransport
+from jausml.runtime.loop import Loop
+from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, parse_datagram
+from jausml.runtime.settings import TransportKind, TransportSettings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Station
+
+DRIVER = JausAddress(100, 1, 1)
+SENSOR = JausAddress(100, 1, 2)
+OCU = JausAddress(200, 1, 1)
+PEER = JausAddress(300, 1, 1)
+STATUS = b"\x02\x40" + bytes(5)
+
+
+def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> bytes:
+    """Return a message of the peer as it stands in a stream."""
+    return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields).encode()[1:]
+
+
+class Stream:
+    """The foreign end of a connection: bytes made and read by hand."""
+
+    def __init__(self, sock: socket.socket) -> None:
+        self.socket = sock
+        self.socket.settimeout(5)
+        self.data = b""
+
+    def send(self, data: bytes) -> None:
+        self.socket.sendall(data)
+
+    def read(self, size: int) -> bytes:
+        while len(self.data) < size:
+            chunk = self.socket.recv(65536)
+            assert chunk, f"the connection ended after {self.data!r}"
+            self.data += chunk
+        data, self.data = self.data[:size], self.data[size:]
+        return data
+
+    def receive(self) -> Packet:
+        head = self.read(3)
+        message = head + self.read(int.from_bytes(head[1:], "little") - 3)
+        (packet,) = parse_datagram(b"\x02" + message, Counters())
+        return packet
+
+    def is_closed(self) -> bool:
+        """Wait for the other end to close the connection."""
+        with contextlib.suppress(ConnectionError):
+            while self.socket.recv(65536):
+                pass
+        return True
+
+    def close(self) -> None:
+        self.socket.close()
+
+
+class Host:
+    """A foreign stack that listens, and connects."""
+
+    def __init__(self) -> None:
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.listener.settimeout(5)
+        self.streams: list[Stream] = []
+
+    @property
+    def endpoint(self) -> tuple[str, int]:
+        return self.listener.getsockname()
+
+    def accept(self) -> Stream:
+        self.streams.append(Stream(self.listener.accept()[0]))
+        return self.streams[-1]
+
+    def connect(self, endpoint: tuple[str, int]) -> Stream:
+        self.streams.append(Stream(socket.create_connection(endpoint, 5)))
+        return self.streams[-1]
+
+    def close(self) -> None:
+        self.listener.close()
+        for stream in self.streams:
+            stream.close()
+
+
+@pytest.fixture
+def host() -> Iterator[Host]:
+    made = Host()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A TCP port of loopback that nobody uses."""
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def tcp(station) -> Callable[..., Station]:
+    """Make running transports over TCP on one free port."""
+
+    def make(**settings: object) -> Station:
+        return station(**{"transport": TransportKind.JTCP, "takeover_interval": 0.1, **settings})
+
+    return make
+
+
+class TestStream:
+    def test_the_version_goes_once_and_messages_follow(self, tcp, host):
+        here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
+        for _ in range(3):
+            here.transport.send(DRIVER, PEER, STATUS)
+        stream = host.accept()
+        assert stream.read(1) == b"\x02"
+        packets = [stream.receive() for _ in range(3)]
+        first = packets[0].sequence
+        assert packets == [
+            Packet(PEER, DRIVER, STATUS, first + count & 0xFFFF) for count in range(3)
+        ]
+
+    def test_a_peer_that_connects_is_answered_over_its_connection(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER, SENSOR)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer() + from_peer(sequence=2, destination=SENSOR))
+        wait_until(lambda: len(here.received) == 2)
+        assert [own for own, _ in here.received] == [DRIVER, SENSOR]
+        here.transport.send(SENSOR, PEER, STATUS)
+        assert stream.read(1) == b"\x02"
+        assert stream.receive().source == SENSOR
+
+    def test_messages_are_found_however_the_stream_is_cut(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        data = b"\x02" + b"".join(from_peer(STATUS + bytes([n]), n) for n in range(40))
+        rest, cuts = data, random.Random(4)
+        while rest:
+            size = cuts.choice([1, 2, 3, 30, 100])
+            stream.send(rest[:size])
+            rest = rest[size:]
+        wait_until(lambda: len(here.received) == 40)
+        assert here.payloads == [STATUS + bytes([n]) for n in range(40)]
+
+    @pytest.mark.parametrize("size", [4079, 4080, 300_001])
+    def test_large_messages_arrive_whole(self, tcp, free_port, wait_until, size):
+        there = tcp().attach(OCU)
+        here = tcp(port=free_port_of(), address_book={OCU: ("127.0.0.1", free_port)}).attach(DRIVER)
+        payload = random.Random(size).randbytes(size)
+        results: list[bool] = []
+        here.transport.send(DRIVER, OCU, payload, acknowledge=True, on_result=results.append)
+        wait_until(lambda: there.received and results)
+        assert there.payloads == [payload]
+        assert results == [True]
+
+    def test_chunks_are_those_of_datagrams(self, tcp, host):
+        here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
+        here.transport.send(DRIVER, PEER, bytes(5000))
+        stream = host.accept()
+        stream.read(1)
+        packets = [stream.receive() for _ in range(2)]
+        assert [len(packet.payload) for packet in packets] == [4079, 921]
+        assert [packet.data_flags for packet in packets] == [DataFlags.FIRST, DataFlags.LAST]
+
+    def test_a_request_for_acknowledgement_is_answered_and_none_is_made(
+        self, tcp, host, wait_until
+    ):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer(sequence=9, acknowledge=AckNak.REQUESTED))
+        stream.read(1)
+        assert stream.receive() == Packet(PEER, DRIVER, b"", 9, acknowledge=AckNak.ACK)
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        packet = stream.receive()
+        assert packet.acknowledge is AckNak.NONE
+        stream.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK))
+        wait_until(lambda: here.counter("judp.unmatched_acknowledgement") == 1)
+        assert results == [True]
+
+
+def free_port_of() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return probe.getsockname()[1]
+
+
+class TestWildcards:
+    def test_every_peer_and_the_own_components_but_not_the_sender(self, tcp, host, wait_until):
+        known = Host()
+        here = tcp(address_book={OCU: known.endpoint}).attach(DRIVER, SENSOR)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer())
+        wait_until(lambda: here.received)
+        here.transport.send(DRIVER, BROADCAST, STATUS + b"all")
+        for each in (stream, known.accept()):
+            each.read(1)
+            packet = each.receive()
+            assert (packet.destination, packet.broadcast) == (BROADCAST, Broadcast.GLOBAL)
+        wait_until(lambda: len(here.received) == 2)
+        assert here.received[1][0] == SENSOR
+        known.close()
+
+    def test_nobody_to_send_to_is_no_failure_worth_a_warning(self, tcp, wait_until):
+        here = tcp()
+        here.transport.send(DRIVER, BROADCAST, STATUS)
+        wait_until(lambda: here.counter("jtcp.nobody_connected") == 1)
+        assert here.loop.counters.drops() == {}
+
+
+class TestBadStreams:
+    @pytest.mark.parametrize(
+        ("data", "counter"),
+        [
+            (b"\x03" + from_peer(), "jtcp.bad_version"),
+            (b"GET / HTTP/1.1\r\n\r\n", "jtcp.bad_version"),
+            (b"\x02" + bytes(14), "jtcp.bad_size"),
+            (b"\x02" + from_peer() + b"\x00\x0d\x00", "jtcp.bad_size"),
+        ],
+    )
+    def test_it_is_closed_and_counted(self, tcp, host, wait_until, data, counter):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(data)
+        assert stream.is_closed()
+        wait_until(lambda: here.counter(counter) == 1)
+        other = host.connect(here.transport.endpoint)
+        other.send(b"\x02" + from_peer(sequence=2))
+        wait_until(lambda: STATUS in here.payloads)
+
+    def test_an_end_within_a_message_is_counted(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer()[:-1])
+        stream.socket.shutdown(socket.SHUT_WR)
+        wait_until(lambda: here.counter("jtcp.truncated") == 1)
+        assert not here.received
+
+    def test_messages_that_cannot_be_used_are_counted_and_the_stream_goes_on(
+        self, tcp, host, wait_until
+    ):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        bad = [
+            from_peer(message_type=7),
+            from_peer(destination=OCU),
+            Packet(DRIVER, BROADCAST, STATUS).encode()[1:],
+            Packet(OCU, DRIVER, STATUS).encode()[1:],
+            from_peer(b""),
+        ]
+        stream.send(b"\x02" + b"".join(bad) + from_peer(sequence=3))
+        wait_until(lambda: here.received)
+        assert here.payloads == [STATUS]
+        for counter in ("bad_message_type", "not_for_us", "bad_source", "own_source"):
+            assert here.counter(f"judp.{counter}") == 1
+        assert here.counter("judp.no_message_code") == 1
+
+    def test_connections_are_bounded(self, tcp, host, wait_until, monkeypatch):
+        monkeypatch.setattr(jtcp, "_MAX_CONNECTIONS", 2)
+        here = tcp().attach(DRIVER)
+        streams = [host.connect(here.transport.endpoint) for _ in range(3)]
+        assert streams[2].is_closed()
+        wait_until(lambda: here.counter("jtcp.too_many_connections") == 1)
+        streams[1].send(b"\x02" + from_peer())
+        wait_until(lambda: here.received)
+
+    def test_a_peer_that_takes_nothing_costs_no_more_than_the_buffer(self, tcp, host, wait_until):
+        here = tcp(send_buffer=50_000, connection_timeout=0.3).attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer())
+        wait_until(lambda: here.received)
+        results: list[bool] = []
+
+        def is_full() -> bool:
+            here.transport.send(DRIVER, PEER, bytes(20_000), on_result=results.append)
+            return here.counter("jtcp.buffer_full") > 0
+
+        wait_until(is_full)
+        wait_until(lambda: here.counter("jtcp.stalled") == 1)
+        wait_until(lambda: False in results)
+        assert here.counter("jtcp.unsent") == 1
+        here.transport.send(DRIVER, PEER, STATUS)
+        wait_until(lambda: here.counter("jtcp.not_connected") == 1)
+
+
+class TestConnecting:
+    def test_a_refused_connection_is_reported(self, tcp, wait_until):
+        here = tcp(address_book={PEER: ("127.0.0.1", free_port_of())})
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+        wait_until(lambda: results)
+        assert results == [False]
+        assert here.counter("jtcp.connect_failed") >= 1
+
+    def test_a_peer_that_does_not_answer_is_given_up(self, tcp, wait_until):
+        with contextlib.ExitStack() as stack:
+            full = stack.enter_context(socket.socket())
+            full.bind(("127.0.0.1", 0))
+            full.listen(0)
+            for _ in range(3):  # a full backlog leaves the next one without an answer
+                waiting = stack.enter_context(socket.socket())
+                waiting.setblocking(False)
+                waiting.connect_ex(full.getsockname())
+            here = tcp(address_book={PEER: full.getsockname()}, connection_timeout=0.1)
+            results: list[bool] = []
+            here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+            wait_until(lambda: results)
+            assert results == [False]
+            assert here.counter("jtcp.connect_failed") >= 1
+
+    def test_an_unknown_destination_is_reported(self, tcp, wait_until):
+        here = tcp()
+        results: list[bool] = []
+        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+        wait_until(lambda: results)
+        assert results == [False]
+        assert here.counter("jtcp.not_connected") == 1
+
+    def test_a_lost_connection_is_made_again(self, tcp, host):
+        here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
+        here.transport.send(DRIVER, PEER, STATUS)
+        first = host.accept()
+        first.read(1)
+        first.receive()
+        first.close()
+        second = host.accept()
+        assert second.read(1) == b"\x02"
+        here.transport.send(DRIVER, PEER, STATUS + b"again")
+        assert second.receive().payload == STATUS + b"again"
+
+    def test_attempts_become_seldom(self, tcp, wait_until, monkeypatch):
+        monkeypatch.setattr(jtcp, "_FIRST_PAUSE_S", 0.01)
+        here = tcp(address_book={PEER: ("127.0.0.1", free_port_of())})
+        here.transport.send(DRIVER, PEER, STATUS)
+        wait_until(lambda: here.counter("jtcp.connect_failed") >= 4)
+        (line,) = here.transport._lines.values()
+        assert line.pause >= 0.01 * 2**3
+        assert here.loop.counters.snapshot()["jtcp.connect_failed"] < 20
+
+    def test_the_newest_connection_of_a_component_is_used(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER)
+        streams = [host.connect(here.transport.endpoint) for _ in range(2)]
+        for sequence, stream in enumerate(streams):
+            stream.send(b"\x02" + from_peer(sequence=sequence))
+            wait_until(lambda count=sequence + 1: len(here.received) == count)
+        here.transport.send(DRIVER, PEER, STATUS)
+        streams[1].read(1)
+        assert streams[1].receive().payload == STATUS
+        assert here.counter("judp.address_changed") == 1
+
+
+class TestSharedPort:
+    def test_processes_of_a_host_reach_each_other_and_the_world(self, tcp, host, wait_until):
+        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        assert first.transport.endpoint is None
+        wait_until(lambda: owner.counter("jtcp.present") == 2)
+        first.transport.send(SENSOR, OCU, STATUS + b"relayed")
+        first.transport.send(SENSOR, DRIVER, STATUS + b"direct")
+        owner.transport.send(DRIVER, OCU, STATUS + b"out")
+        wait_until(lambda: len(second.received) == 2 and owner.received)
+        assert sorted(second.payloads) == [STATUS + b"out", STATUS + b"relayed"]
+        stream = host.connect(owner.transport.endpoint)
+        stream.send(b"\x02" + from_peer(destination=SENSOR))
+        wait_until(lambda: first.received)
+        first.transport.send(SENSOR, PEER, STATUS)
+        stream.read(1)
+        while (packet := stream.receive()).acknowledge is AckNak.ACK:
+            pass
+        assert (packet.source, packet.destination) == (SENSOR, PEER)
+
+    def test_a_broadcast_reaches_each_once(self, tcp, host, wait_until):
+        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        wait_until(lambda: owner.counter("jtcp.present") == 2)
+        first.transport.send(SENSOR, BROADCAST, STATUS)
+        wait_until(lambda: owner.received and second.received)
+        stream = host.connect(owner.transport.endpoint)
+        stream.send(b"\x02" + from_peer(STATUS + b"2", destination=BROADCAST))
+        for each in (owner, first, second):
+            wait_until(lambda each=each: STATUS + b"2" in each.payloads)
+        assert [len(each.received) for each in (owner, first, second)] == [2, 1, 2]
+
+    def test_another_process_takes_over(self, tcp, wait_until):
+        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        wait_until(lambda: owner.counter("jtcp.present") == 2)
+        endpoint = owner.transport.endpoint
+        owner.close()
+        wait_until(lambda: endpoint in (first.transport.endpoint, second.transport.endpoint))
+        new = first if first.transport.endpoint else second
+        wait_until(lambda: new.counter("jtcp.present") >= 1)
+        first.transport.send(SENSOR, OCU, STATUS)
+        wait_until(lambda: second.received)
+
+    def test_an_unusable_interface_is_an_error_of_open(self):
+        with Loop() as loop:
+            transport = JtcpTransport(TransportSettings(interface="192.0.2.200"), loop)
+            with pytest.raises(OSError, match=r"192\.0\.2\.200"):
+                transport.open()
+
+
+class TestThreads:
+    def test_messages_of_many_threads_all_arrive_with_their_own_number(
+        self, tcp, free_port, wait_until
+    ):
+        there = tcp().attach(OCU)
+        here = tcp(port=free_port_of(), address_book={OCU: ("127.0.0.1", free_port)}).attach(DRIVER)
+
+        def work(index: int) -> None:
+            for count in range(50):
+                here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
+
+        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        wait_until(lambda: len(there.received) == 200)
+        assert len({message.sequence for _, message in there.received}) == 200
+
+    def test_closing_reports_what_still_waits(self, tcp, host, wait_until):
+        here = tcp(address_book={PEER: host.endpoint})
+        results: list[bool] = []
+        with here.loop.lock:
+            here.transport.send(DRIVER, PEER, bytes(3_000_000), on_result=results.append)
+        host.accept()
+        here.transport.close()
+        wait_until(lambda: results)
+        assert results == [False]
