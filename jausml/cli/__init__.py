@@ -20,6 +20,10 @@ VERBS = {
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
+    "list": "List the JAUS services and messages that are known.",
+    "decode": "Show JAUS messages: from hex, from captures, or live.",
+    "encode": "Turn messages in JSON into hex.",
+    "conformance": "Check a running JAUS component of any make.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
 }

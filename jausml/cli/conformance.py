@@ -1,0 +1,176 @@
+"""`jausml conformance`: checks a running component of any make over the wire."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.network import catalogue_from, network_from, network_options
+from jausml.peers.conformance.formats import json, junit, text
+from jausml.peers.conformance.groups import all_groups, fixed_checks
+from jausml.peers.conformance.opening import TargetNotReached, opened
+from jausml.peers.conformance.runner import run
+from jausml.peers.conformance.session import Limits
+from jausml.peers.network import component_address
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.peers.conformance.check import ConformanceReport, Result
+    from jausml.peers.conformance.groups import Group
+    from jausml.peers.conformance.session import Session
+    from jausml.peers.network import Network
+    from jausml.runtime.address import JausAddress
+
+_RENDERERS = {"text": text.render, "json": json.render, "junit": junit.render}
+_GROUPS = [group.name for group in all_groups()]
+
+
+@click.command("conformance")
+@click.argument("target", metavar="TARGET_ID", required=False)
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(list(_RENDERERS)),
+    default="text",
+    show_default=True,
+    help="Format of the report.",
+)
+@click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice(_GROUPS),
+    help="Only this group of checks; may be repeated.",
+)
+@click.option("--list", "list_checks", is_flag=True, help="List the checks and end.")
+@click.option("--slow", is_flag=True, help="Also wait for time-outs that take minutes.")
+@click.option("--destructive", is_flag=True, help="Also shut the target down, at the end.")
+@click.option(
+    "--timeout",
+    type=click.FloatRange(0.05, 60),
+    default=1.0,
+    show_default=True,
+    help="Seconds to wait for an answer.",
+)
+@click.option(
+    "--quiet-time",
+    type=click.FloatRange(0.02, 60),
+    default=0.3,
+    show_default=True,
+    help="Seconds of silence that stand for 'nothing comes'.",
+)
+@network_options
+def command(
+    target: str | None,
+    output_format: str,
+    output: str | None,
+    only: tuple[str, ...],
+    list_checks: bool,
+    slow: bool,
+    destructive: bool,
+    timeout: float,
+    quiet_time: float,
+    own_id: str,
+    interface: str,
+    port: int,
+    multicast_group: str,
+    peers: tuple[str, ...],
+    models: tuple[str, ...],
+) -> None:
+    """Check the running component TARGET_ID, of any make, over the wire.
+
+    Tests its transport, its core services by the state tables of AS5710, and the messages of every
+    service that it announces. No command that moves anything is sent; control and emergencies that
+    the checks cause are undone, also after Ctrl-C. Three ids are used: the own id and the two after
+    it.
+
+    Exit status: 0 no check failed, 1 checks failed, 2 the target is not reached or an option is
+    wrong, 3 internal error.
+    """
+    if list_checks:
+        _list_checks()
+        return
+    if target is None:
+        raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
+    network = network_from(own_id, interface, port, multicast_group, peers)
+    address = _target(target, network)
+    groups = [group for group in all_groups() if group.name in (only or _GROUPS)]
+    limits = Limits(slow=slow, destructive=destructive)
+    try:
+        with opened(
+            network,
+            address,
+            catalogue_from(models),
+            limits=limits,
+            timeout=timeout,
+            quiet=quiet_time,
+        ) as session:
+            live = output is None and output_format == "text"
+            report = _checked(session, groups, live=live)
+    except TargetNotReached as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        raise EnvironmentFault(f"the network cannot be used: {error.strerror or error}") from error
+    _write(report, output_format, output, live=live)
+    if report.interrupted or not report.passed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _target(target: str, network: Network) -> JausAddress:
+    try:
+        address = component_address(target)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    if (address.subsystem, address.node) == (network.own.subsystem, network.own.node):
+        raise click.UsageError(f"{target} is on the node of this tool; choose another --id")
+    return address
+
+
+def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> ConformanceReport:
+    """Runs the checks and, on a terminal, shows each result as it comes."""
+    shown: list[str] = []
+
+    def show(result: Result) -> None:
+        if not live:
+            return
+        if result.check.group not in shown:
+            shown.append(result.check.group)
+            click.echo(f"\n{result.check.group}")
+        for line in text.result_lines(result):
+            click.echo(line)
+
+    if live:
+        host, port = session.probe.endpoint or ("", 0)
+        services = tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services)
+        for line in text.heading(str(session.probe.target), f"{host}:{port}", services):
+            click.echo(line)
+    return run(session, groups, show)
+
+
+def _write(
+    report: ConformanceReport, output_format: str, output: str | None, *, live: bool
+) -> None:
+    if live:
+        click.echo(f"\n{text.summary(report)}")
+        return
+    rendered = _RENDERERS[output_format](report)
+    if output is None:
+        click.echo(rendered, nl=False)
+        return
+    try:
+        Path(output).write_text(rendered, encoding="utf-8", errors="backslashreplace", newline="\n")
+    except OSError as error:
+        name = click.format_filename(output)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+    click.echo(text.summary(report), err=True)
+
+
+def _list_checks() -> None:
+    for check in fixed_checks():
+        mark = " (only with --destructive)" if check.destructive else ""
+        click.echo(f"{check.id:36} {check.title}{mark}")
+    click.echo(f"{'codecs.SERVICE.QUERY':36} One for each query of the announced services")

@@ -1,0 +1,105 @@
+"""The options of live tools: who we are, and how the network is reached."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+from jausml.messages import Catalogue, MessageError, load_catalogue
+from jausml.peers.network import (
+    DEFAULT_GROUP,
+    DEFAULT_ID,
+    DEFAULT_INTERFACE,
+    DEFAULT_PORT,
+    Network,
+    make_network,
+    silence_log,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+F = TypeVar("F", bound="Callable[..., Any]")
+
+_OPTIONS = (
+    click.option(
+        "--id",
+        "own_id",
+        default=DEFAULT_ID,
+        show_default=True,
+        metavar="ID",
+        help="JAUS id of this tool, subsystem.node.component.",
+    ),
+    click.option(
+        "--interface",
+        default=DEFAULT_INTERFACE,
+        show_default=True,
+        metavar="ADDRESS",
+        help="IPv4 address of the network interface.",
+    ),
+    click.option(
+        "--port",
+        type=click.IntRange(1, 65535),
+        default=DEFAULT_PORT,
+        show_default=True,
+        help="UDP port of JUDP.",
+    ),
+    click.option(
+        "--multicast-group",
+        default=DEFAULT_GROUP,
+        show_default=True,
+        metavar="ADDRESS",
+        help="Multicast group of JUDP.",
+    ),
+    click.option(
+        "--peer",
+        "peers",
+        multiple=True,
+        metavar="ID=HOST:PORT",
+        help="Where a component is, when multicast does not reach it; may be repeated.",
+    ),
+    click.option(
+        "--model",
+        "models",
+        multiple=True,
+        type=click.Path(exists=True, dir_okay=False),
+        metavar="FILE",
+        help="Model with further messages; may be repeated.",
+    ),
+)
+
+
+def network_options(function: F) -> F:
+    """Adds the options that `network_from` and `catalogue_from` take."""
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function
+
+
+def network_from(
+    own_id: str, interface: str, port: int, multicast_group: str, peers: Sequence[str]
+) -> Network:
+    """Returns the network that the options describe, and keeps the runtime's log quiet.
+
+    Raises:
+        click.UsageError: An option cannot be.
+    """
+    silence_log()
+    try:
+        return make_network(own_id, interface, port, multicast_group, peers)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def catalogue_from(models: Sequence[str]) -> Catalogue:
+    """Returns all messages of the library and of the user's models.
+
+    Raises:
+        EnvironmentFault: A model cannot be read.
+    """
+    try:
+        return load_catalogue(models)
+    except MessageError as error:
+        raise EnvironmentFault(str(error)) from error

@@ -1,0 +1,1 @@
+"""Live tools that talk to running JAUS components of any make."""

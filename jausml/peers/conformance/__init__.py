@@ -1,0 +1,1 @@
+"""Checks of a running component over the wire, one module for each group."""

@@ -1,0 +1,203 @@
+"""Checks of the codecs: every query of the announced services and its report (AS5684, encoding).
+
+Only queries are sent, never a command.
+"""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.messages import EncodeError, MessageError
+from jausml.messages.containers import PRESENCE, Record
+from jausml.peers.conformance.check import Check, CheckFailed
+from jausml.peers.samples import sample
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.messages import MessageEntry, ServiceEntry
+    from jausml.peers.conformance.session import Session
+
+QUERY_PRESENCE = "PresenceVector"
+"""Field of a query that names the optional fields which the report shall hold (AS6009)."""
+
+_MOST_BITS = 32
+_EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
+_TELLING_FIELDS: dict[str, dict[str, Any]] = {
+    "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
+    "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
+    "QueryServices": {"NodeList": [_EVERYTHING]},
+    "QueryServiceList": {
+        "SubsystemList": [{"SubsystemRec": {"SubsystemID": 65535}, "NodeList": [_EVERYTHING]}]
+    },
+    "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
+}
+"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
+
+_ATTEMPTS = 2
+
+
+def requires(session: Session) -> str:
+    """Returns why the group cannot run, or nothing."""
+    return "" if session.services else "the target announces no services"
+
+
+def checks(session: Session) -> tuple[Check, ...]:
+    """Returns one check for each query of the announced services that we know."""
+    found: dict[str, Check] = {}
+    for identity in session.services:
+        service = session.known(identity)
+        if service is None:
+            continue
+        for query in service.inputs:
+            if query.name.startswith("Query"):
+                made = _check(service, query)
+                found.setdefault(made.id, made)
+    return tuple(found.values())
+
+
+def _check(service: ServiceEntry, query: MessageEntry) -> Check:
+    return Check(
+        id=f"codecs.{service.name}.{query.name}",
+        title=f"Answers {query.name} with a report that decodes",
+        source=f"AS5684 encoding; {service.label}, message {query.code_text}",
+        body=partial(_answers, service=service, query=query),
+    )
+
+
+def _answers(session: Session, service: ServiceEntry, query: MessageEntry) -> None:
+    """Sends the query and decodes its report.
+
+    The report must have no bytes left over, presence vectors without unknown bits, and legal
+    values. If the query has a presence vector, all fields, none and each one alone are asked for;
+    the standard lets the report hold more or fewer fields, so that a deviation is only noted.
+    """
+    reports = _reports_of(service, query)
+    fields = deepcopy(_TELLING_FIELDS.get(query.name)) or sample(query.codec)
+    holder = _presence_holder(fields)
+    if holder is not None:
+        _judge_subsets(session, query, fields, holder, reports)
+        return
+    answer = _ask(session, query, fields, reports)
+    session.skip_unless(
+        answer is not None or not fields,
+        f"not answered with the fields {fields}; the target may have nothing for them",
+    )
+    _judge(session, query, answer, reports)
+
+
+def _judge_subsets(
+    session: Session,
+    query: MessageEntry,
+    fields: dict[str, Any],
+    holder: dict[str, Any],
+    reports: tuple[MessageEntry, ...],
+) -> None:
+    """Asks for all fields, for none and for each one alone."""
+    bits = _optional_bits(reports)
+    holder[QUERY_PRESENCE] = bits
+    everything = _judge(session, query, _ask(session, query, fields, reports), reports)
+    for wish in (0, *(1 << index for index in range(_MOST_BITS) if bits >> index & 1)):
+        holder[QUERY_PRESENCE] = wish
+        given = _judge(session, query, _ask(session, query, fields, reports), reports)
+        if given != wish & everything:
+            session.note(
+                f"asked for presence vector {wish:#x}, the report has {given:#x} "
+                f"(of {everything:#x} that it can give)"
+            )
+
+
+def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntry, ...]:
+    """Returns the reports that may answer a query: by name, else all outputs of the service."""
+    wanted = query.name.replace("Query", "Report", 1)
+    outputs = [entry for each in service.lineage for entry in each.outputs]
+    named = tuple(entry for entry in outputs if entry.name == wanted)
+    return named or tuple(outputs)
+
+
+def _presence_holder(fields: Any) -> dict[str, Any] | None:
+    """Returns the object of a query's fields that holds its presence vector."""
+    if not isinstance(fields, dict):
+        return None
+    if isinstance(fields.get(QUERY_PRESENCE), int):
+        return fields
+    found = (_presence_holder(value) for value in fields.values())
+    return next((each for each in found if each is not None), None)
+
+
+def _optional_bits(reports: tuple[MessageEntry, ...]) -> int:
+    """Returns the bits of the optional fields in the first record that has any."""
+    for report in reports:
+        for record in _records(report.codec):
+            bits = sum(member.bit for member in record.members)
+            if bits:
+                return bits
+    return 0
+
+
+def _records(codec: Any) -> Iterator[Record]:
+    if isinstance(codec, Record):
+        yield codec
+        for member in codec.members:
+            yield from _records(member.codec)
+
+
+def _ask(
+    session: Session,
+    query: MessageEntry,
+    fields: dict[str, Any],
+    reports: tuple[MessageEntry, ...],
+) -> bytes | None:
+    """Returns the payload of the report, or None when none comes."""
+    client = session.first
+    try:
+        payload = query.encode(fields)
+    except EncodeError:
+        session.skip_unless(holds=False, reason=f"no plain {query.name} could be made")
+        return None
+    codes = tuple(entry.code for entry in reports)
+    client.inbox.clear()
+    for _ in range(_ATTEMPTS):
+        client.put(client.packet(payload))
+        received = client.first_of(codes)
+        if received is not None:
+            return received.payload
+    return None
+
+
+def _judge(
+    session: Session,
+    query: MessageEntry,
+    answer: bytes | None,
+    reports: tuple[MessageEntry, ...],
+) -> int:
+    """Decodes a report and returns the presence vector of its first record that has one.
+
+    Raises:
+        CheckFailed: None came, it does not decode, or it holds illegal values.
+    """
+    if answer is None:
+        raise CheckFailed(f"{query.name} is not answered")
+    code = int.from_bytes(answer[:2], "little")
+    report = next(entry for entry in reports if entry.code == code)
+    try:
+        fields = report.decode(answer)
+    except MessageError as error:
+        raise CheckFailed(f"{report.name} does not decode: {error}") from error
+    try:
+        again = report.encode(fields)
+    except MessageError as error:
+        raise CheckFailed(f"{report.name} holds an illegal value: {error}") from error
+    if again != answer:
+        session.note(f"{report.name} is coded in an unusual way; we would send {again.hex()}")
+    return _presence_of(fields)
+
+
+def _presence_of(fields: Any) -> int:
+    if not isinstance(fields, dict):
+        return 0
+    if PRESENCE in fields:
+        return int(fields[PRESENCE])
+    return next((found for each in fields.values() if (found := _presence_of(each))), 0)
