@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from codec_support import library, load, read_messages, render
+from hypothesis import given
+from hypothesis import strategies as st
 
 from jausml.runtime import core_messages as core
+from jausml.runtime.codec import scaled
 from jausml.runtime.message import DecodeError, EncodeError, read_code
 
 if TYPE_CHECKING:
@@ -248,3 +251,192 @@ def test_a_variable_field_of_an_integer_type_takes_whole_numbers(kinds: ModuleTy
         message.encode()
     with pytest.raises(DecodeError, match="index 9 names no type"):
         kinds.Kinds.decode(message_of_every_kind(kinds).encode()[:-5] + b"\x09\0\0\0\0")
+
+
+def more_kinds(kinds: ModuleType) -> Any:
+    cls = kinds.More
+    head = cls.Head(
+        name="ab",
+        flags=cls.Flags(mode=cls.Mode.ON, level=0xA5, top=1),
+        grid=[-1.0, 1.0, -1.0, 1.0, 1.0, -1.0],
+        switches=[cls.S(on=1, count=2), cls.S(on=0, count=15)],
+        limited=0.5,
+        single=0.0625,
+        quantity=cls.Quantity(1, 655.35),
+        picture=cls.Picture(cls.PictureFormat.PNG, b"\x01\x02"),
+        signed=cls.Signed.MINUS,
+    )
+    points = [cls.Corner(y=7), cls.Corner(x=1, y=2, z=0x0304)]
+    return cls(head, points, cls.Nested(b=cls.B(9)), cls.Two(0x77))
+
+
+MORE = (
+    "0101 03"
+    # Presence, name, bits 0-2 and 3-10 and 15 of a u16, 2 x 3 scaled u8, 2 bit fields of u8.
+    " 01 61620000 2B85 00FF00FFFF00 21 F0"
+    # Double, single, index and scaled u16, format and u16 count and bytes, i32.
+    " 000000000000E03F 0000803D 01 FFFF 03 0200 0102 FBFFFFFF"
+    # u32 count, each corner with its own presence vector.
+    " 02000000 00 07 03 01 02 0403"
+    # A sequence in the sequence with a presence vector of its own; a u16 tag.
+    " 0000 09 0100 77"
+)
+
+
+def test_more_kinds_of_fields_at_once(kinds: ModuleType) -> None:
+    message = more_kinds(kinds)
+    assert message.encode() == bytes.fromhex(MORE)
+    assert kinds.More.decode(bytes.fromhex(MORE)) == message
+
+
+def test_presence_vector_of_64_bits(kinds: ModuleType) -> None:
+    message = kinds.Wide(f0=0xAA, f33=0xBB)
+    data = bytes.fromhex("0201 0100000002000000 AA BB")
+    assert message.encode() == data
+    assert kinds.Wide.decode(data) == message
+    with pytest.raises(DecodeError, match="unknown bits in presence vector 0x400000000"):
+        kinds.Wide.decode(bytes.fromhex("0201 0000000004000000"))
+
+
+@pytest.mark.parametrize(
+    ("position", "changed", "reason"),
+    [
+        (2, "07", "More: unknown bits in presence vector 0x7"),
+        (3, "03", "More.Head: unknown bits in presence vector 0x3"),
+        (30, "04", "More.Quantity: index 4 names no type"),
+        (34, "0600", "data: length 6 is more than 5"),
+        (42, "04000000", "points: count 4 is more than 3"),
+        (42, "FFFFFFFF", "points: count 4294967295 is more than 3"),
+        (46, "04", "More.Corner: unknown bits in presence vector 0x4"),
+        (53, "0200", "More.Nested: unknown bits in presence vector 0x2"),
+        (56, "0200", "More.Either: tag 2 names no option"),
+        (56, "0001", "More.Either: tag 256 names no option"),
+    ],
+)
+def test_what_the_layout_does_not_know_is_refused(
+    kinds: ModuleType, position: int, changed: str, reason: str
+) -> None:
+    data = bytearray.fromhex(MORE)
+    data[position : position + len(changed) // 2] = bytes.fromhex(changed)
+    with pytest.raises(DecodeError, match=reason):
+        kinds.More.decode(bytes(data))
+
+
+def test_list_of_fewest_elements_and_no_list_at_all_differ(kinds: ModuleType) -> None:
+    message = more_kinds(kinds)
+    message.points = []
+    with pytest.raises(EncodeError, match=r"points: length 0 is outside 1 \.\. 3"):
+        message.encode()
+    message.points = None
+    assert message.encode()[2] == 0x02
+    # A peer's list that is too short is taken.
+    short = bytes.fromhex(MORE.replace("02000000 00 07 03 01 02 0403", "00000000"))
+    assert kinds.More.decode(short).points == []
+
+
+@pytest.mark.parametrize(
+    ("path", "legal", "illegal"),
+    [
+        ("head.limited", [5e-324, 0.5, 1 - 2**-53], [0.0, 1.0, -0.0, math.nan]),
+        ("head.single", [2.0**-149, 0.1], [0.0, 0.1001, math.inf]),
+        ("head.flags.mode", [0, 3], [1, 2, 4]),
+        ("head.flags.level", [0, 255], [-1, 256]),
+        ("head.signed", [-5, 10, 20], [-6, -4, 0, 9, 21]),
+        ("head.grid", [[-1.0, 1.0] * 3], [[1.0] * 5, [1.0] * 7, [1.01] * 6, [math.nan] * 6]),
+        ("head.picture.data", [b"", b"12345"], [b"123456"]),
+        ("head.picture.format_index", [0, 3], [1, 2, 255]),
+        ("head.name", [None, "", "abcd"], ["abcde", "a\0b"]),
+        ("head.quantity", [(1, 0.0), (1, 655.35)], [(1, 655.36), (1, -0.01), (1, math.nan)]),
+        ("head.quantity", [(2, -1.0), (2, 5.0)], [(2, 2.0), (2, 4.0), (2, 0.5), (2, -2)]),
+        ("head.quantity", [(3, 0.0), (3, 2.0)], [(3, 3.0), (3, 255.0), (0, 0.0), (4, 0.0)]),
+    ],
+)
+def test_legal_values_and_their_neighbours(
+    kinds: ModuleType, path: str, legal: list[Any], illegal: list[Any]
+) -> None:
+    message = more_kinds(kinds)
+    *way, last = path.split(".")
+    owner = message
+    for name in way:
+        owner = getattr(owner, name)
+
+    def put(value: Any) -> None:
+        setattr(owner, last, kinds.More.Quantity(*value) if last == "quantity" else value)
+
+    for value in legal:
+        put(value)
+        assert kinds.More.decode(message.encode()).encode() == message.encode()
+    for value in illegal:
+        put(value)
+        with pytest.raises(EncodeError):
+            message.encode()
+
+
+@pytest.mark.parametrize("value", [None, 3, "x", [1], object(), 10**400, {"a": 1}])
+def test_values_of_another_type_raise_nothing_but_encode_error(
+    kinds: ModuleType, value: Any
+) -> None:
+    for name in ("head", "nested", "points", "either"):
+        message = more_kinds(kinds)
+        setattr(message, name, value)
+        if value is None and name in ("nested", "points"):
+            continue
+        with pytest.raises(EncodeError):
+            message.encode()
+    fields = ("name", "flags", "grid", "switches", "limited", "single", "picture", "signed")
+    for name in fields:
+        message = more_kinds(kinds)
+        setattr(message.head, name, value)
+        if name == "name" and (value is None or value == "x"):
+            continue
+        with pytest.raises(EncodeError):
+            message.encode()
+
+
+def test_nan_and_infinity_of_a_peer_are_taken_but_not_sent(kinds: ModuleType) -> None:
+    for bits in ("7FF8000000000000", "7FF0000000000000", "FFF0000000000000"):
+        number = bytes.fromhex(bits)[::-1]
+        data = bytes.fromhex(MORE).replace(bytes.fromhex("000000000000E03F"), number)
+        message = kinds.More.decode(data)
+        assert not math.isfinite(message.head.limited)
+        with pytest.raises(EncodeError, match="limited"):
+            message.encode()
+
+
+def test_bits_that_no_part_has_are_sent_as_zero(kinds: ModuleType) -> None:
+    data = bytearray.fromhex(MORE)
+    data[9] |= 0x78  # bits 11 to 14
+    assert kinds.More.decode(bytes(data)).encode() == bytes.fromhex(MORE)
+
+
+# A range with zero in the middle, one from zero, an angle, degrees of latitude: as in the library.
+SCALES = [(-327.68, 327.67), (0.0, 1092.0), (-math.pi, math.pi), (-90.0, 90.0), (-1e5, 1e5)]
+
+
+@given(st.sampled_from(SCALES), st.sampled_from([8, 16, 32]), st.floats(0.0, 1.0, exclude_max=True))
+def test_a_truncating_peer_is_at_most_one_step_low(
+    scale: tuple[float, float], bits: int, part: float
+) -> None:
+    lower, upper = scale
+    largest = 2**bits - 1
+    step = (upper - lower) / largest
+    value = lower + part * (upper - lower)
+    truncated = int((value - lower) / step)
+    received = truncated * step + lower
+    assert value - step * 1.001 <= received <= value + step * 0.001
+    # We send the nearest: the same integer or the next one, and never another one for what came.
+    assert scaled(value, lower, step, largest, "") - truncated in (0, 1)
+    assert scaled(received, lower, step, largest, "") == truncated
+    nearest = scaled(value, lower, step, largest, "") * step + lower
+    assert abs(nearest - value) <= step * 0.501
+
+
+@pytest.mark.parametrize("bits", [8, 16, 32])
+@pytest.mark.parametrize(("lower", "upper"), SCALES)
+def test_steps_next_to_the_ends_and_the_middle_come_back(
+    bits: int, lower: float, upper: float
+) -> None:
+    largest = 2**bits - 1
+    step = (upper - lower) / largest
+    for raw in (0, 1, largest // 2, largest // 2 + 1, largest - 1, largest):
+        assert scaled(raw * step + lower, lower, step, largest, "") == raw
