@@ -1,0 +1,274 @@
+"""Components as clients of a node manager, over real local sockets and processes."""
+
+from __future__ import annotations
+
+import os
+import queue
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.loop import Loop
+from jausml.runtime.node_manager import NodeManagerTransport
+from jausml.runtime.packet import AckNak, Broadcast, Packet
+from jausml.runtime.settings import TransportKind, TransportSettings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Station
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = Path(__file__).with_name("junior_manager.py")
+
+DRIVER = JausAddress(100, 1, 1)
+SENSOR = JausAddress(100, 1, 2)
+OCU = JausAddress(200, 1, 1)
+PEER = JausAddress(300, 1, 1)
+STATUS = b"\x02\x40" + bytes(5)
+
+
+class Manager:
+    """A running junior_manager.py and the lines that it wrote."""
+
+    def __init__(self, folder: Path, port: int, peer: str = "-") -> None:
+        self.running = subprocess.Popen(
+            [sys.executable, str(SCRIPT), str(folder), str(port), peer],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.lines: queue.Queue[str] = queue.Queue()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        self.expect("ready")
+
+    def _read(self) -> None:
+        for line in self.running.stdout:
+            self.lines.put(line.strip())
+
+    def expect(self, line: str) -> None:
+        while self.lines.get(timeout=10) != line:
+            pass
+
+    def kill(self) -> None:
+        self.running.kill()
+        self.running.wait(10)
+        self._reader.join(10)
+        self.running.stdout.close()
+
+
+@pytest.fixture
+def folder(tmp_path_factory) -> Path:
+    """A folder whose name is short enough for local sockets."""
+    return tmp_path_factory.mktemp("nm")
+
+
+@pytest.fixture
+def managers(folder, free_port) -> Iterator[Callable[..., Manager]]:
+    """Start node managers on the free port."""
+    started: list[Manager] = []
+
+    def start(peer: str = "-") -> Manager:
+        started.append(Manager(folder, free_port, peer))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.kill()
+
+
+@pytest.fixture
+def client(station, folder) -> Callable[..., Station]:
+    """Make running transports that attach to the manager of the folder."""
+
+    def make(**settings: object) -> Station:
+        return station(
+            **{
+                "transport": TransportKind.NODE_MANAGER,
+                "node_manager_directory": str(folder),
+                **settings,
+            }
+        )
+
+    return make
+
+
+def test_two_components_of_two_processes_exchange_messages(client, managers, wait_until):
+    manager = managers()
+    here, there = client().attach(DRIVER), client().attach(OCU)
+    for address in (DRIVER, OCU):
+        manager.expect(f"client {address.packed}")
+    results: list[bool] = []
+    here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
+    wait_until(lambda: there.received and results)
+    assert (there.payloads, results) == ([STATUS], [True])
+    big = os.urandom(50_000)
+    there.transport.send(OCU, DRIVER, big, acknowledge=True, on_result=results.append)
+    wait_until(lambda: len(results) == 2)
+    assert (here.payloads, results[1]) == ([big], True)
+
+
+def test_two_components_of_one_process_exchange_messages(client, managers, wait_until):
+    managers()
+    here = client().attach(DRIVER, SENSOR)
+    here.transport.send(DRIVER, SENSOR, STATUS)
+    wait_until(lambda: here.received)
+    assert here.received[0][0] == SENSOR
+
+
+def test_a_broadcast_reaches_every_other_component_once(client, managers, wait_until):
+    managers()
+    here, there = client().attach(DRIVER, SENSOR), client().attach(OCU)
+    wait_until(lambda: all(map(here.transport.is_attached, (DRIVER, SENSOR))))
+    wait_until(lambda: there.transport.is_attached(OCU))
+    here.transport.send(DRIVER, BROADCAST, STATUS)
+    wait_until(lambda: here.received and there.received)
+    assert [own for own, _ in here.received + there.received] == [SENSOR, OCU]
+
+
+def test_the_world_is_reached_through_the_manager(client, managers, peer, wait_until, free_port):
+    managers(f"127.0.0.1:{peer.endpoint[1]}")
+    here = client().attach(DRIVER, SENSOR)
+    here.transport.send(DRIVER, BROADCAST, STATUS)
+    packet = peer.receive()
+    assert (packet.source, packet.destination, packet.payload) == (DRIVER, BROADCAST, STATUS)
+    assert packet.broadcast is Broadcast.GLOBAL
+    assert peer.answered_from == ("127.0.0.1", free_port)
+    wait_until(lambda: here.received)
+    question = Packet(BROADCAST, PEER, STATUS, 7, acknowledge=AckNak.REQUESTED)
+    peer.send(question)
+    answers = [peer.receive(), peer.receive()]
+    assert {each.source for each in answers} == {DRIVER, SENSOR}
+    assert {(each.acknowledge, each.sequence) for each in answers} == {(AckNak.ACK, 7)}
+    assert peer.is_quiet()
+    peer.send(question)
+    assert {peer.receive().source, peer.receive().source} == {DRIVER, SENSOR}
+    wait_until(lambda: here.counter("judp.duplicate") == 2)
+    assert len(here.received) == 3
+
+
+def test_messages_wait_for_the_manager_to_accept(client, managers, wait_until):
+    managers()
+    there = client().attach(OCU)
+    wait_until(lambda: there.transport.is_attached(OCU))
+    here = client()
+    with here.loop.lock:
+        here.attach(DRIVER)
+        for count in range(5):
+            here.transport.send(DRIVER, OCU, STATUS + bytes([count]))
+        assert not here.transport.is_attached(DRIVER)
+    wait_until(lambda: len(there.received) == 5)
+    assert there.payloads == [STATUS + bytes([count]) for count in range(5)]
+
+
+def test_a_busy_manager_is_waited_for(client, folder, wait_until):
+    """The system holds few datagrams for a local socket; fragments come in bursts."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(folder / "JuniorRTE"))
+        manager.settimeout(5)
+        here = client().attach(DRIVER)
+        asked = manager.recv(100)
+        accepted = asked[:9] + asked[13:17] + bytes(4) + asked[17:]
+        accepted = accepted[:7] + b"\x02\x00" + accepted[9:]
+        manager.sendto(accepted, str(folder / str(DRIVER.packed)))
+        wait_until(lambda: here.transport.is_attached(DRIVER))
+        here.transport.send(DRIVER, OCU, bytes(4079 * 200))
+        received = 0
+        while received < 200:
+            received += manager.recv(65535)[0] == 2
+        assert here.counter("node_manager.queue_full") == 0
+
+
+def test_without_a_manager_messages_are_counted_and_it_is_found_later(client, managers, wait_until):
+    here = client().attach(DRIVER)
+    results: list[bool] = []
+    here.transport.send(DRIVER, OCU, STATUS)
+    wait_until(lambda: here.counter("node_manager.no_answer") == 1)
+    here.transport.send(DRIVER, OCU, STATUS, on_result=results.append)
+    wait_until(lambda: results)
+    assert results == [False]
+    assert here.counter("node_manager.not_attached") == 1
+    managers()
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+
+
+@pytest.mark.parametrize("sends", [True, False])
+def test_a_manager_that_restarts_is_attached_to_again(client, managers, wait_until, sends):
+    manager = managers()
+    here = client().attach(DRIVER)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    manager.kill()
+    if sends:
+        here.transport.send(DRIVER, OCU, STATUS)
+    wait_until(lambda: here.counter("node_manager.lost") == 1)
+    manager = managers()
+    manager.expect(f"client {DRIVER.packed}")
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+
+
+def test_a_component_takes_leave(client, managers, folder, wait_until):
+    manager = managers()
+    here = client().attach(DRIVER, SENSOR)
+    wait_until(lambda: all(map(here.transport.is_attached, (DRIVER, SENSOR))))
+    here.transport.detach(DRIVER)
+    manager.expect(f"gone {DRIVER.packed}")
+    assert not (folder / str(DRIVER.packed)).exists()
+    here.close()
+    manager.expect(f"gone {SENSOR.packed}")
+    assert [path.name for path in folder.iterdir()] == ["JuniorRTE"]
+
+
+def test_a_component_that_another_process_runs_is_refused(client, managers):
+    managers()
+    client().attach(DRIVER)
+    with pytest.raises(OSError, match=r"another process runs component 100\.1\.1"):
+        client().attach(DRIVER)
+
+
+def test_the_socket_of_a_crashed_process_is_replaced(client, managers, folder, wait_until):
+    managers()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as crashed:
+        crashed.bind(str(folder / str(DRIVER.packed)))
+    here = client().attach(DRIVER)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+
+
+def test_foreign_and_damaged_datagrams_are_counted(client, managers, folder, wait_until):
+    managers()
+    here = client().attach(DRIVER)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
+        for data in (
+            b"junk",
+            b"\x01" + bytes(20),
+            b"\x01" + bytes(30),
+            Packet(OCU, PEER, STATUS).encode(),
+            Packet(DRIVER, BROADCAST, STATUS).encode(),
+            Packet(DRIVER, PEER, STATUS, 1).encode(),
+        ):
+            stranger.sendto(data, str(folder / str(DRIVER.packed)))
+    wait_until(lambda: here.received)
+    for name in ("bad_version", "version_1", "not_for_us", "bad_source"):
+        assert here.counter(f"judp.{name}") == 1
+    assert here.counter("node_manager.bad_command") == 1
+
+
+def test_what_cannot_work_is_refused(folder):
+    with Loop() as loop:
+        transport = NodeManagerTransport(
+            TransportSettings(node_manager_directory=str(folder / "missing")), loop
+        )
+        with pytest.raises(OSError, match="there is no folder"):
+            transport.open()
+        with pytest.raises(ValueError, match="is not attached"):
+            transport.send(DRIVER, OCU, STATUS)
+        transport.attach(DRIVER, lambda _message: None)
+        with pytest.raises(ValueError, match="is attached already"):
+            transport.attach(DRIVER, lambda _message: None)
+        transport.close()
