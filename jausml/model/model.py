@@ -48,6 +48,10 @@ class Model:
         """Remembers the id of an element; for the reader."""
         self._ids.setdefault(obj, identifier)
 
+    def identifier(self, obj: Any) -> str | None:
+        """Returns the id of an element, None when it has none."""
+        return self._ids.get(obj)
+
     @property
     def roots(self) -> list[Any]:
         """The root elements of all documents, in the order of the documents."""

@@ -1,0 +1,1 @@
+"""Importers: foreign descriptions of services and interfaces to models."""

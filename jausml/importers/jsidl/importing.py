@@ -1,0 +1,226 @@
+"""Imports JSIDL files: services of one or several sets, all findings of one run."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.importers.jsidl.behaviour import BehaviourBuilder
+from jausml.importers.jsidl.building import MOST_ELEMENTS, Builder, TooMuchError
+from jausml.importers.jsidl.checking import check_document
+from jausml.importers.jsidl.fields import FieldBuilder
+from jausml.importers.jsidl.findings import Findings, Place
+from jausml.importers.jsidl.library import join_library, library_model, services_by_urn
+from jausml.importers.jsidl.machines import finish_machines
+from jausml.importers.jsidl.messages import MessageBuilder
+from jausml.importers.jsidl.scopes import Scopes
+from jausml.importers.jsidl.services import (
+    ByUrn,
+    ImportedService,
+    ServiceBuilder,
+    SetOfServices,
+    find_inherited,
+    grouped,
+    identifiers,
+    index,
+)
+from jausml.importers.jsidl.values import Values
+from jausml.metamodel import load_metamodels
+from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.documents import Document
+from jausml.model.model import Model
+from jausml.model.parsing import Node, parse
+from jausml.model.values import show
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True, slots=True)
+class ImportResult:
+    """What an import yields.
+
+    Attributes:
+        model: The elements, which know their places in the JSIDL files; with the documents of the
+            library when a service inherits one of it.
+        sets: The service sets.
+        diagnostics: The findings, sorted by place.
+    """
+
+    model: Model
+    sets: list[Any]
+    diagnostics: list[Diagnostic]
+
+    @property
+    def has_errors(self) -> bool:
+        """True when the sets are not what the files say."""
+        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+
+
+def import_jsidl(
+    paths: Iterable[str | os.PathLike[str]],
+    *,
+    name: str | None = None,
+    version: str | None = None,
+) -> ImportResult:
+    """Imports services of JSIDL (AS5684) files.
+
+    Every problem becomes a diagnostic with its place; nothing that a file holds raises.
+
+    Args:
+        paths: The files. All sets of types and constants that services use are among them.
+        name: Name of the service set, when there is one only; by default that of the service_set
+            of the file, or the part of the URNs that stands before the name of the service.
+        version: Version of the service set, when there is one only; by default that of the
+            service_set, or that of most services.
+
+    Returns:
+        The service sets and the findings.
+    """
+    sources = []
+    for path in paths:
+        text = os.fspath(path)
+        try:
+            sources.append((text, Path(text).read_bytes()))
+        except (OSError, ValueError) as error:
+            sources.append((text, getattr(error, "strerror", None) or str(error)))
+    return import_sources(sources, name=name, version=version)
+
+
+def import_sources(
+    sources: Iterable[tuple[str, bytes | str]],
+    *,
+    name: str | None = None,
+    version: str | None = None,
+) -> ImportResult:
+    """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`.
+
+    Args:
+        sources: Names of the files with their bytes, or with the reason why there are none.
+        name: As for `import_jsidl`.
+        version: As for `import_jsidl`.
+    """
+    return _Import(name, version).run(sources)
+
+
+class _Import:
+    """One import."""
+
+    def __init__(self, name: str | None, version: str | None) -> None:
+        self._name = name
+        self._version = version
+        self._findings = Findings()
+        self._model = Model([], load_metamodels())
+        self._builder = Builder(self._model)
+        self._scopes = Scopes(self._findings)
+        self._values = Values(self._scopes, self._findings)
+
+    def run(self, sources: Iterable[tuple[str, bytes | str]]) -> ImportResult:
+        for path, data in sources:
+            self._read(path, data)
+        self._scopes.link()
+        sets: list[Any] = []
+        try:
+            services = self._services()
+            sets = self._sets(grouped(services))
+        except TooMuchError:
+            place = self._scopes.services[0].place
+            message = f"the declarations unfold into more than {MOST_ELEMENTS} elements"
+            self._findings.report("JML612", place, message)
+        if not self._scopes.services and not self._findings.has_errors:
+            documents = self._model.documents
+            at = Location(documents[0].display if documents else "<nothing>")
+            self._findings.report("JML614", at, "no file has a <service_def>")
+        return ImportResult(self._model, sets, self._findings.diagnostics())
+
+    def _read(self, path: str, data: bytes | str) -> None:
+        document = Document(Path(os.path.realpath(path)), path, is_library=False, given=True)
+        self._model.documents.append(document)
+        if isinstance(data, str):
+            self._findings.report("JML001", Location(path), data)
+            return
+        document.data = data
+        result = parse(data)
+        if result.root is None:
+            fault = result.fault
+            if fault is not None:
+                place = Location(path, fault.line, fault.column)
+                self._findings.report(fault.rule, place, fault.message, fault.hint)
+            return
+        document.encoding = result.encoding
+        document.readable = True
+        if check_document(document, result.root, self._findings):
+            self._scopes.add(document, result.root)
+
+    # -- services --------------------------------------------------------------------------------
+
+    def _services(self) -> list[ImportedService]:
+        fields = FieldBuilder(self._builder, self._scopes, self._findings)
+        messages = MessageBuilder(self._builder, fields, self._scopes, self._findings)
+        builder = ServiceBuilder(self._builder, messages, self._values, self._findings)
+        services = [builder.service(scope) for scope in self._scopes.services]
+        self._inherit(services)
+        for each in services:
+            behaviour = BehaviourBuilder(
+                each.service, self._builder, self._values, self._findings
+            )
+            for child in each.place.node.children:
+                if child.tag == "protocol_behavior":
+                    made = behaviour.machines(Place(each.place.document, child))
+                    self._builder.set(each.service, "machines", made)
+        finish_machines(services, self._model, self._findings)
+        self._report_unused(fields)
+        return services
+
+    def _inherit(self, services: list[ImportedService]) -> None:
+        imported = index(services, self._findings)
+        for each in services:
+            base = find_inherited(each, imported, lambda: self._library_services, self._findings)
+            if base is not None:
+                self._builder.set(each.service, "inherits", base)
+
+    @cached_property
+    def _library_services(self) -> ByUrn:
+        """The services of the library, which is read when a service needs it."""
+        library = library_model()
+        join_library(self._model, library)
+        return services_by_urn(library)
+
+    def _report_unused(self, fields: FieldBuilder) -> None:
+        """Looks at declared types that no message uses too: what is wrong there is said."""
+        for scope, place in list(self._scopes.unused()):
+            kind = place.node.tag
+            name = place.node.get("name") or ""
+            fields.check(scope, place)
+            message = f"no message uses <{kind}> {show(name)}"
+            self._findings.report("JML626", place, message)
+
+    # -- sets ------------------------------------------------------------------------------------
+
+    def _sets(self, groups: list[SetOfServices]) -> list[Any]:
+        alone = len(groups) == 1
+        pairs = []
+        for group in groups:
+            root = self._builder.new(
+                "ServiceSet",
+                _stand_in(group.place),
+                name=(self._name if alone else None) or group.name,
+                version=(self._version if alone else None) or group.version,
+                services=group.services,
+            )
+            pairs.append((root, group))
+        for element, identifier in identifiers(pairs).items():
+            self._model.name_by_id(element, identifier)
+        return [root for root, _ in pairs]
+
+
+def _stand_in(place: Place) -> Place:
+    """Returns the place of a set, which has no element of its own, as a root of its document."""
+    node = place.node
+    position = (node.line, node.column, node.offset)
+    stand_in = Node("service_set", [], node.prefixes, None, position)
+    place.document.root_nodes.append(stand_in)
+    return Place(place.document, stand_in)

@@ -1,0 +1,45 @@
+"""What a service may name: its own messages and events, and those of the services it inherits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.machines import CORE_EVENTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def lineage(service: Any) -> list[Any]:
+    """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
+    found: dict[Any, None] = {}
+    while service is not None and service not in found:
+        found[service] = None
+        service = service.inherits
+    return list(found)
+
+
+def bases_first(services: Iterable[Any]) -> list[Any]:
+    """Returns services in an order in which each follows those that it inherits."""
+    return sorted(services, key=lambda service: len(lineage(service)))
+
+
+class Vocabulary:
+    """The names that the protocol behaviour of a service may use.
+
+    Attributes:
+        inputs: Messages that the service takes by name, inherited ones included.
+        outputs: Messages that the service sends by name, inherited ones included.
+        events: Names of its internal events, inherited ones and those of the core included.
+    """
+
+    def __init__(self, service: Any) -> None:
+        self.inputs: dict[str, Any] = {}
+        self.outputs: dict[str, Any] = {}
+        self.events: set[str] = set(CORE_EVENTS)
+        for each in lineage(service):
+            for message in each.inputs:
+                self.inputs.setdefault(message.name, message)
+            for message in each.outputs:
+                self.outputs.setdefault(message.name, message)
+            self.events |= {event.name for event in each.events}

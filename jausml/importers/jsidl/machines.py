@@ -1,0 +1,66 @@
+"""Looks at the machines of all services together: a machine extends those that are inherited."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.importers.jsidl.lineage import bases_first
+from jausml.model.machines import Machine, machines_of
+from jausml.model.values import show, suggest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.importers.jsidl.findings import Findings
+    from jausml.importers.jsidl.services import ImportedService
+    from jausml.model.model import Model
+
+
+def finish_machines(
+    services: Iterable[ImportedService], model: Model, findings: Findings
+) -> None:
+    """Takes out transitions to states that do not exist, and marks missing initial states.
+
+    Args:
+        services: The imported services, with what they inherit.
+        model: Knows where elements come from.
+        findings: Where findings go.
+    """
+    for machine in machines_of(bases_first(each.service for each in services)):
+        _check_targets(machine, model, findings)
+        _check_initial(machine, model, findings)
+
+
+def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
+    for path, node in machine.nodes.items():
+        for state in node.elements:
+            for transitions in (state.transitions, state.defaults):
+                for transition in list(transitions):
+                    target = transition.target
+                    if target and machine.resolve(path, target) is None:
+                        message = f"machine '{machine.name}' has no state {show(target)}"
+                        hint = suggest(target, [*machine.nodes, *machine.children("")])
+                        findings.report("JML622", model.location(transition), message, hint)
+                        transitions.remove(transition)
+
+
+def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
+    for path in ["", *machine.nodes]:
+        inside = machine.children(path)
+        if not inside or machine.initial(path) is not None:
+            continue
+        element = _first_element(machine, inside)
+        if element is not None:
+            element.initial = True
+            where = f"state '{path}'" if path else f"machine '{machine.name}'"
+            message = f"{where} does not say which state is entered first"
+            hint = f"'{element.name}' was taken"
+            findings.report("JML625", model.location(element), message, hint)
+
+
+def _first_element(machine: Machine, paths: Iterable[str]) -> Any:
+    for path in paths:
+        node = machine.nodes.get(path)
+        if node is not None and node.elements:
+            return node.elements[0]
+    return None

@@ -1,0 +1,169 @@
+"""The vocabulary of JSIDL (AS5684): elements, their attributes and their children, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+NAMESPACES = ("urn:jaus:jsidl:1.0", "urn:jaus:jsidl:1.1")
+PLUS = "urn:jaus:jsidl:plus"
+ROOTS = ("service_def", "service_set", "declared_type_set", "declared_const_set")
+
+CONTAINERS = ("record", "sequence", "list", "variant")
+FIELDS = (
+    "fixed_field",
+    "variable_field",
+    "bit_field",
+    "fixed_length_string",
+    "variable_length_string",
+    "variable_length_field",
+    "variable_format_field",
+)
+BODY_PARTS = ("header", "body", "footer")
+
+
+@dataclass(frozen=True, slots=True)
+class ElementRule:
+    """What an element may have.
+
+    Attributes:
+        required: Attributes without which it means nothing.
+        assumed: Attributes that files leave out, with the value to assume.
+        optional: Attributes that may be missing.
+        children: Names of its child elements.
+        has_text: True when its text has a meaning.
+    """
+
+    required: frozenset[str] = frozenset()
+    assumed: Mapping[str, str] = field(default_factory=dict)
+    optional: frozenset[str] = frozenset()
+    children: frozenset[str] = frozenset()
+    has_text: bool = False
+
+    @property
+    def attributes(self) -> frozenset[str]:
+        """All attributes."""
+        return self.required | self.assumed.keys() | self.optional
+
+
+def _element(
+    required: str = "",
+    optional: str = "",
+    children: str = "",
+    *,
+    assumed: Mapping[str, str] = MappingProxyType({}),
+    has_text: bool = False,
+) -> ElementRule:
+    return ElementRule(
+        frozenset(required.split()),
+        assumed,
+        frozenset(optional.split()) | {"interpretation"},
+        frozenset(children.split()),
+        has_text,
+    )
+
+
+def _declared(*names: str) -> str:
+    return " ".join(f"{name} declared_{name}" for name in names)
+
+
+_CONTAINER = _declared(*CONTAINERS)
+_MEMBERS = _declared(*FIELDS, "array")
+_SETS = "declared_const_set_ref declared_type_set_ref"
+_VALUES = "scale_range value_set"
+_STEPS = "action send_action"
+_MESSAGE = f"description {_declared(*BODY_PARTS)}"
+_UNITS = {"field_units": "one"}
+_LIMITS = {"lower_limit_type": "inclusive", "upper_limit_type": "inclusive"}
+_STATES = "state default_state"
+_TRANSITION = "parameter guard internal simple push pop action send_action"
+_DECLARABLE = (*CONTAINERS, *FIELDS, *BODY_PARTS, "array", "message_def", "event_def")
+
+_VOCABULARY = {
+    "service_def": _element(
+        "name id version",
+        children="description assumptions references declared_const_set declared_type_set"
+        " message_set internal_events_set protocol_behavior",
+    ),
+    "service_set": _element(
+        "name", "id version", "description declared_const_set declared_type_set service_def"
+    ),
+    "description": _element(has_text=True),
+    "assumptions": _element(has_text=True),
+    "references": _element(children="inherits_from client_of"),
+    "inherits_from": _element("name id version"),
+    "client_of": _element("name id version"),
+    "declared_const_set": _element("name", "id version", "declared_const_set_ref const_def"),
+    "declared_const_set_ref": _element("name id version"),
+    "declared_type_set_ref": _element("name id version"),
+    "const_def": _element("name const_value", "const_type field_units"),
+    "declared_type_set": _element(
+        "name", "id version", f"description {_SETS} {_declared(*_DECLARABLE)}"
+    ),
+    "message_set": _element(children="description input_set output_set"),
+    "input_set": _element(children=_declared("message_def")),
+    "output_set": _element(children=_declared("message_def")),
+    "internal_events_set": _element(children=_declared("event_def")),
+    "message_def": _element(
+        "name message_id", children=_MESSAGE, assumed={"is_command": "false"}
+    ),
+    "event_def": _element("name", children=_MESSAGE),
+    **{part: _element(optional="name", children=_CONTAINER) for part in BODY_PARTS},
+    **{f"declared_{name}": _element("name declared_type_ref", "optional") for name in _DECLARABLE},
+    "record": _element("name", "optional", f"presence_vector {_MEMBERS}"),
+    "sequence": _element("name", "optional", f"presence_vector {_CONTAINER}"),
+    "list": _element("name", "optional", f"count_field {_CONTAINER}"),
+    "variant": _element("name", "optional", f"vtag_field {_CONTAINER}"),
+    "array": _element("name", "optional", f"dimension {_MEMBERS}"),
+    "dimension": _element("size", "name"),
+    "fixed_field": _element("name field_type", "optional", _VALUES, assumed=_UNITS),
+    "variable_field": _element("name", "optional", "type_and_units_field"),
+    "type_and_units_field": _element(children="type_and_units_enum"),
+    "type_and_units_enum": _element("name index field_type", children=_VALUES, assumed=_UNITS),
+    "bit_field": _element("name field_type_unsigned", "optional", "sub_field"),
+    "sub_field": _element("name", children="bit_range value_set"),
+    "bit_range": _element("from_index to_index"),
+    "fixed_length_string": _element("name string_length", "optional"),
+    "variable_length_string": _element("name", "optional", "count_field"),
+    "variable_length_field": _element("name field_format", "optional", "count_field"),
+    "variable_format_field": _element("name", "optional", "format_field count_field"),
+    "format_field": _element(children="format_enum"),
+    "format_enum": _element("index field_format"),
+    "count_field": _element("field_type_unsigned", "min_count max_count"),
+    "vtag_field": _element("field_type_unsigned", "min_count max_count"),
+    "presence_vector": _element("field_type_unsigned"),
+    "scale_range": _element(
+        "real_lower_limit real_upper_limit", assumed={"integer_function": "round"}
+    ),
+    "value_set": _element(optional="offset_to_lower_limit", children="value_range value_enum"),
+    "value_range": _element("lower_limit upper_limit", assumed=_LIMITS),
+    "value_enum": _element("enum_index enum_const"),
+    "protocol_behavior": _element(optional="is_stateless", children="start state_machine"),
+    "start": _element("state_machine_name state_name"),
+    "state_machine": _element("name", children=_STATES),
+    "state": _element(
+        "name", "initial_state", f"entry exit transition default_transition {_STATES}"
+    ),
+    "entry": _element(children=_STEPS),
+    "exit": _element(children=_STEPS),
+    "transition": _element("name", children=_TRANSITION),
+    "default_transition": _element(children=_TRANSITION),
+    "default_state": _element(children="transition default_transition"),
+    "parameter": _element("type", "value"),
+    "guard": _element("condition"),
+    "simple": _element(children="end_state"),
+    "end_state": _element("state"),
+    "internal": _element(),
+    "push": _element(children="end_state simple"),
+    "pop": _element(optional="transition", children="argument"),
+    "action": _element("name", children="argument"),
+    "send_action": _element("name", children="argument"),
+    "argument": _element("value"),
+}
+
+VOCABULARY: Mapping[str, ElementRule] = MappingProxyType(_VOCABULARY)
+"""The elements of JSIDL by name."""
