@@ -8,9 +8,15 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
 from jausml.validation.engine import validate
-from jausml.validation.formats import json, text
+from jausml.validation.formats import github, json, junit, sarif, text
 
-_RENDERERS = {"text": text.render, "json": json.render}
+_RENDERERS = {
+    "text": text.render,
+    "json": json.render,
+    "junit": junit.render,
+    "sarif": sarif.render,
+    "github": github.render,
+}
 
 
 @click.command("validate")

@@ -153,3 +153,14 @@ def test_spoilt_models_never_end_in_a_traceback(jausml, folder, model_text, data
     (folder / "bad.xmi").write_bytes(text.encode("utf-8", "surrogatepass"))
     result = jausml("validate", "bad.xmi")
     assert result.exit_code in (0, 1), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [("junit", '<?xml version="1.0"'), ("sarif", '{\n  "$schema"'), ("github", "::error file=")],
+)
+def test_formats_for_build_servers(jausml, name, start):
+    result = jausml("validate", "bad.xmi", "--format", name, "-q")
+    assert result.exit_code == 1
+    assert result.stdout.startswith(start)
+    assert "bad.xmi" in result.stdout

@@ -17,7 +17,7 @@ def render(report: Report) -> str:
     Args:
         report: The report.
     """
-    return "".join(f"{line}\n" for each in report.diagnostics for line in _lines(each))
+    return "".join(f"{line}\n" for each in report.diagnostics for line in lines_of(each))
 
 
 def summary(report: Report) -> str:
@@ -35,6 +35,16 @@ def summary(report: Report) -> str:
     return f"{', '.join(counts) or 'no problems'} in {files}"
 
 
+def lines_of(diagnostic: Diagnostic) -> list[str]:
+    """Returns the lines of one finding: its own, and one for each related place.
+
+    Args:
+        diagnostic: The finding.
+    """
+    notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
+    return [one_line(str(diagnostic)), *map(one_line, notes)]
+
+
 def one_line(text: str) -> str:
     """Returns text with everything that could move a terminal's cursor escaped.
 
@@ -42,11 +52,6 @@ def one_line(text: str) -> str:
         text: Text that may come from a model.
     """
     return "".join(char if char.isprintable() else _escape(char) for char in text)
-
-
-def _lines(diagnostic: Diagnostic) -> list[str]:
-    notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
-    return [one_line(str(diagnostic)), *map(one_line, notes)]
 
 
 def _escape(char: str) -> str:
