@@ -10,7 +10,10 @@ from jausml.model.rules import READER_RULES
 from jausml.validation.rules import all_rules
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jausml.model.diagnostics import Severity
+    from jausml.model.rules import RuleInfo
 
 _WIDTH = 100
 
@@ -32,11 +35,16 @@ class CatalogueEntry:
     documentation: str
 
 
-def catalogue() -> list[CatalogueEntry]:
-    """Returns all rules, ordered by id."""
+def catalogue(*further: Mapping[str, RuleInfo]) -> list[CatalogueEntry]:
+    """Returns all rules, ordered by id.
+
+    Args:
+        further: What importers check, by rule id.
+    """
     entries = [
         CatalogueEntry(id_, info.severity, info.title, textwrap.fill(info.explanation, _WIDTH))
-        for id_, info in READER_RULES.items()
+        for rules in (READER_RULES, *further)
+        for id_, info in rules.items()
     ]
     entries += [
         CatalogueEntry(each.id, each.severity, each.title, each.documentation)

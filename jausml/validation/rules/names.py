@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
+from jausml.model.guards import GuardError, conditions, parse_guard
 from jausml.model.words import snake_case
+from jausml.validation.facts.machines import behaviours
 from jausml.validation.facts.names import is_identifier, package_key, taken
 from jausml.validation.facts.services import with_inherited
 from jausml.validation.rule import Finding, Note, rule
@@ -13,6 +15,7 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.validation.facts.machines import Behaviour
     from jausml.validation.subject import Subject
 
 _IDENTIFIERS = (
@@ -20,6 +23,8 @@ _IDENTIFIERS = (
     "jaus.ServiceSet",
     "jaus.Service",
     "jaus.MessageDef",
+    "jaus.InternalEvent",
+    "jaus.StateMachine",
     "jaus.ServiceConnection",
     "ros.TopicEndpoint",
     "ros.ServiceEndpoint",
@@ -39,6 +44,10 @@ _SIBLINGS = (
     ("jaus.ServiceSet", ("types",)),
     ("jaus.Service", ("inputs",)),
     ("jaus.Service", ("outputs",)),
+    ("jaus.Service", ("events",)),
+    ("jaus.Service", ("machines",)),
+    ("jaus.StateMachine", ("states",)),
+    ("jaus.State", ("states",)),
     ("jaus.Component", ("connections",)),
     ("bridge.Bridge", ("maps",)),
     ("bridge.Bridge", ("bridgeConnections",)),
@@ -176,10 +185,63 @@ def message_names(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, text, related=notes)
 
 
+@rule("JML506", Severity.ERROR, "names in a state machine that no code can have")
+def machine_names(subject: Subject) -> Iterator[Finding]:
+    """States, actions and guards have names of letters, digits and underscores, joined by dots.
+
+    Actions and guards become methods of one class: what differs in the model differs in code. An
+    action may stand in many places under one name; it is the same action everywhere.
+
+    Bad: an action setSpeed and another one set_speed
+
+    Good: setSpeed in both places
+    """
+    for state in subject.instances("jaus.State"):
+        yield from _dotted(state, "state")
+    for action in subject.instances("jaus.Action"):
+        yield from _dotted(action, "action")
+    for behaviour in behaviours(subject):
+        holders: dict[str, tuple[str, Any, str]] = {}
+        for kind, name, element, feature in _methods(behaviour):
+            first_kind, first, written = holders.setdefault(snake_case(name), (kind, element, name))
+            if (first_kind, written) != (kind, name):
+                text = f"{kind} '{name}' has the name of the {first_kind} '{written}' in code"
+                note = Note(first, f"{first_kind} '{written}'")
+                yield Finding(element, text, feature, related=(note,))
+
+
+def _dotted(element: Any, noun: str) -> Iterator[Finding]:
+    name = element.name
+    if name is not None and not all(is_identifier(part) for part in name.split(".")):
+        hint = "letters, digits and underscores, with a letter first, joined by dots"
+        yield Finding(element, f"{noun} name {name!a} is no identifier", "name", hint)
+
+
+def _methods(behaviour: Behaviour) -> Iterator[tuple[str, str, Any, str]]:
+    """Yields the methods that a machine needs: kind, name, element and its feature."""
+    for _, transition in behaviour.transitions():
+        try:
+            names = list(conditions(parse_guard(transition.guard)))
+        except GuardError:
+            continue
+        for name in names:
+            yield "guard", name, transition, "guard"
+    for action in behaviour.actions():
+        if action.name and action.sends is None:
+            yield "action", action.name.rpartition(".")[2], action, "name"
+
+
 def _siblings(subject: Subject) -> Iterator[list[Any]]:
     for kind, features in _SIBLINGS:
         for owner in subject.instances(kind):
             yield [element for feature in features for element in getattr(owner, feature)]
 
 
-RULES = (identifiers, interface_names, package_collisions, sibling_names, message_names)
+RULES = (
+    identifiers,
+    interface_names,
+    package_collisions,
+    sibling_names,
+    message_names,
+    machine_names,
+)
