@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.model.machines import CORE_LEAVES, Machine, event_name, machines_of, states_of
+from jausml.model.machines import (
+    CORE_LEAVES,
+    CORE_STATES,
+    Machine,
+    event_name,
+    machines_of,
+    states_of,
+)
 from jausml.validation.facts.services import lineage
 
 if TYPE_CHECKING:
@@ -102,10 +109,16 @@ class Behaviour:
         return found
 
     def _innermost(self, path: str) -> list[str]:
-        """Returns the states that entering one leads to: several where none is initial."""
-        reached = self.machine.innermost(path)
-        inside = self.machine.children(reached)
-        return [state for each in inside for state in self._innermost(each)] or [reached]
+        """Returns the states that entering one leads to: several where not one is initial."""
+        inside = self.machine.children(path)
+        if not inside:
+            return [path]
+        marked = [each for each in inside if each in self._marked()] or inside
+        starts = inside[:1] if inside[0] in CORE_STATES else marked
+        return [state for each in starts for state in self._innermost(each)]
+
+    def _marked(self) -> set[str]:
+        return {path for path, node in self.machine.nodes.items() if node.is_initial}
 
 
 def behaviours(subject: Subject) -> Iterator[Behaviour]:
