@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test live lint format bench emf reference clean
+.PHONY: demo test live lint format bench fuzz emf reference clean
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -32,6 +32,13 @@ format: $(READY)
 
 bench: $(READY)  ## the figures that docs/performance.md quotes
 	$(BIN)/python benchmarks/run.py
+
+SECONDS ?= 60
+
+fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where atheris is installed
+	@for target in $(notdir $(basename $(wildcard fuzz/targets/[a-z]*.py))); do \
+	  echo "$$target:"; $(BIN)/python fuzz/run.py $$target --seconds $(SECONDS) || exit 1; \
+	done
 
 emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
 	$(BIN)/python tools/record_emf.py

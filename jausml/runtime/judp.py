@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from .address import JausAddress
     from .counters import Counters
+    from .inbox import Inbox
     from .loop import Loop, Timer
     from .settings import Endpoint, TransportSettings
     from .transport import OnResult, Receive
@@ -80,6 +81,16 @@ class JudpTransport:
                     self.loop.unregister(sock)
             self._sender.close()
             self._messenger.close()
+
+    @property
+    def inbox(self) -> Inbox[Endpoint]:
+        """What receives for the components of this process."""
+        return self._inbox
+
+    @property
+    def address_book(self) -> AddressBook:
+        """Where components are."""
+        return self._book
 
     @property
     def endpoint(self) -> Endpoint | None:

@@ -81,7 +81,8 @@ class Reassembly:
 
     Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
     numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
-    ``judp.reassembly_timeout`` and ``judp.reassembly_overflow``.
+    ``judp.reassembly_timeout`` and ``judp.reassembly_overflow``. Of the ``judp.fragments`` taken,
+    each is held, or among ``judp.fragments_assembled`` or ``judp.fragments_discarded``.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
@@ -116,7 +117,9 @@ class Reassembly:
         if source is None:
             source = self._sources[packet.source] = _Source()
         elif packet.sequence in source.fragments:
+            self._counters.add("judp.duplicate")
             return None
+        self._counters.add("judp.fragments")
         self._sources.move_to_end(packet.source)
         self._size += _cost(packet)
         run = source.add(packet, now)
@@ -131,6 +134,7 @@ class Reassembly:
             runs = source.by_start.values()
             for run in [run for run in runs if now - run.updated >= self._timeout]:
                 count = len(self._remove(source, run))
+                self._counters.add("judp.fragments_discarded", count)
                 self._counters.count("judp.reassembly_timeout", f"{count} fragments of {address}")
             if not source.fragments:
                 del self._sources[address]
@@ -139,6 +143,8 @@ class Reassembly:
         packets = self._remove(source, run)
         if not source.fragments:
             del self._sources[address]
+        self._counters.add("judp.fragments_assembled", len(packets))
+        self._counters.add("judp.reassembled")
         payload = b"".join([packet.payload for packet in packets])
         return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
 
@@ -157,6 +163,7 @@ class Reassembly:
     def _discard(self, address: JausAddress) -> None:
         source = self._sources.pop(address)
         self._size -= source.size
+        self._counters.add("judp.fragments_discarded", len(source.fragments))
         self._counters.count("judp.reassembly_overflow", f"{source.size} bytes of {address}")
 
 

@@ -1,0 +1,102 @@
+"""The fuzz driver, as a process."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+FINDS = """
+def seeds():
+    return [b"good"]
+
+def one_input(data):
+    assert b"d" in data or not data.startswith(b"goo"), "found"
+"""
+
+GROWS = """
+KEPT = []
+
+def one_input(data):
+    KEPT.append(bytes(100_000 if len(KEPT) > 300 else 0) + data)
+"""
+
+
+def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, str(folder / "run.py"), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+@pytest.fixture
+def driver(tmp_path: Path) -> Path:
+    """A copy of the driver with targets of its own."""
+    (tmp_path / "targets").mkdir()
+    (tmp_path / "run.py").write_bytes((ROOT / "fuzz" / "run.py").read_bytes())
+    (tmp_path / "targets" / "finds.py").write_text(FINDS)
+    (tmp_path / "targets" / "grows.py").write_text(GROWS)
+    return tmp_path
+
+
+def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
+    done = run(ROOT / "fuzz", "datagrams", "--plain", "--runs", "20000", "--seed", "7")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.startswith("20000 inputs in ")
+    for end in ("delivered", "judp.truncated=", "judp.duplicate=", "judp.reassembled="):
+        assert end in done.stdout
+
+
+def test_a_run_can_be_repeated():
+    reports = [
+        run(
+            ROOT / "fuzz", "datagrams", "--plain", "--runs", "2000", "--seed", seed
+        ).stdout.splitlines()[1:]
+        for seed in ("3", "3", "4")
+    ]
+    assert reports[0] == reports[1] != reports[2]
+
+
+def test_an_input_that_raises_is_kept_and_told(driver):
+    done = run(driver, "finds", "--plain", "--runs", "10000")
+    assert done.returncode == 1
+    assert "AssertionError: found" in done.stderr
+    (kept,) = driver.glob("found-*")
+    data = kept.read_bytes()
+    assert data.startswith(b"goo")
+    assert b"d" not in data
+    assert data.hex() in done.stdout
+
+
+def test_growing_memory_is_an_error(driver):
+    done = run(driver, "grows", "--plain", "--runs", "1400", "--growth", "20")
+    assert done.returncode == 1
+    assert "memory grew by more than 20 MiB" in done.stdout
+
+
+def test_a_duration_ends_a_run(driver):
+    done = run(driver, "grows", "--plain", "--seconds", "0.05", "--growth", "100000")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
+    done = run(ROOT / "fuzz", "datagram")
+    assert done.returncode == 2
+    assert "did you mean datagrams?" in done.stderr
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("atheris"), reason="atheris is not installed")
+def test_a_run_guided_by_coverage(driver):
+    done = run(ROOT / "fuzz", "datagrams", "--runs", "500")
+    assert done.returncode == 0, done.stderr
+    assert "stat::number_of_executed_units: " in done.stderr
+    found = run(driver, "finds", "--runs", "200000")
+    assert found.returncode not in (0, 2)
+    assert list(driver.glob("found-*"))
