@@ -10,6 +10,7 @@ import errno
 import sys
 import traceback
 from importlib import import_module
+from keyword import iskeyword
 from typing import Any
 
 import click
@@ -20,6 +21,7 @@ VERBS = {
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
+    "import": "Make models of foreign descriptions.",
     "list": "List the JAUS services and messages that are known.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
@@ -43,7 +45,8 @@ class Verbs(click.Group):
         """Returns a verb, or None when there is none of the name."""
         if cmd_name not in VERBS:
             return None
-        command: click.Command = import_module(f"jausml.cli.{cmd_name}").command
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        command: click.Command = import_module(f"jausml.cli.{module}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

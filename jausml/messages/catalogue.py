@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages.codec import shown
-from jausml.messages.embedded import DecodedMessage, decode_embedded
+from jausml.messages.embedded import (
+    MAXIMUM_DEPTH,
+    DecodedMessage,
+    EmbeddedMessage,
+    decode_embedded,
+)
 from jausml.messages.entries import MessageEntry, ServiceEntry, read_code
 from jausml.messages.errors import (
     AmbiguousMessageError,
@@ -29,7 +35,6 @@ if TYPE_CHECKING:
     from jausml.model import Model
 
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
-_SHOWN_CHOICES = 6
 
 
 def load_catalogue(
@@ -227,7 +232,8 @@ class Catalogue:
 
         Args:
             payload: Message code and body.
-            service: Service that defines or inherits the message; see `find_services`.
+            service: Service whose messages are meant where a code has several meanings; other
+                codes are those of the whole catalogue.
 
         Raises:
             DecodeError: The bytes are no message of their code.
@@ -236,10 +242,13 @@ class Catalogue:
             AmbiguousMessageError: Several definitions fit; the error lists them.
             DefinitionError: The only definition gives no codec.
         """
+        return self._decode(payload, service, MAXIMUM_DEPTH)
+
+    def _decode(self, payload: bytes, service: str | None, depth: int) -> DecodedMessage:
         code = read_code(payload)
-        entries = self.find(code, service)
+        entries = self.find(code, service) or self._with_code(code)
         if not entries:
-            raise self._unknown(code, service)
+            raise self._unknown(code)
         fitting: list[tuple[MessageEntry, dict[str, Any]]] = []
         error: CodecError = DecodeError("no definition fits")
         for entry in entries:
@@ -253,13 +262,22 @@ class Catalogue:
         if not fitting:
             raise error
         entry, fields = fitting[0]
-        return DecodedMessage(entry, fields, decode_embedded(entry, fields, self.decode))
+        embedded: tuple[EmbeddedMessage, ...] = ()
+        if depth:
+            deeper = partial(self._decode, service=service, depth=depth - 1)
+            embedded = decode_embedded(entry, fields, deeper)
+        return DecodedMessage(entry, fields, self._service_of(entry, service), embedded)
 
-    def _unknown(self, code: int, service: str | None) -> UnknownMessageError:
-        elsewhere = self._with_code(code)
-        if elsewhere:
-            choices = _choices(elsewhere)
-            return UnknownMessageError(f"{service} has no message 0x{code:04X}", choices[:3])
+    def _service_of(self, entry: MessageEntry, service: str | None) -> ServiceEntry:
+        """Returns the service to name for a message: the meant one if it defines it."""
+        meant = self.find_services(service) if service is not None else ()
+        for each in meant:
+            for ancestor in each.lineage:
+                if ancestor in entry.services:
+                    return ancestor
+        return entry.services[0]
+
+    def _unknown(self, code: int) -> UnknownMessageError:
         swapped = self._with_code(code >> 8 | (code & 0xFF) << 8)
         hint = f"; with its bytes swapped it is {swapped[0].name}" if swapped else ""
         return UnknownMessageError(f"no message has the code 0x{code:04X}{hint}")

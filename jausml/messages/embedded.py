@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jausml.messages.entries import MessageEntry, ServiceEntry
 
 MAXIMUM_DEPTH = 8
+"""Messages inside messages that are decoded; what stands deeper remains hex."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,13 @@ class DecodedMessage:
     Attributes:
         entry: What the catalogue says of it.
         fields: The fields of its body.
+        service: The service that is named with it, one of the entry's.
         embedded: The messages inside it, in their order.
     """
 
     entry: MessageEntry
     fields: dict[str, Any]
+    service: ServiceEntry
     embedded: tuple[EmbeddedMessage, ...] = ()
 
     def fields_with_messages(self) -> dict[str, Any]:
@@ -63,18 +66,13 @@ class DecodedMessage:
             holder[MESSAGE] = found.to_json()
         return fields
 
-    def to_json(self, service: ServiceEntry | None = None) -> dict[str, Any]:
-        """Returns the message as `jausml decode` prints it and `Catalogue.encode` takes it.
-
-        Args:
-            service: The service to name; by default the first that defines the message.
-        """
-        named = service or self.entry.services[0]
+    def to_json(self) -> dict[str, Any]:
+        """Returns the message as `jausml decode` prints it and `Catalogue.encode` takes it."""
         return {
             "message": self.entry.name,
             "code": self.entry.code_text,
-            "service": named.urn,
-            "service_version": named.version,
+            "service": self.service.urn,
+            "service_version": self.service.version,
             "fields": self.fields_with_messages(),
         }
 
@@ -91,7 +89,7 @@ def decode_embedded(
         fields: Its fields.
         decode: Decodes a payload.
     """
-    if not may_hold(entry.codec):
+    if not entry.may_hold_messages:
         return ()
     found = []
     for path, holder in holders(entry.codec, fields):
@@ -100,23 +98,6 @@ def decode_embedded(
         except MessageError as error:
             found.append(EmbeddedMessage(path, None, str(error)))
     return tuple(found)
-
-
-def may_hold(codec: Codec) -> bool:
-    """Tells whether a field can hold a message.
-
-    Args:
-        codec: The codec of the field.
-    """
-    if isinstance(codec, Record):
-        return any(may_hold(member.codec) for member in codec.members)
-    if isinstance(codec, (List, Array)):
-        return may_hold(codec.element)
-    if isinstance(codec, Variant):
-        return any(may_hold(option) for _, option in codec.options)
-    if isinstance(codec, FormattedOctets):
-        return any(map(codec.holds_message, codec.formats))
-    return isinstance(codec, Octets) and codec.holds_message
 
 
 def holders(codec: Codec, value: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.messages.compiling import compile_message
 from jausml.messages.errors import DecodeError, EncodeError
-from jausml.messages.shapes import shape
+from jausml.messages.shapes import may_hold, shape
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -145,6 +145,11 @@ class MessageEntry:
             DefinitionError: The definition gives no codec.
         """
         return compile_message(self.definition, self._encode_message)
+
+    @cached_property
+    def may_hold_messages(self) -> bool:
+        """Whether a field of the body can hold a message."""
+        return may_hold(self.codec)
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:

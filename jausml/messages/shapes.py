@@ -1,4 +1,4 @@
-"""What makes two definitions equal: the same names and the same wire form."""
+"""Questions to a codec as a whole: whether it equals another, whether it can hold a message."""
 
 from __future__ import annotations
 
@@ -59,3 +59,20 @@ def _leaf(codec: Codec) -> tuple[Any, ...]:
 
 def _counted(counted: Counted) -> tuple[str, int, int]:
     return (counted.count_format, counted.lower, counted.upper)
+
+
+def may_hold(codec: Codec) -> bool:
+    """Tells whether a field can hold a message.
+
+    Args:
+        codec: The codec of the field.
+    """
+    if isinstance(codec, Record):
+        return any(may_hold(member.codec) for member in codec.members)
+    if isinstance(codec, (List, Array)):
+        return may_hold(codec.element)
+    if isinstance(codec, Variant):
+        return any(may_hold(option) for _, option in codec.options)
+    if isinstance(codec, FormattedOctets):
+        return any(map(codec.holds_message, codec.formats))
+    return isinstance(codec, Octets) and codec.holds_message

@@ -1,0 +1,263 @@
+"""`jausml decode`: shows JAUS messages, from hex, from captures, or live."""
+
+from __future__ import annotations
+
+import re
+import sys
+from contextlib import ExitStack
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.messages import (
+    STDIN,
+    format_option,
+    model_option,
+    open_catalogue,
+    read_lines,
+    reason_of,
+    shown_path,
+    to_json,
+    write,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.messages import Catalogue, DecodedMessage
+    from jausml.traffic.frames import Datagram
+    from jausml.traffic.observing import Observation
+
+_BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
+
+Line = tuple[str, str]
+"""Where a line stands, and its text."""
+
+
+@click.command("decode")
+@click.argument("inputs", nargs=-1, metavar="[HEX...|FILE|-]")
+@click.option("--datagram", is_flag=True, help="The hex is of whole JUDP datagrams, with headers.")
+@click.option("--pcap", metavar="FILE", help="Read a capture, pcap or pcapng; - reads stdin.")
+@click.option("--listen", is_flag=True, help="Listen to the multicast group; takes no part in it.")
+@click.option(
+    "--service",
+    metavar="SERVICE",
+    help="Where a code has several meanings, that of this service: URN or name, then /VERSION.",
+)
+@format_option("Indented text with units, or one JSON object a line.")
+@model_option
+@click.option("--port", default=3794, show_default=True, help="For --pcap and --listen: UDP port.")
+@click.option("--interface", default="127.0.0.1", show_default=True, help="For --listen: IPv4.")
+@click.option("--multicast-group", default="239.255.0.1", show_default=True, help="For --listen.")
+@click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
+@click.option("--duration", type=click.FloatRange(0), metavar="S", help="Listen so many seconds.")
+def command(
+    inputs: tuple[str, ...],
+    datagram: bool,
+    pcap: str | None,
+    listen: bool,
+    service: str | None,
+    output_format: str,
+    models: tuple[str, ...],
+    count: int | None,
+    **options: Any,
+) -> None:
+    """Show JAUS messages: hex from arguments, files or stdin, captures, or live traffic.
+
+    A line of hex is one message: its code, low byte first, and its body. Blanks, colons, 0x and
+    comments (#) may stand in it. Hex bytes given one by one are one message.
+
+    Exit status: 0 done, 1 something cannot be decoded (the rest is shown), 2 usage or something
+    that cannot be read, 3 internal error.
+    """
+    if sum((bool(inputs), pcap is not None, listen)) > 1:
+        raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
+    output = _Output(output_format)
+    reading = _Reading(open_catalogue(models), service, output, count)
+    try:
+        if listen:
+            reading.network(**options)
+        elif pcap is not None:
+            reading.capture(pcap, options["port"])
+        else:
+            reading.lines(_lines(inputs), are_datagrams=datagram)
+    except KeyboardInterrupt:
+        click.echo("interrupted", err=True)
+    if output.has_failed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _lines(inputs: tuple[str, ...]) -> Iterator[Line]:
+    """Yields the lines of arguments and files; stdin when there are none."""
+    if not inputs and sys.stdin.isatty():
+        raise click.UsageError("give HEX, a FILE, - for stdin, --pcap or --listen")
+    if len(inputs) > 1 and all(map(_BYTE.fullmatch, inputs)):
+        yield "arguments", " ".join(inputs)
+        return
+    for number, text in enumerate(inputs or (STDIN,), 1):
+        if text == STDIN or _is_file(text):
+            for line_number, line in enumerate(read_lines(text), 1):
+                yield f"{shown_path(text)}:{line_number}", line
+        else:
+            yield f"argument {number}", text
+
+
+def _is_file(text: str) -> bool:
+    try:
+        return Path(text).exists()
+    except (OSError, ValueError):
+        return False
+
+
+class _Output:
+    """Writes what is decoded.
+
+    Attributes:
+        has_failed: Whether something could not be decoded.
+    """
+
+    def __init__(self, output_format: str) -> None:
+        self.has_failed = False
+        self._is_json = output_format == "json"
+
+    def message(self, decoded: DecodedMessage) -> None:
+        """Writes a message."""
+        if self._is_json:
+            write(to_json(decoded.to_json()))
+            return
+        from jausml.messages import text  # noqa: PLC0415 - JSON does without
+
+        write(text.title(decoded))
+        for line in text.lines(decoded):
+            write(f"  {line}")
+
+    def observation(self, observation: Observation) -> None:
+        """Writes a message with its transport header, or a datagram that cannot be read."""
+        self.has_failed |= observation.is_problem
+        if self._is_json:
+            write(to_json(observation.to_json()))
+            return
+        from jausml.traffic import text  # noqa: PLC0415 - JSON does without
+
+        for line in text.lines(observation):
+            write(line)
+
+    def problem(self, place: str, reason: str) -> None:
+        """Writes why a line cannot be decoded: to stderr, and for programs to stdout."""
+        self.has_failed = True
+        click.echo(f"{place}: {reason}", err=True)
+        if self._is_json:
+            write(to_json({"error": reason, "place": place}))
+
+
+class _Reading:
+    """Reads one source and shows what is in it."""
+
+    def __init__(
+        self, catalogue: Catalogue, service: str | None, output: _Output, count: int | None
+    ) -> None:
+        from jausml.messages import UnknownServiceError  # noqa: PLC0415 - `--help` is quick
+
+        self._catalogue = catalogue
+        self._service = service
+        self._output = output
+        self._count = count
+        if service is not None:
+            try:
+                catalogue.find_services(service)
+            except UnknownServiceError as error:
+                raise click.UsageError(str(error)) from error
+
+    def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
+        """Shows lines of hex: payloads, or datagrams with their headers."""
+        from jausml.messages import MessageError  # noqa: PLC0415 - `--help` is quick
+
+        found = islice(self._bytes(lines), self._count)
+        if are_datagrams:
+            self._datagrams(found)
+            return
+        for place, payload in found:
+            try:
+                self._output.message(self._catalogue.decode(payload, self._service))
+            except MessageError as error:
+                self._output.problem(place, str(error))
+
+    def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
+        """Yields the bytes of lines that have some."""
+        from jausml.traffic.errors import TrafficError  # noqa: PLC0415 - `--help` is quick
+        from jausml.traffic.hexlines import parse_hex  # noqa: PLC0415
+
+        for place, line in lines:
+            try:
+                data = parse_hex(line)
+            except TrafficError as error:
+                self._output.problem(place, str(error))
+                continue
+            if data:
+                yield place, data
+
+    def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
+        from jausml.traffic.frames import Datagram  # noqa: PLC0415 - `--help` is quick
+
+        self._observe(Datagram(data) for _, data in lines)
+
+    def _observe(self, datagrams: Iterable[Datagram], *, is_live: bool = False) -> None:
+        from jausml.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
+
+        observer = Observer(self._catalogue, self._service)
+        for datagram in datagrams:
+            for observation in observer.observe(datagram):
+                self._output.observation(observation)
+            if is_live:
+                sys.stdout.flush()
+
+    def capture(self, path: str, port: int) -> None:
+        """Shows the JUDP traffic of a capture."""
+        from jausml.traffic.captures import read_frames  # noqa: PLC0415 - `--help` is quick
+        from jausml.traffic.errors import TrafficError  # noqa: PLC0415
+        from jausml.traffic.frames import UdpReader  # noqa: PLC0415
+
+        reader = UdpReader(port)
+        with ExitStack() as stack:
+            try:
+                stream = sys.stdin.buffer
+                if path != STDIN:
+                    stream = stack.enter_context(Path(path).open("rb"))
+            except (OSError, ValueError) as error:
+                raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+            datagrams = filter(None, map(reader.read, read_frames(stream)))
+            try:
+                self._observe(islice(datagrams, self._count), is_live=path == STDIN)
+            except TrafficError as error:
+                self._output.problem(shown_path(path), str(error))
+        for reason, number in sorted(reader.skipped.items()):
+            click.echo(f"{shown_path(path)}: skipped {number} {reason}", err=True)
+        if reader.unfinished:
+            text = f"skipped {reader.unfinished} IP packets with missing fragments"
+            click.echo(f"{shown_path(path)}: {text}", err=True)
+
+    def network(
+        self, port: int, interface: str, multicast_group: str, duration: float | None
+    ) -> None:
+        """Shows what is sent to the multicast group."""
+        from jausml.runtime.settings import TransportSettings  # noqa: PLC0415 - `--help` is quick
+        from jausml.traffic.errors import TrafficError  # noqa: PLC0415
+        from jausml.traffic.listening import MulticastListener  # noqa: PLC0415
+
+        try:
+            settings = TransportSettings(
+                interface=interface, port=port, multicast_group=multicast_group
+            )
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+        try:
+            listener = MulticastListener(settings)
+        except TrafficError as error:
+            raise EnvironmentFault(str(error)) from error
+        with listener:
+            where = f"{multicast_group}:{port} on {interface}"
+            click.echo(f"listening to {where}", err=True)
+            self._observe(islice(listener.datagrams(duration), self._count), is_live=True)

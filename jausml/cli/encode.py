@@ -1,0 +1,57 @@
+"""`jausml encode`: messages in JSON become hex."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from jausml.cli.common import PROBLEMS
+from jausml.cli.messages import STDIN, model_option, open_catalogue, read_lines, shown_path, write
+
+
+@click.command("encode")
+@click.argument("path", default=STDIN, metavar="[FILE|-]")
+@model_option
+def command(path: str, models: tuple[str, ...]) -> None:
+    """Turn messages in JSON, one a line, into hex, one a line.
+
+    A line is an object as `jausml decode --format json` prints it: "message" (name) or "code",
+    "fields", and a "service" (with "service_version") where several messages have the name. `_pv`
+    may be left out. Reads stdin without a file.
+
+    Exit status: 0 done, 1 some line is wrong (the others are encoded), 2 usage or a file that
+    cannot be read, 3 internal error.
+    """
+    from jausml.messages import MessageError  # noqa: PLC0415 - `--help` is quick
+
+    failed = False
+    catalogue = open_catalogue(models)
+    for number, line in enumerate(read_lines(path), 1):
+        if not line.strip():
+            continue
+        try:
+            write(catalogue.encode(_message(line)).hex())
+        except (MessageError, _LineError) as error:
+            failed = True
+            click.echo(f"{shown_path(path)}:{number}: {error}", err=True)
+    if failed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+class _LineError(ValueError):
+    """A line that is not an object of JSON."""
+
+
+def _message(line: str) -> dict[str, object]:
+    try:
+        value = json.loads(line)
+    except json.JSONDecodeError as error:
+        raise _LineError(f"column {error.colno}: {error.msg}") from error
+    except RecursionError:
+        raise _LineError("nested too deep") from None
+    if isinstance(value, dict) and isinstance(value.get("message"), dict):
+        value = value["message"]  # a line of `jausml decode --datagram`
+    if not isinstance(value, dict):
+        raise _LineError(f"an object is needed, this is a {type(value).__name__}")
+    return value

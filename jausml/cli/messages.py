@@ -1,0 +1,131 @@
+"""What the verbs of messages share: the catalogue, lines of input, JSON and text output."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from jausml.messages import Catalogue
+
+STDIN = "-"
+
+model_option = click.option(
+    "--model",
+    "models",
+    multiple=True,
+    metavar="FILE",
+    help="Know the messages of a model (or of all models below a folder) too; may be repeated.",
+)
+
+
+def format_option(help_text: str) -> Callable[[Any], Any]:
+    """Returns the option for the format of the output.
+
+    Args:
+        help_text: What the formats are.
+    """
+    choices = click.Choice(["text", "json"])
+    return click.option(
+        "--format", "output_format", type=choices, default="text", show_default=True, help=help_text
+    )
+
+
+class ModelFault(click.ClickException):
+    """A model has errors."""
+
+    exit_code = PROBLEMS
+
+
+def open_catalogue(models: Iterable[str]) -> Catalogue:
+    """Returns the catalogue of the library and of models.
+
+    Args:
+        models: Files and folders.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: A model has errors.
+    """
+    from jausml.messages import CatalogueError, load_catalogue  # noqa: PLC0415 - `--help` is quick
+
+    try:
+        return load_catalogue(find_models(models))
+    except CatalogueError as error:
+        raise ModelFault(str(error)) from error
+
+
+def read_lines(path: str) -> Iterator[str]:
+    """Yields the lines of a file, or of stdin for `-`.
+
+    Args:
+        path: The file.
+
+    Raises:
+        EnvironmentFault: It cannot be read.
+    """
+    try:
+        with nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream:
+            for line in stream:
+                yield line.decode("utf-8", errors="replace")
+    except (OSError, ValueError) as error:
+        raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+
+
+def reason_of(error: Exception) -> str:
+    """Returns why a path cannot be read, without the path.
+
+    Args:
+        error: What opening or reading it raised.
+    """
+    return str(getattr(error, "strerror", None) or error)
+
+
+def shown_path(path: str) -> str:
+    """Returns how messages name an input.
+
+    Args:
+        path: The file, or `-`.
+    """
+    return "<stdin>" if path == STDIN else click.format_filename(path)
+
+
+def write(line: str) -> None:
+    """Writes a line to stdout; faster than click's echo, which counts for 100000 lines.
+
+    Args:
+        line: The line without its end.
+    """
+    sys.stdout.write(f"{line}\n")
+
+
+def to_json(value: Any) -> str:
+    """Returns a value as one line of JSON; JSON has no infinity, which becomes a string.
+
+    Args:
+        value: The value.
+    """
+    try:
+        return json.dumps(value, allow_nan=False)
+    except ValueError:
+        return json.dumps(_finite(value))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_finite(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value
