@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli import main as command_line
+from jausml.importers.jsidl.rules import JSIDL_RULES
 from jausml.metamodel import ClassTable, FeatureTable, PackageTable, documentation, load_metamodels
 from jausml.validation.catalogue import catalogue
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
 LANGUAGES = ("jaus", "ros", "bridge", "system")
@@ -75,7 +76,7 @@ def _data_types(package: PackageTable) -> list[str]:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
-    for entry in catalogue():
+    for entry in catalogue(JSIDL_RULES):
         lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
         lines += [entry.documentation, ""]
     return "\n".join(lines).rstrip() + "\n"
@@ -85,12 +86,21 @@ def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = ["# Command line", ""]
     root = click.Context(command_line, info_name="jausml", terminal_width=96, max_content_width=96)
-    for name in (None, *command_line.list_commands(root)):
-        command = command_line.get_command(root, name) if name else command_line
-        assert command is not None  # noqa: S101 - for the type checker
-        context = click.Context(command, info_name=name, parent=root) if name else root
-        lines += [f"## {context.command_path}", "", "```text", command.get_help(context), "```", ""]
+    for context in _contexts(root):
+        text = context.command.get_help(context)
+        lines += [f"## {context.command_path}", "", "```text", text, "```", ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _contexts(context: click.Context) -> Iterator[click.Context]:
+    """Yields a command and the commands below it."""
+    yield context
+    group = context.command
+    if isinstance(group, click.Group):
+        for name in group.list_commands(context):
+            command = group.get_command(context, name)
+            if command is not None:
+                yield from _contexts(click.Context(command, info_name=name, parent=context))
 
 
 def pages() -> Mapping[str, str]:

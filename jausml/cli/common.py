@@ -32,15 +32,31 @@ def find_models(paths: Iterable[str]) -> list[str]:
     Raises:
         EnvironmentFault: A path does not exist or cannot be read, or a folder holds no model.
     """
-    return [file for path in paths for file in _models_at(path)]
+    return find_files(paths, (SUFFIX,))
 
 
-def _models_at(path: str) -> Sequence[str]:
+def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
+    """Returns files as they are, and the files with certain endings below folders.
+
+    Hidden folders are left out.
+
+    Args:
+        paths: Files and folders.
+        suffixes: Endings of file names.
+
+    Raises:
+        EnvironmentFault: A path does not exist or cannot be read, or a folder holds no such file.
+    """
+    return [file for path in paths for file in _files_at(path, suffixes)]
+
+
+def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
     try:
         if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them
-            found = sorted(_walk(path))
+            found = sorted(_walk(path, suffixes))
             if not found:
-                raise EnvironmentFault(f"no {SUFFIX} files in {click.format_filename(path)}")
+                what = " or ".join(suffixes)
+                raise EnvironmentFault(f"no {what} files in {click.format_filename(path)}")
             return found
         with Path(path).open("rb"):
             return [path]
@@ -49,11 +65,11 @@ def _models_at(path: str) -> Sequence[str]:
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
 
 
-def _walk(path: str) -> Iterator[str]:
+def _walk(path: str, suffixes: tuple[str, ...]) -> Iterator[str]:
     for folder, subfolders, names in os.walk(path, onerror=_raise):
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in names:
-            if name.endswith(SUFFIX) and not name.startswith("."):
+            if name.endswith(suffixes) and not name.startswith("."):
                 yield os.path.normpath(os.path.join(folder, name))  # noqa: PTH118
 
 

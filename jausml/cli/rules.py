@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from jausml.importers.jsidl.rules import JSIDL_RULES
 from jausml.validation.catalogue import catalogue
 
 
 @click.command("rules")
 def command() -> None:
     """List the rules: id, severity and title."""
-    for entry in catalogue():
+    for entry in catalogue(JSIDL_RULES):
         click.echo(f"{entry.id} {entry.severity.value:7} {entry.title}")

@@ -286,5 +286,5 @@ def _text(text: str) -> str:
 def _checked(text: str) -> str:
     wrong = _NOT_XML.search(text)
     if wrong:
-        raise UnwritableError(f"XML cannot hold the character {ascii(wrong.group())}")
+        raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
     return text

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.building import DEEPEST
 from jausml.importers.jsidl.findings import Findings, Place
-from jausml.importers.jsidl.lineage import Vocabulary
-from jausml.importers.jsidl.values import Values, documentation, folded
+from jausml.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.model.guards import GuardError, parse_guard
 from jausml.model.values import show, suggest
 from jausml.model.words import parts, snake_case
 
 if TYPE_CHECKING:
     from jausml.importers.jsidl.building import Builder
+    from jausml.importers.jsidl.lineage import KnownNames
     from jausml.model.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")
@@ -33,19 +33,19 @@ class BehaviourBuilder:
     """Makes the state machines of one service.
 
     Args:
-        service: The service, with its messages and events and the service that it inherits.
+        names: What the service may name.
         builder: Makes elements.
         values: Reads attributes.
         findings: Where findings go.
     """
 
     def __init__(
-        self, service: Any, builder: Builder, values: Values, findings: Findings
+        self, names: KnownNames, builder: Builder, values: Values, findings: Findings
     ) -> None:
         self._builder = builder
         self._values = values
         self._findings = findings
-        self._known = Vocabulary(service)
+        self._known = names
         self._guards: dict[str, str] = {}
 
     def machines(self, place: Place) -> list[Any]:
@@ -174,7 +174,7 @@ class BehaviourBuilder:
             kind=kind,
             target=target,
             guard=guard,
-            documentation=" ".join(filter(None, (documentation(place.node), said))) or None,
+            documentation=joined(documentation(place.node), said),
             actions=self._actions(place, has_sender="message" in trigger),
         )
 
@@ -188,13 +188,15 @@ class BehaviourBuilder:
             at = Place(place.document, parameters[0], "type")
             type_name = folded(parameters[0].get("type"))
             message = self._known.inputs.get(last(type_name))
+            if message is None and self._is_broken(last(type_name)):
+                return None
             if message is None:
                 text = f"the service takes no message {show(type_name)}"
                 hint = suggest(last(type_name), self._known.inputs)
                 self._findings.report("JML622", at, text, hint)
                 return None
             return {"message": message}
-        if not name:
+        if not name or self._is_broken(name):
             return None
         if name not in self._known.events:
             text = f"neither the service nor one that it inherits has an event {show(name)}"
@@ -206,6 +208,11 @@ class BehaviourBuilder:
             text = f"what the event {show(name)} carries is not handed to guards and actions"
             self._findings.report("JML626", at, text)
         return {"event": name}
+
+    def _is_broken(self, name: str) -> bool:
+        """Tells whether a message or event may be missing because of an error in it."""
+        known = name in self._known.events or name in self._known.outputs
+        return not known and self._findings.has_errors and self._known.is_declared(name)
 
     def _kind(self, place: Place) -> tuple[str, str | None]:
         """Returns kind and target of a transition."""
@@ -254,7 +261,7 @@ class BehaviourBuilder:
             name = self._guard_name(text)
             message = f"condition {show(text)} is no guard: {error}"
             self._findings.report("JML623", at, message, f"the guard is '{name}'")
-            return name, " ".join(filter(None, (f"Guard: {text}", said)))
+            return name, joined(f"Guard: {text}", said)
 
     def _guard_name(self, text: str) -> str:
         """Returns the name of the condition that stands for a text, the same for the same text."""
@@ -290,16 +297,14 @@ class BehaviourBuilder:
             documentation=documentation(place.node, *nodes),
         )
 
-    def _send(
-        self, place: Place, arguments: list[str], *, has_sender: bool
-    ) -> tuple[str, Any]:
+    def _send(self, place: Place, arguments: list[str], *, has_sender: bool) -> tuple[str, Any]:
         """Returns the name of an action that sends, and the message if the model can say it."""
         wanted = arguments[0].strip("'\" ")
         quoted = [text.strip("'\" ") for text in arguments[1:] if text[:1] in ("'", '"')]
         suffix = "".join(_camel(text) for text in quoted)
         message = self._known.outputs.get(wanted)
         if message is None:
-            if arguments[0][:1] in ("'", '"'):
+            if arguments[0][:1] in ("'", '"') and not self._is_broken(wanted):
                 text = f"the service sends no message {show(wanted)}"
                 hint = suggest(wanted, self._known.outputs)
                 self._findings.report("JML624", place, text, hint or "the action is a method")
@@ -318,4 +323,7 @@ def last(name: str | None) -> str:
 
 
 def _camel(text: str) -> str:
-    return "".join(word[:1].upper() + word[1:].lower() if word.isupper() else word[:1].upper() + word[1:] for word in parts(text))
+    return "".join(
+        word[:1].upper() + word[1:].lower() if word.isupper() else word[:1].upper() + word[1:]
+        for word in parts(text)
+    )

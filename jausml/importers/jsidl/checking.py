@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from jausml.model.parsing import Node
 
 
+def is_jsidl(root: Node) -> bool:
+    """Tells by its namespace whether a root element is one of JSIDL."""
+    return root.namespace in (*NAMESPACES, PLUS)
+
+
 def check_document(document: Document, root: Node, findings: Findings) -> bool:
     """Checks all elements and attributes of a file, and drops what editors added.
 
@@ -25,7 +30,7 @@ def check_document(document: Document, root: Node, findings: Findings) -> bool:
         Whether the file is a JSIDL file at all.
     """
     place = Place(document, root)
-    if root.namespace not in (*NAMESPACES, PLUS):
+    if not is_jsidl(root):
         message = f"<{root.tag}> is of namespace {show(root.namespace)}, not of JSIDL"
         if not root.namespace:
             message = f"<{root.tag}> has no namespace"

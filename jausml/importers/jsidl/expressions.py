@@ -55,7 +55,7 @@ def _tokens(text: str) -> list[tuple[str, str]]:
         match = _TOKEN.match(stripped, at)
         if match is None:
             wrong = stripped[at:].strip()[0]
-            raise ExpressionError(f"has {ascii(wrong)}, which is no part of an expression")
+            raise ExpressionError(f"has {wrong!a}, which is no part of an expression")
         kind = str(match.lastgroup)
         tokens.append((kind, match.group(kind)))
         at = match.end()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.importers.jsidl.building import DEEPEST, Builder
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
-from jausml.importers.jsidl.values import INT, LONG, Values, documentation, folded, largest
+from jausml.importers.jsidl.values import INT, LONG, Values, documentation, folded, joined, largest
 from jausml.importers.jsidl.vocabulary import CONTAINERS, FIELDS
 from jausml.model.values import show
 
@@ -85,7 +85,7 @@ class FieldBuilder:
             kind,
             place,
             name=name,
-            documentation=" ".join(filter(None, (said, further))) or None,
+            documentation=joined(said, further),
             optional=self._values.flag(place, "optional") or None,
             **features,
         )
@@ -219,9 +219,7 @@ class FieldBuilder:
         if self._values.flag(place, "offset_to_lower_limit"):
             message = "the integers of this value set count from its lower limit on the wire"
             self._findings.report("JML613", place.at("offset_to_lower_limit"), message)
-        values = [
-            self._value(scope, Place(place.document, child)) for child in place.node.children
-        ]
+        values = [self._value(scope, Place(place.document, child)) for child in place.node.children]
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
@@ -254,11 +252,11 @@ class FieldBuilder:
         alternatives = []
         for each in self._children(choices, "type_and_units_enum") if choices else []:
             features = self._number(scope, each)
-            said = " ".join(filter(None, (documentation(each.node), features["documentation"])))
+            said = joined(documentation(each.node), features["documentation"])
             features.update(
                 name=self._values.text(each, "name"),
                 index=self._values.integer(scope, each, "index"),
-                documentation=said or None,
+                documentation=said,
             )
             alternatives.append(self._builder.new("Alternative", each, **features))
         if choices and not alternatives:
@@ -319,10 +317,12 @@ class FieldBuilder:
         if choices and not formats:
             self._findings.report("JML604", choices, f"{_name(place)} has no format")
         features = self._count(scope, place, "Length")
-        said = " ".join(
-            filter(None, (documentation(choices.node if choices else None), features["documentation"]))
-        )
-        return "VariableFormatField", {**features, "formats": formats, "documentation": said or None}
+        said = joined(documentation(choices.node if choices else None), features["documentation"])
+        return "VariableFormatField", {
+            **features,
+            "formats": formats,
+            "documentation": said,
+        }
 
     def _count(self, scope: Scope, place: Place, what: str) -> dict[str, Any]:
         """Returns the features of a count: its type and its bounds."""
@@ -384,4 +384,3 @@ class FieldBuilder:
 
 def _name(place: Place) -> str:
     return show(folded(place.node.get("name")))
-

@@ -34,10 +34,15 @@ class Place:
 
 
 class Findings:
-    """The findings of one import."""
+    """The findings of one import.
+
+    Attributes:
+        has_errors: True when nothing should be written.
+    """
 
     def __init__(self) -> None:
         self._found: dict[Diagnostic, None] = {}
+        self.has_errors = False
 
     def report(
         self,
@@ -54,12 +59,8 @@ class Findings:
         """
         location = place if isinstance(place, Location) else place.location
         severity = (JSIDL_RULES.get(rule) or READER_RULES[rule]).severity
+        self.has_errors = self.has_errors or severity is Severity.ERROR
         self._found[Diagnostic(rule, severity, location, message, hint, related=related)] = None
-
-    @property
-    def has_errors(self) -> bool:
-        """True when nothing should be written."""
-        return any(each.severity is Severity.ERROR for each in self._found)
 
     def diagnostics(self) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""

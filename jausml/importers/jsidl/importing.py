@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.importers.jsidl.building import MOST_ELEMENTS, Builder, TooMuchError
-from jausml.importers.jsidl.checking import check_document
+from jausml.importers.jsidl.checking import check_document, is_jsidl
 from jausml.importers.jsidl.fields import FieldBuilder
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.library import join_library, library_model, services_by_urn
+from jausml.importers.jsidl.lineage import KnownNames
 from jausml.importers.jsidl.machines import finish_machines
 from jausml.importers.jsidl.messages import MessageBuilder
 from jausml.importers.jsidl.scopes import Scopes
@@ -63,6 +64,7 @@ class ImportResult:
 def import_jsidl(
     paths: Iterable[str | os.PathLike[str]],
     *,
+    candidates: Iterable[str | os.PathLike[str]] = (),
     name: str | None = None,
     version: str | None = None,
 ) -> ImportResult:
@@ -72,6 +74,7 @@ def import_jsidl(
 
     Args:
         paths: The files. All sets of types and constants that services use are among them.
+        candidates: Further files; those of them that are no JSIDL at all are passed over.
         name: Name of the service set, when there is one only; by default that of the service_set
             of the file, or the part of the URNs that stands before the name of the service.
         version: Version of the service set, when there is one only; by default that of the
@@ -80,18 +83,39 @@ def import_jsidl(
     Returns:
         The service sets and the findings.
     """
-    sources = []
-    for path in paths:
-        text = os.fspath(path)
-        try:
-            sources.append((text, Path(text).read_bytes()))
-        except (OSError, ValueError) as error:
-            sources.append((text, getattr(error, "strerror", None) or str(error)))
-    return import_sources(sources, name=name, version=version)
+    files = {os.path.realpath(path): (os.fspath(path), True) for path in paths}
+    for path in candidates:
+        files.setdefault(os.path.realpath(path), (os.fspath(path), False))
+    return import_sources([_load(*each) for each in files.values()], name=name, version=version)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file that may be JSIDL.
+
+    Attributes:
+        path: Its name in messages.
+        data: Its bytes; None when it cannot be read.
+        fault: Why it cannot be read.
+        is_named: True when the user named it, so that it has to be JSIDL.
+    """
+
+    path: str
+    data: bytes | None
+    fault: str = ""
+    is_named: bool = True
+
+
+def _load(path: str, is_named: bool) -> Source:  # noqa: FBT001 -- a pair of the table above
+    try:
+        return Source(path, Path(path).read_bytes(), is_named=is_named)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        return Source(path, None, reason, is_named=is_named)
 
 
 def import_sources(
-    sources: Iterable[tuple[str, bytes | str]],
+    sources: Iterable[Source],
     *,
     name: str | None = None,
     version: str | None = None,
@@ -99,7 +123,7 @@ def import_sources(
     """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`.
 
     Args:
-        sources: Names of the files with their bytes, or with the reason why there are none.
+        sources: The documents.
         name: As for `import_jsidl`.
         version: As for `import_jsidl`.
     """
@@ -118,9 +142,9 @@ class _Import:
         self._scopes = Scopes(self._findings)
         self._values = Values(self._scopes, self._findings)
 
-    def run(self, sources: Iterable[tuple[str, bytes | str]]) -> ImportResult:
-        for path, data in sources:
-            self._read(path, data)
+    def run(self, sources: Iterable[Source]) -> ImportResult:
+        for source in sources:
+            self._read(source)
         self._scopes.link()
         sets: list[Any] = []
         try:
@@ -136,24 +160,29 @@ class _Import:
             self._findings.report("JML614", at, "no file has a <service_def>")
         return ImportResult(self._model, sets, self._findings.diagnostics())
 
-    def _read(self, path: str, data: bytes | str) -> None:
-        document = Document(Path(os.path.realpath(path)), path, is_library=False, given=True)
-        self._model.documents.append(document)
-        if isinstance(data, str):
-            self._findings.report("JML001", Location(path), data)
+    def _read(self, source: Source) -> None:
+        path = source.path
+        if source.data is None:
+            self._findings.report("JML001", Location(path), source.fault)
             return
-        document.data = data
-        result = parse(data)
-        if result.root is None:
+        result = parse(source.data)
+        document = Document(Path(os.path.realpath(path)), path, is_library=False, given=True)
+        document.data = source.data
+        document.encoding = result.encoding
+        root = result.root
+        if not source.is_named and not _is_meant(source.data, root):
+            self._findings.report("JML627", Location(path), "the file is no JSIDL")
+            return
+        self._model.documents.append(document)
+        if root is None:
             fault = result.fault
             if fault is not None:
                 place = Location(path, fault.line, fault.column)
                 self._findings.report(fault.rule, place, fault.message, fault.hint)
             return
-        document.encoding = result.encoding
         document.readable = True
-        if check_document(document, result.root, self._findings):
-            self._scopes.add(document, result.root)
+        if check_document(document, root, self._findings):
+            self._scopes.add(document, root)
 
     # -- services --------------------------------------------------------------------------------
 
@@ -164,9 +193,8 @@ class _Import:
         services = [builder.service(scope) for scope in self._scopes.services]
         self._inherit(services)
         for each in services:
-            behaviour = BehaviourBuilder(
-                each.service, self._builder, self._values, self._findings
-            )
+            names = KnownNames(each.service, self._scopes.declared_names)
+            behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
             for child in each.place.node.children:
                 if child.tag == "protocol_behavior":
                     made = behaviour.machines(Place(each.place.document, child))
@@ -215,6 +243,11 @@ class _Import:
         for element, identifier in identifiers(pairs).items():
             self._model.name_by_id(element, identifier)
         return [root for root, _ in pairs]
+
+
+def _is_meant(data: bytes, root: Node | None) -> bool:
+    """Tells whether a file is JSIDL, or was probably meant to be when it cannot be parsed."""
+    return is_jsidl(root) if root is not None else b"urn:jaus:jsidl" in data
 
 
 def _stand_in(place: Place) -> Place:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.model.machines import CORE_EVENTS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Container, Iterable
 
 
 def lineage(service: Any) -> list[Any]:
@@ -24,8 +24,12 @@ def bases_first(services: Iterable[Any]) -> list[Any]:
     return sorted(services, key=lambda service: len(lineage(service)))
 
 
-class Vocabulary:
+class KnownNames:
     """The names that the protocol behaviour of a service may use.
+
+    Args:
+        service: The service, with its messages and events and what it inherits.
+        declared: Names of all messages and events of the files.
 
     Attributes:
         inputs: Messages that the service takes by name, inherited ones included.
@@ -33,13 +37,18 @@ class Vocabulary:
         events: Names of its internal events, inherited ones and those of the core included.
     """
 
-    def __init__(self, service: Any) -> None:
+    def __init__(self, service: Any, declared: Container[str]) -> None:
         self.inputs: dict[str, Any] = {}
         self.outputs: dict[str, Any] = {}
         self.events: set[str] = set(CORE_EVENTS)
+        self._declared = declared
         for each in lineage(service):
             for message in each.inputs:
                 self.inputs.setdefault(message.name, message)
             for message in each.outputs:
                 self.outputs.setdefault(message.name, message)
             self.events |= {event.name for event in each.events}
+
+    def is_declared(self, name: str) -> bool:
+        """Tells whether the files declare a message or event, if only with errors."""
+        return name in self._declared

@@ -16,9 +16,7 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
 
 
-def finish_machines(
-    services: Iterable[ImportedService], model: Model, findings: Findings
-) -> None:
+def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
     """Takes out transitions to states that do not exist, and marks missing initial states.
 
     Args:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import Declaration, Scope, Scopes
-from jausml.importers.jsidl.values import Values, documentation, folded
+from jausml.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.importers.jsidl.vocabulary import CONTAINERS
 from jausml.model.values import show
 
@@ -84,7 +84,7 @@ class MessageBuilder:
         own = documentation(place.node) if place != target else None
         descriptions = [each for each in target.node.children if each.tag == "description"]
         said = own or documentation(target.node, *descriptions)
-        return " ".join(filter(None, (said, further))) or None
+        return joined(said, further)
 
     def _code(self, place: Place) -> str | None:
         text = "".join(folded(place.node.get("message_id")).split())

@@ -114,6 +114,11 @@ _RULES = {
         "type that no message uses, the clients of a service.",
         Severity.INFO,
     ),
+    "JML627": RuleInfo(
+        "file passed over",
+        "A file in a folder that was given is no JSIDL. A file that is named itself has to be.",
+        Severity.INFO,
+    ),
 }
 
 JSIDL_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)

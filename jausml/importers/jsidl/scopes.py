@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from jausml.importers.jsidl.expressions import ExpressionError, evaluate
@@ -14,11 +13,13 @@ from jausml.model.values import show, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from fractions import Fraction
 
     from jausml.model.documents import Document
     from jausml.model.parsing import Node
 
 _SETS = ("declared_type_set", "declared_const_set")
+_MESSAGE_SETS = ("message_set", "input_set", "output_set", "internal_events_set")
 _DEEPEST_CONSTANT = 20
 _REFERENCES = tuple(f"{kind}_ref" for kind in _SETS)
 
@@ -248,6 +249,20 @@ class Scopes:
         """
         return evaluate(text, lambda path: self.constant(scope, path))
 
+    @property
+    def declared_names(self) -> frozenset[str]:
+        """Names of the messages and events in the services of all files."""
+        found = set()
+        pending = [scope.place.node for scope in self.services]
+        while pending:
+            node = pending.pop()
+            pending += [child for child in node.children if child.tag in _MESSAGE_SETS]
+            if node.tag.removeprefix("declared_") in ("message_def", "event_def"):
+                found.add(node.get("name") or "")
+            elif node.tag in _MESSAGE_SETS:
+                pending += node.children
+        return frozenset(found)
+
     def unused(self) -> Iterator[tuple[Scope, Place]]:
         """Yields the declared types that nothing referred to, with the scopes of their names."""
         for scope in self._all:
@@ -286,5 +301,3 @@ def matches(wanted: str, version: str) -> bool:
 
 def _version_key(version: str) -> tuple[list[int], str]:
     return [int(part[:9]) for part in re.findall("[0-9]+", version)], version
-
-

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import matches, pick_version
-from jausml.importers.jsidl.values import Values, documentation, folded
+from jausml.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.model.diagnostics import Related
 from jausml.model.values import show, suggest
 from jausml.model.words import snake_case
@@ -263,7 +263,7 @@ def _said(place: Place) -> str | None:
         for tag in ("description", "assumptions")
         for each in _children(place, tag)
     ]
-    return " ".join(text for text in texts if text) or None
+    return joined(*texts)
 
 
 def _children(place: Place, tag: str) -> list[Place]:

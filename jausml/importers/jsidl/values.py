@@ -52,6 +52,11 @@ def documentation(*nodes: Node | None) -> str | None:
     return " ".join(dict.fromkeys(text for text in texts if text)) or None
 
 
+def joined(*texts: str | None) -> str | None:
+    """Returns texts one after the other, None when there are none."""
+    return " ".join(text for text in texts if text) or None
+
+
 class Values:
     """Reads values and reports those that are none.
 
@@ -143,5 +148,4 @@ class Values:
 
 def largest(unsigned: str) -> int:
     """Returns the largest integer of an unsigned type such as `uint8`."""
-    return 2 ** int(unsigned.removeprefix("uint")) - 1
-
+    return (1 << int(unsigned.removeprefix("uint"))) - 1

@@ -108,9 +108,7 @@ _VOCABULARY = {
     "input_set": _element(children=_declared("message_def")),
     "output_set": _element(children=_declared("message_def")),
     "internal_events_set": _element(children=_declared("event_def")),
-    "message_def": _element(
-        "name message_id", children=_MESSAGE, assumed={"is_command": "false"}
-    ),
+    "message_def": _element("name message_id", children=_MESSAGE, assumed={"is_command": "false"}),
     "event_def": _element("name", children=_MESSAGE),
     **{part: _element(optional="name", children=_CONTAINER) for part in BODY_PARTS},
     **{f"declared_{name}": _element("name declared_type_ref", "optional") for name in _DECLARABLE},

@@ -1,0 +1,158 @@
+"""`jausml import`: makes models of foreign descriptions."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.importers.jsidl import ImportResult, import_jsidl
+from jausml.importers.jsidl.library import library_model, services_by_urn
+from jausml.importers.jsidl.scopes import pick_version
+from jausml.model.comparison import ON_THE_WIRE, compare
+from jausml.model.reader import ReadResult
+from jausml.model.writer import UnwritableError, replace_file, to_xmi
+from jausml.validation.engine import check
+from jausml.validation.formats import json, text
+from jausml.validation.formats.text import one_line
+from jausml.validation.report import Report
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_SUFFIXES = (".xml", ".jsidl")
+_RENDERERS = {"text": text.render, "json": json.render}
+
+
+@click.group("import")
+def command() -> None:
+    """Make models of foreign descriptions."""
+
+
+@command.command("jsidl")
+@click.argument("paths", nargs=-1, required=True, metavar="PATH...")
+@click.option("-o", "--output", metavar="OUT.xmi", help="The model to write.")
+@click.option("--name", help="Name of the service set; by default that of its file or URNs.")
+@click.option(
+    "--set-version", metavar="VERSION", help="Version of the set; by default that of its services."
+)
+@click.option(
+    "--compare-library", is_flag=True, help="Show where services differ from the library's."
+)
+@click.option("--force", is_flag=True, help="Overwrite OUT.xmi when it differs.")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(list(_RENDERERS)),
+    default="text",
+    show_default=True,
+    help="Format of the findings.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+def jsidl(
+    paths: tuple[str, ...],
+    output: str | None,
+    name: str | None,
+    set_version: str | None,
+    compare_library: bool,
+    force: bool,
+    output_format: str,
+    quiet: bool,
+) -> None:
+    """Import services in JSIDL (AS5684): files, or all *.xml and *.jsidl files below folders.
+
+    All services become one model with a service set for each set of URNs. Services that are
+    inherited may be in the shipped library. Reports all problems in one run; with an error, nothing
+    is written.
+
+    Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
+    be read or OUT.xmi not be written, 3 internal error.
+    """
+    if output is None and not compare_library:
+        raise click.UsageError("name the model to write by -o OUT.xmi")
+    folders = [path for path in paths if Path(path).is_dir()]
+    files = find_files([path for path in paths if path not in folders], _SUFFIXES)
+    candidates = find_files(folders, _SUFFIXES)
+    result = import_jsidl(files, candidates=candidates, name=name, version=set_version)
+    report = _report(result)
+    click.echo(_RENDERERS[output_format](report), nl=False)
+    if report.has_errors:
+        _say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
+    if len(result.sets) > 1 and (name or set_version):
+        names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
+        raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
+    if output is not None:
+        state = _write(result, output, [*files, *candidates], force=force)
+        _say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
+    if compare_library:
+        differences = list(_differences(result))
+        for line in differences:
+            click.echo(one_line(line))
+        _say(f"{len(differences)} differences from the library", quiet=quiet)
+        if differences:
+            raise click.exceptions.Exit(PROBLEMS)
+
+
+def _report(result: ImportResult) -> Report:
+    """Returns the findings of the importer; without errors, those of the rules too."""
+    if not result.has_errors:
+        return check(ReadResult(result.model, result.diagnostics))
+    files = tuple(document.display for document in result.model.documents if document.given)
+    return Report(result.model, files, tuple(result.diagnostics))
+
+
+def _write(result: ImportResult, output: str, inputs: list[str], *, force: bool) -> str:
+    """Writes the model; returns what became of the file."""
+    path = Path(output)
+    shown = click.format_filename(output)
+    if os.path.realpath(path) in {os.path.realpath(each) for each in inputs}:
+        raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
+    try:
+        data = to_xmi(result.sets, result.model, path).encode("utf-8")
+        if path.exists():
+            if path.read_bytes() == data:
+                return "unchanged"
+            if not force:
+                raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")
+        replace_file(path, data)
+    except UnwritableError as error:
+        raise click.ClickException(f"cannot write {shown}: {error}") from error
+    except OSError as error:
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    return "written"
+
+
+def _differences(result: ImportResult) -> Iterator[str]:
+    """Yields the differences from the services of the library, each with its place."""
+    library = services_by_urn(library_model())
+    for service in (each for root in result.sets for each in root.services):
+        place = result.model.location(service)
+        versions = library.get(service.urn)
+        if versions is None:
+            yield f"{place}: {service.name}: the library has no service {service.urn}"
+            continue
+        theirs = versions[pick_version(service.version, versions)]
+        for each in compare(service, theirs, result.model.metamodels, ON_THE_WIRE):
+            at = result.model.location(each.first_element)
+            values = f"{_shown(each.first)} here, {_shown(each.second)} in the library"
+            yield f"{at}: {each.path}: {each.feature}: {values}"
+
+
+def _shown(value: str) -> str:
+    return value.lower() if value in ("True", "False") else value
+
+
+def _summary(result: ImportResult) -> str:
+    services: list[Any] = [each for root in result.sets for each in root.services]
+    messages = sum(len(each.inputs) + len(each.outputs) for each in services)
+    counts = ((len(result.sets), "set"), (len(services), "service"), (messages, "message"))
+    return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
+
+
+def _say(line: str, *, quiet: bool) -> None:
+    if not quiet:
+        click.echo(line, err=True)
