@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from jausml.generators.common.fields import FORMATS, integer_limits
 from jausml.generators.wireshark.services import library_services
 from jausml.generators.wireshark.views import DissectorView
+from jausml.messages import load_catalogue
 from jausml.model import read_models
 
 from .wireshark_support import (
@@ -20,6 +22,7 @@ from .wireshark_support import (
     Shown,
     datagram,
     dissect,
+    fields_of,
     packet,
     run_tshark,
     shown,
@@ -418,6 +421,99 @@ def test_hostile_names_only_show(tmp_path: Path) -> None:
         assert shown(fields, "jaus.message") == [message.name]
 
 
+# -- every message, with random bodies ------------------------------------------------------------
+
+
+def number(chance: random.Random, numeric_type: str) -> bytes:
+    letter = FORMATS[numeric_type]
+    if letter in "fd":
+        return struct.pack(f"<{letter}", chance.uniform(-1000.0, 1000.0))
+    return chance.randbytes(struct.calcsize(letter))
+
+
+def counted(numeric_type: str, data: bytes) -> bytes:
+    return struct.pack(f"<{FORMATS[numeric_type]}", len(data)) + data
+
+
+def body(chance: random.Random, node: dict[str, Any]) -> bytes:
+    """Returns bytes that a field may have."""
+    kind = node["kind"]
+    if kind in ("number", "bits"):
+        return number(chance, node["type"])
+    if kind == "text":
+        length = chance.randrange(min(6, node.get("length", 6)))
+        text = bytes(chance.choices(b"abc XYZ-09", k=length))
+        return (
+            counted(node["count"], text) if "count" in node else text.ljust(node["length"], b"\0")
+        )
+    if kind == "bytes":
+        index = bytes([chance.choice(list(node["formats"]))]) if "formats" in node else b""
+        return index + counted(node["count"], b"\x03\x20")
+    if kind == "choice":
+        index, option = chance.choice(list(node["options"].items()))
+        return bytes([index]) + number(chance, option["type"])
+    return container(chance, node)
+
+
+def container(chance: random.Random, node: dict[str, Any]) -> bytes:
+    if node["kind"] == "list":
+        items = [body(chance, node["element"]) for _ in range(chance.choice((0, 1, 1, 3)))]
+        return struct.pack(f"<{FORMATS[node['count']]}", len(items)) + b"".join(items)
+    if node["kind"] == "array":
+        return b"".join(body(chance, node["element"]) for _ in range(math.prod(node["sizes"])))
+    if node["kind"] == "variant":
+        tag = chance.randrange(max(1, len(node["options"])))
+        option = body(chance, node["options"][tag]) if node["options"] else b""
+        return struct.pack(f"<{FORMATS[node['tag']]}", tag) + option
+    present, bit, data = 0, 1, b""
+    # The library has a record with more optional members than its presence vector has bits.
+    last = integer_limits(node.get("presence", "uint64"))[1]
+    for member in node["fields"]:
+        is_there = not member.get("optional") or (bit <= last and chance.random() < 0.7)
+        if member.get("optional"):
+            present |= bit * is_there
+            bit <<= 1
+        data += body(chance, member) if is_there else b""
+    head = struct.pack(f"<{FORMATS[node['presence']]}", present) if "presence" in node else b""
+    return head + data
+
+
+def test_every_message_of_the_library_shows_what_the_codec_decodes(
+    library: tuple[Path, DissectorView], tmp_path: Path
+) -> None:
+    script, view = library
+    chance = random.Random(5684)
+    catalogue = load_catalogue()
+    wanted = []
+    for message in [each for each in view.messages for _ in range(4)]:
+        payload = message.code.to_bytes(2, "little")
+        payload += body(chance, message.body) if message.body else b""
+        (entry, *_) = (
+            each
+            for each in catalogue.find(message.code)
+            if each.name == message.name and set(message.services) >= {_named(each)}
+        )
+        wanted.append((message, payload, {"fields": entry.decode(payload)}))
+    packets = [udp(datagram(payload)) for _, payload, _ in wanted]
+    compared = set()
+    for (message, payload, vector), fields in zip(
+        wanted, dissect(script, packets, tmp_path), strict=True
+    ):
+        assert not shown(fields, "jaus.malformed"), (message.name, payload.hex())
+        if shown(fields, "jaus.message")[0] == message.name:
+            same = [m for m in view.messages if (m.code, m.name) == (message.code, message.name)]
+            assert any(matches(fields, each, vector) for each in same), (payload.hex(), fields)
+            compared.add(message)
+        else:
+            assert shown(fields, "jaus.ambiguous")
+    assert len(compared) >= len(view.messages) * 0.95
+
+
+def _named(entry: Any) -> str:
+    service = entry.services[0]
+    return f"{service.urn} {service.version}"
+
+
 # -- damage --------------------------------------------------------------------------------------
 
 
@@ -440,6 +536,24 @@ def test_damage_is_named(example: Path, tmp_path: Path, data: bytes, name: str) 
         data = b"\x02\x00"
     (fields,) = dissect(example, [udp(data)], tmp_path)
     assert shown(fields, f"jaus.{name}") == [""]
+
+
+def test_a_capture_that_holds_less_is_no_damage(example: Path, tmp_path: Path) -> None:
+    whole = udp(datagram(WRENCH))
+    capture = write_capture(tmp_path / "cut.pcap", [whole], most=len(whole) - 4)
+    (fields,) = fields_of(example, capture)
+    assert shown(fields, "jaus.limit") == [""]
+    assert not shown(fields, "jaus.malformed")
+
+
+def test_no_stream_breaks_the_dissector(example: Path, tmp_path: Path) -> None:
+    chance = random.Random(3794)
+    packets, position = [], 0
+    for _ in range(2000):
+        data = chance.choice((packet(WRENCH), chance.randbytes(chance.randrange(1, 40))))
+        packets.append(tcp(data, position))
+        position += len(data)
+    assert any(shown(fields, "jaus.malformed") for fields in dissect(example, packets, tmp_path))
 
 
 def test_no_datagram_breaks_the_dissector(

@@ -86,12 +86,13 @@ def _ip(protocol: int, payload: bytes, source: bytes, destination: bytes) -> byt
     return head + payload
 
 
-def write_capture(path: Path, packets: Iterable[bytes]) -> Path:
-    """Writes a pcap file of IP packets."""
+def write_capture(path: Path, packets: Iterable[bytes], most: int = 65535) -> Path:
+    """Writes a pcap file of IP packets, of each no more than some bytes."""
     with path.open("wb") as file:
         file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, _RAW_IP))
         for number, data in enumerate(packets):
-            file.write(struct.pack("<IIII", number, 0, len(data), len(data)) + data)
+            kept = data[:most]
+            file.write(struct.pack("<IIII", number, 0, len(kept), len(data)) + kept)
     return path
 
 
@@ -121,7 +122,11 @@ def dissect(
     script: Path, packets: Iterable[bytes], folder: Path, *arguments: str
 ) -> list[list[Shown]]:
     """Returns the JAUS fields of each packet, in the order of the tree."""
-    capture = write_capture(folder / "packets.pcap", packets)
+    return fields_of(script, write_capture(folder / "packets.pcap", packets), *arguments)
+
+
+def fields_of(script: Path, capture: Path, *arguments: str) -> list[list[Shown]]:
+    """Returns the JAUS fields of each packet of a capture."""
     text = run_tshark(script, capture, "-T", "pdml", *arguments)
     root = ET.fromstring(text)  # noqa: S314 - tshark wrote it
     return [list(_fields(each)) for each in root.iter("packet")]
