@@ -1,0 +1,347 @@
+"""AccessControl, row by row (AS5710 v1.1 and v1.0, AccessControl, protocol behaviour)."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.core_messages import (
+    ConfirmControl,
+    QueryAuthority,
+    QueryControl,
+    QueryTimeout,
+    RejectControl,
+    ReleaseControl,
+    ReportAuthority,
+    ReportControl,
+    ReportTimeout,
+    RequestControl,
+    SetAuthority,
+    SetEmergency,
+    Standby,
+)
+
+from .state_tables import V1_0, Row, after, controlled, play, rows, unavailable
+
+ACCEPTED = ConfirmControl(response_code=0)
+NOT_AVAILABLE = ConfirmControl(response_code=1)
+INSUFFICIENT = ConfirmControl(response_code=2)
+RELEASED = RejectControl(response_code=0)
+REJECTED = RejectControl(response_code=1)
+CONTROL = ReportControl(subsystem_id=2, node_id=1, component_id=1, authority_code=50)
+NO_CONTROL = ReportControl(subsystem_id=0, node_id=0, component_id=0, authority_code=10)
+
+
+def request(authority):
+    return RequestControl(authority_code=authority)
+
+
+def row(name, *given, when, then=None, **expected):
+    """A row of a component with default authority 10 that times out after 4 s."""
+    settings = {"default_authority": 10, "control_timeout": 4, **expected.pop("settings", {})}
+    return Row(name, given, when, then or {}, settings=settings, **expected)
+
+
+NOT_CONTROLLED = (
+    row(
+        "NotControlled, RequestControl, unavailable: Confirm 1",
+        unavailable,
+        when=("client", request(255)),
+        then={"client": [NOT_AVAILABLE]},
+        controller="",
+    ),
+    row(
+        "NotControlled, RequestControl, default > a: Confirm 2",
+        when=("client", request(9)),
+        then={"client": [INSUFFICIENT]},
+        controller="",
+        authority=10,
+    ),
+    row(
+        "NotControlled, RequestControl, default = a: Confirm 0",
+        when=("client", request(10)),
+        then={"client": [ACCEPTED]},
+        controller="client",
+        authority=10,
+    ),
+    row(
+        "NotControlled, RequestControl, default < a: Confirm 0",
+        when=("client", request(50)),
+        then={"client": [ACCEPTED]},
+        controller="client",
+        authority=50,
+    ),
+    row(
+        "NotControlled, ReleaseControl, unavailable, no emergency client: Reject 1",
+        unavailable,
+        when=("client", ReleaseControl()),
+        then={"client": [REJECTED]},
+    ),
+    row(
+        "NotControlled, ReleaseControl, unavailable, emergency client: Reject 0",
+        ("client", SetEmergency()),
+        when=("client", ReleaseControl()),
+        then={"client": [RELEASED]},
+    ),
+    row(
+        "NotControlled, ReleaseControl, unavailable, v1.0: Reject 0",
+        unavailable,
+        when=("client", ReleaseControl()),
+        then={"client": [RELEASED]},
+        version=V1_0,
+    ),
+    row(
+        "NotControlled, ReleaseControl, available: Reject 0",
+        when=("client", ReleaseControl()),
+        then={"client": [RELEASED]},
+    ),
+    row(
+        "NotControlled, SetAuthority: ignored",
+        when=("client", SetAuthority(authority_code=20)),
+        authority=10,
+        counted="component.command_refused",
+    ),
+    row(
+        "NotControlled, entry: authority is the default",
+        *controlled(),
+        when=("client", ReleaseControl()),
+        then={"client": [RELEASED]},
+        authority=10,
+    ),
+)
+
+CONTROLLED = (
+    row(
+        "Controlled, RequestControl of another, unavailable: Confirm 1",
+        *controlled(),
+        unavailable,
+        when=("rival", request(255)),
+        then={"rival": [NOT_AVAILABLE]},
+        controller="client",
+    ),
+    row(
+        "Controlled, RequestControl of the controller, unavailable: Confirm 1",
+        *controlled(),
+        unavailable,
+        when=("client", request(50)),
+        then={"client": [NOT_AVAILABLE]},
+        controller="client",
+    ),
+    row(
+        "Controlled, RequestControl of the controller, default <= a: Confirm 0",
+        *controlled(),
+        when=("client", request(10)),
+        then={"client": [ACCEPTED]},
+        controller="client",
+        authority=10,
+    ),
+    row(
+        "Controlled, RequestControl of the controller: the timer restarts",
+        *controlled(),
+        after(3.9),
+        ("client", request(50)),
+        when=after(3.9),
+        controller="client",
+    ),
+    row(
+        "Controlled, RequestControl of the controller, default > a: Reject 0",
+        *controlled(),
+        when=("client", request(9)),
+        then={"client": [RELEASED]},
+        controller="",
+        authority=10,
+    ),
+    row(
+        "Controlled, RequestControl of another, current < a: Reject 0 to old, Confirm 0 to new",
+        *controlled(),
+        when=("rival", request(51)),
+        then={"client": [RELEASED], "rival": [ACCEPTED]},
+        controller="rival",
+        authority=51,
+    ),
+    row(
+        "Controlled, RequestControl of another, current < a: the timer restarts",
+        *controlled(),
+        after(3.9),
+        ("rival", request(51)),
+        when=after(3.9),
+        controller="rival",
+    ),
+    row(
+        "Controlled, RequestControl of another, current = a: Confirm 2",
+        *controlled(),
+        when=("rival", request(50)),
+        then={"rival": [INSUFFICIENT]},
+        controller="client",
+        authority=50,
+    ),
+    row(
+        "Controlled, RequestControl of another, current > a: Confirm 2",
+        *controlled(),
+        when=("rival", request(49)),
+        then={"rival": [INSUFFICIENT]},
+        controller="client",
+    ),
+    row(
+        "Controlled, SetAuthority of the controller, a = current: taken",
+        *controlled(),
+        when=("client", SetAuthority(authority_code=50)),
+        authority=50,
+    ),
+    row(
+        "Controlled, SetAuthority of the controller, a = default: taken",
+        *controlled(),
+        when=("client", SetAuthority(authority_code=10)),
+        authority=10,
+    ),
+    row(
+        "Controlled, SetAuthority of the controller, a > current: ignored",
+        *controlled(),
+        when=("client", SetAuthority(authority_code=51)),
+        authority=50,
+        counted="access_control.authority_ignored",
+    ),
+    row(
+        "Controlled, SetAuthority of the controller, a < default: ignored",
+        *controlled(),
+        when=("client", SetAuthority(authority_code=9)),
+        authority=50,
+        counted="access_control.authority_ignored",
+    ),
+    row(
+        "Controlled, SetAuthority of another: ignored",
+        *controlled(),
+        when=("rival", SetAuthority(authority_code=20)),
+        authority=50,
+        counted="component.command_refused",
+    ),
+    row(
+        "Controlled, ReleaseControl of the controller, available: Reject 0",
+        *controlled(),
+        when=("client", ReleaseControl()),
+        then={"client": [RELEASED]},
+        controller="",
+    ),
+    row(
+        "Controlled, ReleaseControl of the controller, unavailable: Reject 1",
+        *controlled(),
+        unavailable,
+        when=("client", ReleaseControl()),
+        then={"client": [REJECTED]},
+        controller="client",
+    ),
+    row(
+        "Controlled, ReleaseControl of another, available: ignored",
+        *controlled(),
+        when=("rival", ReleaseControl()),
+        controller="client",
+        counted="access_control.release_ignored",
+    ),
+    row(
+        "Controlled, ReleaseControl of another, unavailable: ignored",
+        *controlled(),
+        unavailable,
+        when=("rival", ReleaseControl()),
+        controller="client",
+        counted="access_control.release_ignored",
+    ),
+    row(
+        "Controlled, ReleaseControl of another, unavailable, v1.0: Reject 1",
+        *controlled(),
+        unavailable,
+        when=("rival", ReleaseControl()),
+        then={"rival": [REJECTED]},
+        controller="client",
+        version=V1_0,
+    ),
+    row(
+        "Controlled, ReleaseControl of another, available, v1.0: ignored",
+        *controlled(),
+        when=("rival", ReleaseControl()),
+        controller="client",
+        version=V1_0,
+    ),
+    row(
+        "Controlled, Timedout, available: Reject 0",
+        *controlled(),
+        when=after(4.1),
+        then={"client": [RELEASED]},
+        controller="",
+        counted="access_control.timed_out",
+    ),
+    row(
+        "Controlled, Timedout, unavailable: the timer restarts",
+        *controlled(),
+        unavailable,
+        when=after(9.0),
+        controller="client",
+    ),
+    row(
+        "Controlled, timeout 0: never",
+        *controlled(),
+        when=after(3600.0),
+        controller="client",
+        settings={"control_timeout": 0},
+    ),
+    row(
+        "Controlled, a command of another: ignored",
+        *controlled(),
+        when=("rival", Standby()),
+        controller="client",
+        counted="component.command_refused",
+    ),
+)
+
+QUERIES = (
+    row(
+        "any, QueryControl, uncontrolled: 0.0.0 and the default authority",
+        when=("bystander", QueryControl()),
+        then={"bystander": [NO_CONTROL]},
+    ),
+    row(
+        "any, QueryControl, controlled: the controller and its authority",
+        *controlled(),
+        when=("bystander", QueryControl()),
+        then={"bystander": [CONTROL]},
+    ),
+    row(
+        "any, QueryAuthority, uncontrolled: the default",
+        when=("bystander", QueryAuthority()),
+        then={"bystander": [ReportAuthority(authority_code=10)]},
+    ),
+    row(
+        "any, QueryAuthority, controlled: the controller's",
+        *controlled(),
+        when=("bystander", QueryAuthority()),
+        then={"bystander": [ReportAuthority(authority_code=50)]},
+    ),
+    row(
+        "any, QueryTimeout: seconds",
+        when=("bystander", QueryTimeout()),
+        then={"bystander": [ReportTimeout(timeout=4)]},
+    ),
+    row(
+        "any, QueryTimeout, disabled: 0",
+        when=("bystander", QueryTimeout()),
+        then={"bystander": [ReportTimeout(timeout=0)]},
+        settings={"control_timeout": 0},
+    ),
+)
+
+
+@rows(*NOT_CONTROLLED, *CONTROLLED, *QUERIES)
+def test_row(world, row):
+    play(world, row)
+
+
+@pytest.mark.parametrize("version", [V1_0, (1, 1)])
+def test_the_old_controller_hears_first_of_a_preemption(world, version):
+    preempting = row(
+        "preemption",
+        *controlled(),
+        when=("rival", request(51)),
+        then={"client": [RELEASED], "rival": [ACCEPTED]},
+        version=version,
+    )
+    stage = play(world, preempting)
+    order = [code for _, to, code in stage.world.log[-2:] if to != stage.component.address]
+    assert order == [RejectControl.CODE, ConfirmControl.CODE]
