@@ -1,0 +1,28 @@
+"""The fuzz target of the generated codecs, for a moment."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+RUN = Path(__file__).parents[2] / "fuzz" / "run.py"
+
+
+def test_bodies_are_refused_or_go_out_as_they_came() -> None:
+    done = subprocess.run(
+        [sys.executable, str(RUN), "bodies", "--plain", "--runs", "20000", "--seed", "7"],
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = re.search(
+        r"(\d+) messages: (\d+) refused, (\d+) taken but not sent, (\d+) sent again", done.stdout
+    )
+    assert report is not None
+    messages, *outcomes = map(int, report.groups())
+    assert messages > 300
+    assert sum(outcomes) == 20000
+    assert min(outcomes) > 0
