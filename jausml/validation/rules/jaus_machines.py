@@ -63,7 +63,7 @@ def initial_states(subject: Subject) -> Iterator[Finding]:
             if outer and not marked:
                 element = _element(behaviour, outer)
             yield Finding(
-                element, f"{count} of the {len(inside)} states of {where} is initial", None
+                element, f"{count} of the {len(inside)} states of {where} are initial", None
             )
 
 

@@ -1,0 +1,302 @@
+"""Components with state machines among peers: control, emergencies, queries and events."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.model.machines import CORE_LEAVES
+from jausml.runtime.component import Guard, Status
+from jausml.runtime.core_messages import (
+    ClearEmergency,
+    ConfirmControl,
+    CreateEvent,
+    Event,
+    QueryTime,
+    ReleaseControl,
+    ReportTime,
+    RequestControl,
+    Reset,
+    Resume,
+    SetEmergency,
+    SetTime,
+    Standby,
+)
+from jausml.runtime.modelled_component import ModelledComponent, core_state
+from jausml.runtime.state_machine import Kind, On, State
+
+WORK = "Receiving.Ready.Controlled.Available.Ready"
+SENT = ReportTime()
+
+
+class Worker(ModelledComponent):
+    """Takes SetTime in Ready from its controller, and reports in Ready alone."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.calls = []
+        self.machine = self.add_machine(
+            "ReceiveFSM",
+            (
+                State(
+                    WORK,
+                    entry=(self.begin,),
+                    exit=(self.end,),
+                    transitions=(
+                        On("Broken", target="Receiving.Ready.NotControlled.NotAvailable.Failure"),
+                        On("Tired", target="Receiving.Ready.Controlled.Available.Standby"),
+                        On("Done", target="Receiving.Ready.NotControlled.Available.Standby"),
+                        On("Off", target="Receiving.Ready.NotControlled.NotAvailable.Shutdown"),
+                        On(QueryTime, do=(self.report_time,), kind=Kind.INTERNAL),
+                        On("Tell", do=(self.report_time,), kind=Kind.INTERNAL),
+                        On("Crash", do=(self.crash,), kind=Kind.INTERNAL),
+                        On("Timedout", do=(self.late,), kind=Kind.INTERNAL),
+                        On("Failure", do=(self.failing,), kind=Kind.INTERNAL),
+                    ),
+                ),
+                State(
+                    f"{WORK}.Idle",
+                    initial=True,
+                    transitions=(
+                        On(SetTime, when=self.is_controlling_client, target=f"{WORK}.Busy"),
+                    ),
+                ),
+                State(f"{WORK}.Busy"),
+            ),
+            extends_core=True,
+        )
+        self.handle_by_machines(SetTime)
+        self.provide_by_machines(QueryTime, ReportTime, self.report_time)
+
+    def begin(self):
+        self.calls.append("begin")
+
+    def end(self):
+        self.calls.append("end")
+
+    def late(self):
+        self.calls.append("late")
+
+    def failing(self):
+        self.calls.append("failing")
+
+    def crash(self):
+        raise ValueError("crash")
+
+    def report_time(self, _message=None, _sender=None):
+        self.calls.append("report")
+        return SENT
+
+    @property
+    def state(self):
+        return self.machine.state
+
+    def take(self):
+        calls, self.calls = self.calls, []
+        return calls
+
+
+@pytest.fixture
+def worker(world):
+    component = world.component("1.1.1", kind=Worker, control_timeout=5)
+    component.start()
+    return component
+
+
+@pytest.fixture
+def client(world):
+    return world.probe("2.1.1")
+
+
+@pytest.fixture
+def ready(worker, client):
+    client.ask(RequestControl(authority_code=100), worker)
+    client.ask(Resume(), worker)
+    assert worker.state == f"{WORK}.Idle"
+    assert worker.take() == ["begin"]
+    return worker
+
+
+def count(world, name):
+    return world.counters.snapshot().get(name, 0)
+
+
+def test_core_states_are_those_of_the_model():
+    found = {core_state(status, controlled=c) for status in Status for c in (False, True)}
+    assert found == CORE_LEAVES
+
+
+def test_starts_where_the_core_is(world):
+    worker = world.component("1.1.1", kind=Worker)
+    assert worker.state == ""
+    worker.start()
+    assert worker.state == "Receiving.Ready.NotControlled.Available.Standby"
+
+
+def test_follows_control_and_readiness(worker, client):
+    client.ask(RequestControl(authority_code=100), worker)
+    assert worker.state == "Receiving.Ready.Controlled.Available.Standby"
+    client.ask(Resume(), worker)
+    assert worker.state == f"{WORK}.Idle"
+    client.ask(Standby(), worker)
+    assert worker.state == "Receiving.Ready.Controlled.Available.Standby"
+    client.ask(ReleaseControl(), worker)
+    assert worker.state == "Receiving.Ready.NotControlled.Available.Standby"
+    assert worker.take() == ["begin", "end"]
+
+
+def test_takes_a_command_of_the_controller_alone(world, ready, client):
+    world.probe("3.1.1").ask(SetTime(), ready)
+    assert ready.state == f"{WORK}.Idle"
+    assert count(world, "component.no_transition") == 1
+    client.ask(SetTime(), ready)
+    assert ready.state == f"{WORK}.Busy"
+
+
+@pytest.mark.parametrize("loss", ["release", "timeout", "emergency", "standby"])
+def test_whatever_ends_ready_runs_the_exit(world, ready, client, loss):
+    client.ask(SetTime(), ready)
+    if loss == "release":
+        client.ask(ReleaseControl(), ready)
+    elif loss == "timeout":
+        world.run(6.0, step=0.5)
+    elif loss == "emergency":
+        client.ask(SetEmergency(), ready)
+    else:
+        client.ask(Standby(), ready)
+    assert ready.take() == (["late", "end"] if loss == "timeout" else ["end"])
+    client.take()
+    client.ask(SetTime(), ready)
+    assert not ready.state.startswith(WORK)
+
+
+def test_emergency_and_back(ready, client):
+    client.ask(SetEmergency(), ready)
+    assert ready.state == "Receiving.Ready.NotControlled.NotAvailable.Emergency"
+    client.ask(ClearEmergency(), ready)
+    assert ready.state == "Receiving.Ready.NotControlled.Available.Standby"
+
+
+@pytest.mark.parametrize(
+    ("event", "status", "controlled"),
+    [
+        ("Tired", Status.STANDBY, True),
+        ("Done", Status.STANDBY, False),
+        ("Broken", Status.FAILURE, False),
+        ("Off", Status.SHUTDOWN, False),
+    ],
+)
+def test_a_modelled_transition_moves_the_core(ready, event, status, controlled):
+    ready.raise_event(event)
+    assert ready.status is status
+    assert (ready.controller is not None) is controlled
+    assert ready.state == ready.core_state()
+    assert ready.take()[0] == "end"
+
+
+def test_failure_is_an_event_before_it_is_a_state(ready):
+    ready.fail("test")
+    assert ready.take() == ["failing", "end"]
+
+
+def test_reset_starts_the_machine_again(ready, client):
+    client.ask(Reset(), ready)
+    assert ready.take() == ["end"]
+    assert ready.state == "Receiving.Ready.NotControlled.Available.Standby"
+
+
+def test_queries_are_answered_where_a_transition_says_so(world, worker, client):
+    assert client.ask(QueryTime(), worker) == []
+    assert count(world, "component.no_transition") == 1
+    client.ask(RequestControl(authority_code=100), worker)
+    client.ask(Resume(), worker)
+    assert client.ask(QueryTime(), worker) == [SENT]
+
+
+def test_events_carry_what_the_transition_of_the_state_reports(world, worker, client):
+    query = QueryTime().encode()
+    request = CreateEvent(event_type=0, requested_periodic_rate=10.0, query_message=query)
+    client.ask(request, worker)
+    world.run(0.5)
+    assert not [each for each in client.take() if isinstance(each, Event)]
+    client.ask(RequestControl(authority_code=100), worker)
+    client.ask(Resume(), worker)
+    world.run(0.5)
+    events = [each for each in client.take() if isinstance(each, Event)]
+    assert 3 <= len(events) <= 7
+    assert all(each.report_message == SENT.encode() for each in events)
+
+
+def test_a_message_of_an_event_goes_to_the_controller(ready, client):
+    client.take()
+    ready.raise_event("Tell")
+    assert client.take() == [SENT]
+
+
+def test_an_action_that_raises_is_counted_and_harms_nothing(world, ready):
+    ready.raise_event("Crash")
+    assert count(world, "component.handler_failed") == 1
+    assert ready.state == f"{WORK}.Idle"
+
+
+def test_an_event_that_nobody_takes_is_counted(world, worker):
+    worker.raise_event("Tired")
+    assert count(world, "component.no_transition") == 1
+
+
+def test_standard_guards(worker, client):
+    client.ask(RequestControl(authority_code=100), worker)
+    assert worker.is_controlling_client(Resume(), client.address)
+    assert not worker.is_controlling_client(Resume(), worker.address)
+    assert not worker.is_controlling_client()
+    assert worker.is_control_available()
+    client.ask(SetEmergency(), worker)
+    assert worker.is_id_stored(Resume(), client.address)
+    assert not worker.is_id_stored(Resume(), worker.address)
+    assert not worker.is_control_available()
+
+
+class Free(ModelledComponent):
+    """Has a machine that stands for itself."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        states = (
+            State("Off", initial=True, transitions=(On(SetTime, target="On"),)),
+            State("On", transitions=(On(SetTime, target="Off"), On("Tell", do=(self.tell,)))),
+        )
+        self.machine = self.add_machine("Free", states)
+        self.handle_by_machines(SetTime, when=Guard.READY)
+
+    def tell(self):
+        return ConfirmControl(response_code=0)
+
+
+def test_a_machine_of_its_own_takes_commands_as_a_handler_would(world, client):
+    free = world.component("1.1.1", kind=Free)
+    free.start()
+    client.ask(SetTime(), free)
+    assert free.machine.state == "Off"
+    assert count(world, "component.command_refused") == 1
+    client.ask(RequestControl(authority_code=100), free)
+    client.ask(Resume(), free)
+    client.ask(SetTime(), free)
+    assert free.machine.state == "On"
+
+
+def test_a_message_without_a_receiver_is_counted(world):
+    free = world.component("1.1.1", kind=Free)
+    free.start()
+    free.machine.raise_event("Tell")
+    free._jaus_take(SetTime(), free.address)
+    free.machine.raise_event("Tell")
+    assert count(world, "component.no_receiver") == 1
+
+
+def test_a_machine_of_its_own_starts_again_at_reset(world, client):
+    free = world.component("1.1.1", kind=Free)
+    free.start()
+    client.ask(RequestControl(authority_code=100), free)
+    client.ask(Resume(), free)
+    client.ask(SetTime(), free)
+    client.ask(Reset(), free)
+    assert free.machine.state == "Off"
