@@ -68,6 +68,8 @@ def chain(
         circular: Whether the first element follows the last one.
     """
     known = list(contents)
+    if not known:
+        return []
     uids = [uid for uid, _, _ in known]
     closing = uids[0] if circular and len(uids) > 1 else NO_UID
     before, after = [NO_UID, *uids[:-1]], [*uids[1:], closing]
@@ -202,7 +204,9 @@ def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListE
     before, uid = NO_UID, heads[0]
     while uid != NO_UID and not (ordered and uid == heads[0]):
         previous, following, element = links[uid]
-        if previous != before or uid in ordered:
+        if uid in ordered:
+            raise ListError(Reason.INVALID_NEXT_ELEMENT, f"{before} leads back to {uid}")
+        if previous != before:
             raise ListError(Reason.INVALID_PREVIOUS_ELEMENT, f"{before} and {uid} do not agree")
         ordered[uid] = ListElement(uid, previous, following, element.data, element.data_format)
         before, uid = uid, following

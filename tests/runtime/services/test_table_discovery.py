@@ -1,0 +1,412 @@
+"""Discovery, row by row (AS5710 v1.1 and v1.0, Discovery; IOP: looking around)."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.component import Scope, ServiceIdentity
+from jausml.runtime.core_messages import (
+    QueryConfiguration,
+    QueryIdentification,
+    QueryServiceList,
+    QueryServices,
+    QuerySubsystemList,
+    RegisterServices,
+    ReportConfiguration,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+    ReportSubsystemList,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    register_services,
+    report_service_list,
+    report_services,
+)
+
+from .state_tables import CORE_NAMES, V1_0, V1_1, Row, after, core_services, play, rows
+
+SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
+SYSTEM, SUBSYSTEM, NODE, COMPONENT = Scope
+OWN, MEMBER = JausAddress(1, 1, 1), JausAddress(1, 5, 6)
+LOOK = QueryIdentification(query_type=SUBSYSTEM)
+
+
+def row(name, *given, when, then=None, scope=SUBSYSTEM, **expected):
+    settings = {"discovery_scope": scope, "subsystem_name": "robot", **expected.pop("settings", {})}
+    return Row(name, given, when, then or {}, settings=settings, **expected)
+
+
+def asks(query_type):
+    return ("client", QueryIdentification(query_type=query_type))
+
+
+def identified(query_type, kind, name):
+    answer = ReportIdentification(query_type=query_type, type_=kind, identification=name)
+    return {"client": [answer]}
+
+
+def registers(address, *services):
+    """Another component registers, and is not there any more."""
+
+    def step(stage):
+        stage.world.send(address, OWN, register_services(services).encode())
+
+    return step
+
+
+def configuration(*pairs):
+    return {
+        "client": [
+            ReportConfiguration(
+                node_list=[
+                    ReportConfiguration.NodeSeq(
+                        node_rec=ReportConfiguration.NodeRec(node_id=node),
+                        component_list=[
+                            ReportConfiguration.ComponentRec(component_id=component, instance_id=0)
+                        ],
+                    )
+                    for node, component in pairs
+                ]
+            )
+        ]
+    }
+
+
+def subsystems(*addresses):
+    return {
+        "client": [
+            ReportSubsystemList(
+                subsystem_list=[
+                    ReportSubsystemList.SubsystemRec(
+                        subsystem_id=each.subsystem,
+                        node_id=each.node,
+                        component_id=each.component,
+                    )
+                    for each in addresses
+                ]
+            )
+        ]
+    }
+
+
+def services_of(node, component):
+    return QueryServices(
+        node_list=[
+            QueryServices.NodeSeq(
+                node_rec=QueryServices.NodeRec(node_id=node),
+                component_list=[QueryServices.ComponentRec(component_id=component)],
+            )
+        ]
+    )
+
+
+def own(version=V1_1):
+    return core_services(version, *CORE_NAMES)
+
+
+def services(catalog, query=None):
+    return {"client": [report_services(query or query_all_services(), catalog, 1)]}
+
+
+JOINED = registers(MEMBER, SENSOR)
+OCU = (
+    "client",
+    ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"),
+)
+
+IDENTIFICATION = tuple(
+    row(
+        f"QueryIdentification {asked.name}, scope {scope.name}: "
+        + ("answered" if scope <= asked else "silence"),
+        when=asks(asked),
+        then=identified(
+            asked,
+            {SYSTEM: 30001, SUBSYSTEM: 30001, NODE: 40001, COMPONENT: 60001}[asked],
+            "robot" if asked <= SUBSYSTEM else "tested",
+        )
+        if scope <= asked
+        else {},
+        scope=scope,
+    )
+    for scope in Scope
+    for asked in Scope
+)
+
+CATALOG = (
+    row(
+        "QueryConfiguration subsystem: nodes and components",
+        JOINED,
+        when=("client", QueryConfiguration(query_type=SUBSYSTEM)),
+        then=configuration((1, 1), (5, 6)),
+    ),
+    row(
+        "QueryConfiguration node: those of the own node",
+        JOINED,
+        when=("client", QueryConfiguration(query_type=NODE)),
+        then=configuration((1, 1)),
+    ),
+    row(
+        "QueryConfiguration subsystem, scope NODE: silence",
+        when=("client", QueryConfiguration(query_type=SUBSYSTEM)),
+        scope=NODE,
+    ),
+    row(
+        "QueryConfiguration node, scope COMPONENT: silence",
+        when=("client", QueryConfiguration(query_type=NODE)),
+        scope=COMPONENT,
+    ),
+    row(
+        "QuerySubsystemList: the own one",
+        when=("client", QuerySubsystemList()),
+        then=subsystems(OWN),
+    ),
+    row(
+        "QuerySubsystemList: those that identified themselves",
+        OCU,
+        when=("client", QuerySubsystemList()),
+        then=subsystems(JausAddress(2, 1, 1), OWN),
+    ),
+    row(
+        "QuerySubsystemList: not those that were not heard of lately",
+        OCU,
+        after(301.0),
+        when=("client", QuerySubsystemList()),
+        then=subsystems(OWN),
+    ),
+    row(
+        "QuerySubsystemList, scope NODE: silence",
+        when=("client", QuerySubsystemList()),
+        scope=NODE,
+    ),
+    row(
+        "QueryServices 255/255: all",
+        JOINED,
+        when=("client", query_all_services()),
+        then=services({OWN: own(), MEMBER: (SENSOR,)}),
+    ),
+    row(
+        "QueryServices, v1.0: the same",
+        JOINED,
+        when=("client", query_all_services()),
+        then=services({OWN: own(V1_0), MEMBER: (SENSOR,)}),
+        version=V1_0,
+    ),
+    row(
+        "QueryServices of one component: it alone",
+        JOINED,
+        when=("client", services_of(5, 6)),
+        then=services({MEMBER: (SENSOR,)}),
+    ),
+    row(
+        "QueryServices of an unknown node: an empty list",
+        JOINED,
+        when=("client", services_of(9, 255)),
+        then={"client": [ReportServices()]},
+    ),
+    row(
+        "QueryServiceList 65535/255/255: all",
+        JOINED,
+        when=("client", query_all_service_lists()),
+        then={
+            "client": [
+                report_service_list(query_all_service_lists(), {OWN: own(), MEMBER: (SENSOR,)})
+            ]
+        },
+    ),
+    row(
+        "QueryServiceList of an unknown subsystem: an empty list",
+        when=(
+            "client",
+            QueryServiceList(
+                subsystem_list=[
+                    QueryServiceList.SubsystemSeq(
+                        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=77),
+                        node_list=query_all_service_lists().subsystem_list[0].node_list,
+                    )
+                ]
+            ),
+        ),
+        then={"client": [ReportServiceList()]},
+    ),
+    row(
+        "QueryServiceList, v1.0: unknown, ignored",
+        when=("client", query_all_service_lists()),
+        version=V1_0,
+        counted="component.unknown_message",
+    ),
+    row(
+        "RegisterServices again: replaces",
+        registers(MEMBER, *own()),
+        JOINED,
+        when=("client", services_of(5, 6)),
+        then=services({MEMBER: (SENSOR,)}),
+    ),
+    row(
+        "RegisterServices of another subsystem: ignored",
+        when=("client", register_services([SENSOR])),
+        counted="discovery.registration_ignored",
+    ),
+    row(
+        "RegisterServices, scope COMPONENT: ignored",
+        when=JOINED,
+        scope=COMPONENT,
+        counted="discovery.registration_ignored",
+    ),
+    row(
+        "RegisterServices, not heard of lately: forgotten",
+        JOINED,
+        after(301.0),
+        when=("client", services_of(5, 6)),
+        then={"client": [ReportServices()]},
+    ),
+)
+
+
+@rows(*IDENTIFICATION)
+def test_identification(world, row):
+    play(world, row)
+
+
+@rows(*CATALOG)
+def test_catalog(world, row):
+    play(world, row)
+
+
+# ---- bring-up, as a client of Discovery ------------------------------------------------------
+
+
+def member(world, **settings):
+    component = world.component(str(MEMBER), services=(SENSOR,), **settings)
+    component.start()
+    return component
+
+
+def asked_at(world, address, query=QueryIdentification):
+    """Return the times at which a component asks everyone, for 10 minutes."""
+    times = []
+    start = world.time
+    while world.time < start + 600.0:
+        sent = len(world.log)
+        world.run(1.0, step=1.0)
+        if (address, BROADCAST, query.CODE) in world.log[sent:]:
+            times.append(world.time - start)
+    return times
+
+
+@pytest.mark.parametrize(
+    ("settings", "first", "later"),
+    [
+        pytest.param({"register_services": True}, [5, 10, 25], 15, id="component: 5 s, then 15 s"),
+        pytest.param({"discovery_scope": SUBSYSTEM}, [5, 10, 25], 15, id="server: 5 s, then 15 s"),
+    ],
+)
+def test_looking_around(world, settings, first, later):
+    """Everyone is asked eagerly at first, and at least every 5 minutes as the IOP demands."""
+    component = world.component("1.1.1", services=own(), **settings)
+    component.start()
+    assert world.log[0] == (OWN, BROADCAST, QueryIdentification.CODE)
+    times = asked_at(world, OWN)
+    assert times[:3] == first
+    assert {after - before for before, after in pairwise(times[2:])} == {later}
+
+
+def test_operator_control_unit_looks_for_the_system_too(world):
+    probe = world.probe("1.1.1")
+    member(world, register_services=True, component_type=20001)
+    assert probe.take() == [LOOK, QueryIdentification(query_type=SYSTEM)]
+
+
+def test_component_that_shall_not_register_is_silent(world):
+    probe = world.probe("1.1.1")
+    member(world)
+    world.run(600.0, step=5.0)
+    assert probe.take() == []
+
+
+def test_registration_with_the_server_of_the_subsystem(world):
+    server = world.probe("1.1.1")
+    component = member(world, register_services=True)
+    assert component.discovery_server is None
+    (registration,) = server.ask(
+        ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"), component
+    )
+    assert registration == register_services([SENSOR])
+    assert component.discovery_server == server.address
+
+
+def test_lost_server_is_noticed_and_looked_for_eagerly(world):
+    server = world.probe("1.1.1")
+    component = member(world, register_services=True, discovery_timeout=60.0)
+    world.run(30.0, step=1.0)
+    server.ask(
+        ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"), component
+    )
+    world.run(60.0, step=1.0)
+    assert component.discovery_server == server.address
+    times = [each - 60.0 for each in asked_at(world, MEMBER)]
+    assert component.discovery_server is None
+    assert world.counters.snapshot()["discovery_client.lost"] == 1
+    assert 5.0 in [after - before for before, after in pairwise(times)]
+
+
+def test_registration_with_another_server_after_the_loss(world):
+    component = member(world, register_services=True)
+    for address in ("1.1.1", "1.2.1"):
+        server = world.component(address, services=own(), discovery_scope=SUBSYSTEM)
+        server.start()
+        world.run(20.0, step=1.0)
+        assert component.discovery_server == server.address
+        server.stop()
+        world.run(100.0, step=1.0)
+        assert component.discovery_server is None
+
+
+def test_servers_find_each_other(world):
+    first, second = (
+        world.component(address, services=own(), discovery_scope=SUBSYSTEM)
+        for address in ("1.1.1", "2.1.1")
+    )
+    first.start()
+    second.start()
+    world.run(16.0, step=1.0)
+    probe = world.probe("9.1.1")
+    for server in (first, second):
+        (report,) = probe.ask(QuerySubsystemList(), server)
+        assert {each.subsystem_id for each in report.subsystem_list} == {1, 2}
+
+
+@pytest.mark.parametrize(
+    ("query", "answer"),
+    [
+        pytest.param(
+            QueryServices.CODE,
+            report_services(query_all_services(), {MEMBER: (SENSOR,)}, 1),
+            id="v1.0: ReportServices",
+        ),
+        pytest.param(
+            QueryServiceList.CODE,
+            report_service_list(query_all_service_lists(), {MEMBER: (SENSOR,)}),
+            id="v1.1: ReportServiceList",
+        ),
+    ],
+)
+def test_search_understands_servers_of_both_versions(world, query, answer):
+    server = world.probe("1.1.1")
+    searcher = world.component("7.1.1", services=())
+    searcher.start()
+    hits = []
+    searcher.discover(SENSOR.urn, hits.append)
+    assert query in {each.CODE for each in server.take()}
+    server.ask(answer, searcher)
+    assert [(hit.address, hit.services) for hit in hits] == [(MEMBER, (SENSOR,))]
+
+
+def test_a_registration_is_read_as_it_was_made():
+    message = RegisterServices.decode(register_services([SENSOR]).encode())
+    assert message == register_services([SENSOR])
