@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 
 from .address import BROADCAST
 from .address_book import resolve
+from .counters import LOGGER
 from .duplicates import DuplicateWindow
 from .jtcp_connection import Connection, connect
 from .messenger import Messenger
 from .packet import AckNak, Broadcast, Packet, Priority
+from .port_holder import advice
 
 if TYPE_CHECKING:
     from .address import JausAddress
@@ -307,6 +309,12 @@ class JtcpTransport:
                     f"JTCP port {self._settings.port} of {self._settings.interface}: "
                     f"{error.strerror}",
                 ) from error
+            if self._well_known not in self._lines:
+                LOGGER.info(
+                    "TCP port %d is taken; this process connects to who has it: %s",
+                    self._settings.port,
+                    advice("tcp", self._settings),
+                )
             self._connect(self._well_known)
             self._takeover = self.loop.call_later(
                 self._settings.takeover_interval, self._share_port

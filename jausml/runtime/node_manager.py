@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from .node_manager_client import NodeManagerClient
 from .packet import Priority
+from .port_holder import MANAGER
 
 if TYPE_CHECKING:
     from .address import JausAddress
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from .loop import Loop, Timer
     from .settings import TransportSettings
     from .transport import OnResult, Receive
-
-MANAGER = "JuniorRTE"
-"""Name of the node manager's socket, of Junior's and of that of fkie."""
 
 _WATCH_INTERVAL_S = 1.0
 

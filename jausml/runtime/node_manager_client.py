@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from .messenger import Messenger
 from .packet import Broadcast, Packet, parse_datagram
+from .port_holder import is_alive
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,7 +100,7 @@ class NodeManagerClient:
         Raises:
             OSError: The socket cannot be created, or another process has it.
         """
-        if _is_alive(self._path):
+        if is_alive(self._path):
             raise OSError(f"{self._path}: another process runs component {self.address}")
         self._path.unlink(missing_ok=True)
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
@@ -133,7 +134,7 @@ class NodeManagerClient:
     def check(self) -> None:
         """Attach again when the manager ended, or another one took its place."""
         if self.is_attached and not (
-            _is_alive(self._manager) and _identity(self._manager) == self._identity
+            is_alive(self._manager) and _identity(self._manager) == self._identity
         ):
             self._on_lost("it ended or restarted")
 
@@ -277,16 +278,6 @@ class NodeManagerClient:
                 continue
             if not inbox.take(packet, origin, self._loop.now()):
                 self._counters.add("judp.not_for_us")
-
-
-def _is_alive(path: Path) -> bool:
-    """Return whether a process has a local socket."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(str(path))
-        except OSError:
-            return False
-    return True
 
 
 def _identity(path: Path) -> int:

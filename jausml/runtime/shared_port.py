@@ -14,6 +14,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from .address import JausAddress, address_of
+from .counters import LOGGER
+from .port_holder import advice, holders
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -67,7 +69,7 @@ class SharedPort:
             raise OSError(
                 error.errno,
                 f"JUDP port {self._settings.port} of {self._settings.interface} with group "
-                f"{self._settings.multicast_group}: {error.strerror}",
+                f"{self._settings.multicast_group}: {self._explain(error)}",
             ) from error
 
     def take_over(self) -> bool:
@@ -91,6 +93,11 @@ class SharedPort:
         self.multicast = self.unicast = self.former = None
         self.endpoints = frozenset()
 
+    def _explain(self, error: OSError) -> str:
+        if error.errno != errno.EADDRINUSE:
+            return str(error.strerror)
+        return f"{error.strerror} and not shared; {advice('udp', self._settings)}"
+
     def _take(self, unicast: socket.socket) -> None:
         self.unicast = unicast
         self.endpoints |= {unicast.getsockname()}
@@ -101,6 +108,12 @@ class SharedPort:
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise
+        owners = " and ".join(map(str, holders("udp", self._settings.port)))
+        LOGGER.info(
+            "UDP port %d is owned by %s; this process shares it",
+            self._settings.port,
+            owners or "another program",
+        )
         return self._unicast_socket(0)
 
     def _unicast_socket(self, port: int) -> socket.socket:

@@ -1,0 +1,250 @@
+"""Processes of real components on each transport, and what they say when a port is taken."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from jausml.runtime import port_holder
+from jausml.runtime.address import JausAddress
+from jausml.runtime.component import ComponentSettings, ControlState, JausComponent
+from jausml.runtime.core_messages import QueryStatus, ReportStatus
+from jausml.runtime.jtcp import JtcpTransport
+from jausml.runtime.judp import JudpTransport
+from jausml.runtime.loop import Loop
+from jausml.runtime.node_manager import NodeManagerTransport
+from jausml.runtime.settings import TransportKind, TransportSettings
+from jausml.runtime.transports import create_transport
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+ROOT = Path(__file__).parents[2]
+ROBOT_SCRIPT = Path(__file__).with_name("plain_process.py")
+MANAGER_SCRIPT = Path(__file__).with_name("junior_manager.py")
+HOLDER = """
+import socket, sys
+sock = socket.socket(socket.AF_INET, getattr(socket, sys.argv[1]))
+sock.bind((sys.argv[2], int(sys.argv[3])))
+if sys.argv[1] == "SOCK_STREAM":
+    sock.listen()
+print("ready", flush=True)
+sys.stdin.read()
+"""
+EVERY_INTERFACE = "0.0.0.0"  # noqa: S104
+ROBOT, OTHER, OPERATOR = JausAddress(1, 1, 1), JausAddress(1, 1, 2), JausAddress(2, 1, 1)
+QUICK = ComponentSettings(register_services=False, retry_max=1.0)
+
+
+class Process:
+    """A running program, its output line by line, and what it logged."""
+
+    def __init__(self, *command: str) -> None:
+        self.running = subprocess.Popen(
+            [sys.executable, *command],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.log = ""
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self) -> None:
+        for line in self.running.stderr:
+            self.log += line
+
+    def expect(self, text: str) -> None:
+        for line in self.running.stdout:
+            if line.strip() == text:
+                return
+        raise AssertionError(f"no {text!r}; log: {self.log}")
+
+    def expect_log(self, pattern: str) -> str:
+        deadline = time.monotonic() + 10
+        while not (found := re.search(pattern, self.log)):
+            assert time.monotonic() < deadline, self.log
+            time.sleep(0.005)
+        return found[0]
+
+    def end(self, number: int = 0) -> int:
+        if number:
+            self.running.send_signal(number)
+        code = self.running.wait(20)
+        self._reader.join(10)
+        for pipe in (self.running.stdin, self.running.stdout, self.running.stderr):
+            pipe.close()
+        return code
+
+    def kill(self) -> None:
+        if not self.running.stdout.closed:
+            self.end(signal.SIGKILL if self.running.poll() is None else 0)
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Process]]:
+    """Start programs; all are killed in the end."""
+    started: list[Process] = []
+
+    def make(*command: str) -> Process:
+        started.append(Process(*command))
+        return started[-1]
+
+    yield make
+    for each in started:
+        each.kill()
+
+
+@pytest.fixture
+def robot(start, free_port) -> Callable[..., Process]:
+    """Start robots on the free port."""
+    return lambda *options: start(str(ROBOT_SCRIPT), "--jaus-port", str(free_port), *options)
+
+
+@pytest.fixture
+def folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("nm")
+
+
+def free_tcp_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def operator(station) -> Iterator[Callable[..., JausComponent]]:
+    """Make a running operator on a transport of its own."""
+    made: list[JausComponent] = []
+
+    def make(**settings: object) -> JausComponent:
+        transport = station(**settings).transport
+        made.append(
+            JausComponent(transport, OPERATOR, name="operator", services=(), settings=QUICK)
+        )
+        made[0].start()
+        return made[0]
+
+    yield make
+    for each in made:
+        each.stop()
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        (TransportKind.JUDP, JudpTransport),
+        (TransportKind.JTCP, JtcpTransport),
+        (TransportKind.NODE_MANAGER, NodeManagerTransport),
+    ],
+)
+def test_each_kind_has_its_transport(kind, expected):
+    with Loop() as loop:
+        assert type(create_transport(TransportSettings(transport=kind), loop)) is expected
+
+
+def control_both(operator: JausComponent, wait_until) -> None:
+    """Control two robots and see their status."""
+    statuses: dict[JausAddress, list[ReportStatus]] = {}
+    sessions = [operator.control(each, authority=100) for each in (ROBOT, OTHER)]
+    for each in (ROBOT, OTHER):
+        operator.subscribe(
+            each,
+            QueryStatus(),
+            ReportStatus,
+            lambda report, sender: statuses.setdefault(sender, []).append(report),
+        )
+    wait_until(lambda: all(each.state is ControlState.READY for each in sessions))
+    wait_until(lambda: set(statuses) == {ROBOT, OTHER})
+
+
+def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_until):
+    robots = [robot("--jaus-transport", "jtcp", "--jaus-id", str(each)) for each in (ROBOT, OTHER)]
+    for each in robots:
+        each.expect("initialize")
+    here = ("127.0.0.1", free_port)
+    tested = operator(
+        transport=TransportKind.JTCP, port=free_tcp_port(), address_book={ROBOT: here, OTHER: here}
+    )
+    control_both(tested, wait_until)
+    assert [each.end(signal.SIGTERM) for each in robots] == [0, 0]
+
+
+def test_two_robots_and_an_operator_through_a_node_manager(
+    start, robot, operator, folder, free_port, wait_until
+):
+    start(str(MANAGER_SCRIPT), str(folder), str(free_port), "-").expect("ready")
+    options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
+    robots = [robot(*options, "--jaus-id", str(each)) for each in (ROBOT, OTHER)]
+    for each in robots:
+        each.expect("initialize")
+    tested = operator(transport=TransportKind.NODE_MANAGER, node_manager_directory=str(folder))
+    control_both(tested, wait_until)
+    assert [each.end(signal.SIGTERM) for each in robots] == [0, 0]
+    assert not (folder / str(ROBOT.packed)).exists()
+
+
+class TestPortTaken:
+    def test_a_program_that_does_not_share_is_named(self, start, robot, free_port):
+        holder = start("-c", HOLDER, "SOCK_DGRAM", EVERY_INTERFACE, str(free_port))
+        holder.expect("ready")
+        tested = robot()
+        assert tested.end() == 1
+        assert "Traceback" not in tested.log
+        assert f"JUDP port {free_port} of 127.0.0.1" in tested.log
+        assert f"(process {holder.running.pid})" in tested.log
+        for way_out in ("--jaus-transport node-manager", "--jaus-port"):
+            assert way_out in tested.log
+
+    def test_a_port_that_is_shared_needs_no_action(self, start, robot, free_port):
+        holder = start("-c", HOLDER, "SOCK_DGRAM", "127.0.0.1", str(free_port))
+        holder.expect("ready")
+        tested = robot()
+        tested.expect("initialize")
+        tested.expect_log(rf"port {free_port} is owned by .*\(process {holder.running.pid}\)")
+        assert tested.end(signal.SIGTERM) == 0
+
+    def test_a_tcp_port_that_a_stranger_holds(self, start, robot, free_port):
+        holder = start("-c", HOLDER, "SOCK_STREAM", "127.0.0.1", str(free_port))
+        holder.expect("ready")
+        tested = robot("--jaus-transport", "jtcp")
+        tested.expect_log(rf"TCP port {free_port} is taken.*\(process {holder.running.pid}\)")
+        assert tested.end(signal.SIGTERM) == 0
+
+    def test_a_component_that_runs_twice_at_a_node_manager(self, start, robot, folder, free_port):
+        start(str(MANAGER_SCRIPT), str(folder), str(free_port), "-").expect("ready")
+        options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
+        robot(*options).expect("initialize")
+        second = robot(*options)
+        assert second.end() == 1
+        assert "another process runs component 1.1.1" in second.log
+        assert "Traceback" not in second.log
+
+    def test_a_missing_folder_of_a_node_manager(self, robot, folder):
+        missing = str(folder / "missing")
+        tested = robot("--jaus-transport", "node-manager", "--jaus-node-manager-directory", missing)
+        assert tested.end() == 1
+        assert f"there is no folder {missing}" in tested.log
+
+    @pytest.mark.parametrize("has_manager", [False, True])
+    def test_what_cannot_be_seen_is_guessed(self, folder, monkeypatch, has_manager):
+        monkeypatch.setattr(port_holder, "_PROC", folder)  # as if nothing were readable
+        settings = TransportSettings(node_manager_directory=str(folder))
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+            if has_manager:
+                manager.bind(str(folder / port_holder.MANAGER))
+            text = port_holder.advice("udp", settings)
+        guess = f"the node manager whose socket is in {folder}" if has_manager else "Junior or fkie"
+        assert guess in text
