@@ -42,6 +42,7 @@ def command() -> None:
 @click.option(
     "--compare-library", is_flag=True, help="Show where services differ from the library's."
 )
+@click.option("--without-behaviour", is_flag=True, help="Leave out state machines.")
 @click.option("--force", is_flag=True, help="Overwrite OUT.xmi when it differs.")
 @click.option(
     "--format",
@@ -58,6 +59,7 @@ def jsidl(
     name: str | None,
     set_version: str | None,
     compare_library: bool,
+    without_behaviour: bool,
     force: bool,
     output_format: str,
     quiet: bool,
@@ -76,7 +78,13 @@ def jsidl(
     folders = [path for path in paths if Path(path).is_dir()]
     files = find_files([path for path in paths if path not in folders], _SUFFIXES)
     candidates = find_files(folders, _SUFFIXES)
-    result = import_jsidl(files, candidates=candidates, name=name, version=set_version)
+    result = import_jsidl(
+        files,
+        candidates=candidates,
+        name=name,
+        version=set_version,
+        behaviour=not without_behaviour,
+    )
     report = _report(result)
     click.echo(_RENDERERS[output_format](report), nl=False)
     if report.has_errors:

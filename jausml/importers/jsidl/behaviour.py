@@ -8,6 +8,7 @@ action that sends; to somebody else it stays an action of its own.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.building import DEEPEST
@@ -256,7 +257,7 @@ class BehaviourBuilder:
         text = folded(found[0].get("condition"))
         said = documentation(found[0])
         try:
-            return (text if parse_guard(text) is not None else None), said
+            return (_tidy(text) if parse_guard(text) is not None else None), said
         except GuardError as error:
             name = self._guard_name(text)
             message = f"condition {show(text)} is no guard: {error}"
@@ -320,6 +321,11 @@ class BehaviourBuilder:
 def last(name: str | None) -> str:
     """Returns the last name of a dotted path, without the services that stand before it."""
     return (name or "").rpartition(".")[2].strip()
+
+
+def _tidy(guard: str) -> str:
+    """Returns a guard without blanks inside parentheses and after `!`."""
+    return re.sub(r"(?<=[(!]) | (?=\))", "", guard)
 
 
 def _camel(text: str) -> str:

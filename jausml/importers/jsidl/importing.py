@@ -67,6 +67,7 @@ def import_jsidl(
     candidates: Iterable[str | os.PathLike[str]] = (),
     name: str | None = None,
     version: str | None = None,
+    behaviour: bool = True,
 ) -> ImportResult:
     """Imports services of JSIDL (AS5684) files.
 
@@ -79,6 +80,7 @@ def import_jsidl(
             of the file, or the part of the URNs that stands before the name of the service.
         version: Version of the service set, when there is one only; by default that of the
             service_set, or that of most services.
+        behaviour: False leaves out state machines.
 
     Returns:
         The service sets and the findings.
@@ -86,7 +88,8 @@ def import_jsidl(
     files = {os.path.realpath(path): (os.fspath(path), True) for path in paths}
     for path in candidates:
         files.setdefault(os.path.realpath(path), (os.fspath(path), False))
-    return import_sources([_load(*each) for each in files.values()], name=name, version=version)
+    sources = [_load(*each) for each in files.values()]
+    return import_sources(sources, name=name, version=version, behaviour=behaviour)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +122,7 @@ def import_sources(
     *,
     name: str | None = None,
     version: str | None = None,
+    behaviour: bool = True,
 ) -> ImportResult:
     """Imports services of JSIDL documents in memory; for the rest see `import_jsidl`.
 
@@ -126,16 +130,18 @@ def import_sources(
         sources: The documents.
         name: As for `import_jsidl`.
         version: As for `import_jsidl`.
+        behaviour: As for `import_jsidl`.
     """
-    return _Import(name, version).run(sources)
+    return _Import(name, version, with_behaviour=behaviour).run(sources)
 
 
 class _Import:
     """One import."""
 
-    def __init__(self, name: str | None, version: str | None) -> None:
+    def __init__(self, name: str | None, version: str | None, *, with_behaviour: bool) -> None:
         self._name = name
         self._version = version
+        self._with_behaviour = with_behaviour
         self._findings = Findings()
         self._model = Model([], load_metamodels())
         self._builder = Builder(self._model)
@@ -192,6 +198,12 @@ class _Import:
         builder = ServiceBuilder(self._builder, messages, self._values, self._findings)
         services = [builder.service(scope) for scope in self._scopes.services]
         self._inherit(services)
+        if self._with_behaviour:
+            self._behave(services)
+        self._report_unused(fields)
+        return services
+
+    def _behave(self, services: list[ImportedService]) -> None:
         for each in services:
             names = KnownNames(each.service, self._scopes.declared_names)
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
@@ -200,8 +212,6 @@ class _Import:
                     made = behaviour.machines(Place(each.place.document, child))
                     self._builder.set(each.service, "machines", made)
         finish_machines(services, self._model, self._findings)
-        self._report_unused(fields)
-        return services
 
     def _inherit(self, services: list[ImportedService]) -> None:
         imported = index(services, self._findings)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.importers.jsidl.lineage import bases_first
-from jausml.model.machines import Machine, machines_of
+from jausml.model.machines import CORE_STATES, Machine, machines_of
 from jausml.model.values import show, suggest
 
 if TYPE_CHECKING:
@@ -45,15 +45,25 @@ def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
 def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
     for path in ["", *machine.nodes]:
         inside = machine.children(path)
-        if not inside or machine.initial(path) is not None:
-            continue
-        element = _first_element(machine, inside)
-        if element is not None:
-            element.initial = True
-            where = f"state '{path}'" if path else f"machine '{machine.name}'"
-            message = f"{where} does not say which state is entered first"
-            hint = f"'{element.name}' was taken"
-            findings.report("JML625", model.location(element), message, hint)
+        if machine.extends_core and any(each in CORE_STATES for each in inside):
+            continue  # the core decides
+        where = f"state '{path}'" if path else f"machine '{machine.name}'"
+        marked = [each for each in inside if machine.nodes[each].is_initial]
+        if len(inside) > 1 and not marked:
+            element = _first_element(machine, inside)
+            if element is not None:
+                element.initial = True
+                message = f"{where} does not say which state is entered first"
+                hint = f"'{element.name}' was taken"
+                findings.report("JML625", model.location(element), message, hint)
+        for other in marked[1:]:
+            # The states of heirs stand behind those of the service that they inherit.
+            for element in machine.nodes[other].elements:
+                if element.initial:
+                    element.initial = False
+                    message = f"{where} enters '{marked[0]}' first, as in the inherited service"
+                    hint = f"'{element.name}' is not initial"
+                    findings.report("JML624", model.location(element), message, hint)
 
 
 def _first_element(machine: Machine, paths: Iterable[str]) -> Any:
