@@ -44,7 +44,8 @@ class SkeletonContract:
         class_name: The user's class.
         base_name: The generated class from which it derives.
         methods: The methods that the base calls, in model order.
-        prefixes: A method of the user is compared with the contract only under these prefixes.
+        prefixes: A method of the user is compared with the contract under these prefixes, or
+            when an earlier contract had it.
     """
 
     class_name: str

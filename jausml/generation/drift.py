@@ -127,7 +127,7 @@ def _compare_methods(
     orphans = {
         name: definition
         for name, definition in user.methods.items()
-        if name not in expected and name.startswith(contract.prefixes)
+        if name not in expected and (name.startswith(contract.prefixes) or name in known)
     }
     for name, definition in orphans.items():
         successor = _successor(name, orphans, missing, known)

@@ -46,14 +46,21 @@ def lua_literal(value: LuaValue, column: int = 0) -> str:
     Raises:
         TypeError: The value is of another type.
     """
+    return _laid_out(value, 0, column)
+
+
+def _laid_out(value: LuaValue, indent: int, column: int) -> str:
+    """Returns a value for a line with some columns before it, whose own indent is given."""
     line = _on_one_line(value)
     if isinstance(value, (bool, int, float, str)) or len(line) + column <= LINE_WIDTH:
         return line
-    lines = ["{"]
-    for key, item in _items(value):
-        text = lua_literal(item, len(_INDENT) + len(key) + 1)
-        lines += [_INDENT + each for each in f"{key}{text},".split("\n")]
-    return "\n".join([*lines, "}"])
+    inner = indent + len(_INDENT)
+    margin = " " * inner
+    items = (
+        f"{margin}{key}{_laid_out(item, inner, inner + len(key) + 1)},"
+        for key, item in _items(value)
+    )
+    return "\n".join(["{", *items, f"{' ' * indent}}}"])
 
 
 def _on_one_line(value: LuaValue) -> str:

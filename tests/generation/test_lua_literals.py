@@ -59,6 +59,15 @@ def test_a_long_table_takes_a_line_for_each_item():
     ]
 
 
+def test_indented_tables_keep_to_the_line_width():
+    item = {"name": "a" * 30, "filter": "b" * 25}
+    value = {"fields": [{"fields": [{"fields": [item, item]}, item]}]}
+    text = lua_literal(value, 17)
+
+    assert max(map(len, text.split("\n"))) <= 100
+    assert text.count(f'{{ name = "{"a" * 30}", filter = "{"b" * 25}" }},') == 1
+
+
 def test_other_values_are_refused():
     with pytest.raises(TypeError, match="no Lua literal for object"):
         lua_literal([object()])
