@@ -1,0 +1,214 @@
+"""Core v1.0 and v1.1 with each other, row by row (AS5710 and AS5710A)."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.component import ControlState, Status
+from jausml.runtime.core_messages import (
+    CancelEvent,
+    ClearEmergency,
+    ConfirmControl,
+    ConfirmEventRequest,
+    CreateEvent,
+    Event,
+    QueryAuthority,
+    QueryControl,
+    QueryEvents,
+    QueryEventTimeout,
+    QueryHeartbeatPulse,
+    QueryIdentification,
+    QueryStatus,
+    QuerySubsystemList,
+    QueryTime,
+    QueryTimeout,
+    RejectControl,
+    ReleaseControl,
+    ReportAuthority,
+    ReportControl,
+    ReportEvents,
+    ReportHeartbeatPulse,
+    ReportIdentification,
+    ReportServices,
+    ReportStatus,
+    ReportSubsystemList,
+    ReportTime,
+    ReportTimeout,
+    RequestControl,
+    Reset,
+    Resume,
+    SetEmergency,
+    Standby,
+    UpdateEvent,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    report_services,
+)
+
+from .state_tables import CORE_NAMES, V1_0, V1_1, Row, Stage, after, core_services
+
+SERVER = JausAddress(1, 1, 1)
+SETTINGS = {"control_timeout": 0, "discovery_scope": 2, "event_timeout": 1}
+
+# What a v1.0 client may send, and the answers (their classes) that both versions owe it.
+EXCHANGES = [
+    (RequestControl(authority_code=9), [ConfirmControl]),
+    (QueryControl(), [ReportControl]),
+    (QueryAuthority(), [ReportAuthority]),
+    (QueryTimeout(), [ReportTimeout]),
+    (Resume(), []),
+    (QueryStatus(), [ReportStatus]),
+    (Standby(), []),
+    (
+        CreateEvent(
+            request_id=1,
+            event_type=1,
+            requested_periodic_rate=0.0,
+            query_message=QueryStatus().encode(),
+        ),
+        [ConfirmEventRequest, Event],
+    ),
+    (
+        UpdateEvent(
+            request_id=1,
+            event_type=1,
+            requested_periodic_rate=0.0,
+            event_id=0,
+            query_message=QueryStatus().encode(),
+        ),
+        [ConfirmEventRequest],
+    ),
+    (QueryEvents(query_events_var=QueryEvents.AllEventsRec()), [ReportEvents]),
+    (CancelEvent(request_id=1, event_id=0), [ConfirmEventRequest]),
+    (QueryHeartbeatPulse(), [ReportHeartbeatPulse]),
+    (QueryTime(presence_vector=3), [ReportTime]),
+    (QueryIdentification(query_type=2), [ReportIdentification]),
+    (QuerySubsystemList(), [ReportSubsystemList]),
+    (query_all_services(), [ReportServices]),
+    (SetEmergency(), [RejectControl]),
+    (ClearEmergency(), []),
+    (ReleaseControl(), [RejectControl]),
+]
+
+# What came with v1.1; a v1.0 component does not know it and says nothing.
+ADDED = [QueryEventTimeout(), query_all_service_lists()]
+
+
+def started(world, version):
+    row = Row("start", when=after(0.1), version=version, settings=SETTINGS)
+    stage = Stage(world, row)
+    stage.do(after(1.0))
+    return stage.component, stage.peers["client"]
+
+
+@pytest.mark.parametrize("version", [V1_0, V1_1], ids=["v1.0", "v1.1"])
+@pytest.mark.parametrize(
+    "number", range(len(EXCHANGES)), ids=[f"{each.NAME}" for each, _ in EXCHANGES]
+)
+def test_messages_of_v1_0_are_served_by_both(world, version, number):
+    component, client = started(world, version)
+    for message, _ in EXCHANGES[:number]:
+        client.ask(message, component)
+    message, expected = EXCHANGES[number]
+    assert [type(each) for each in client.ask(message, component)] == expected
+
+
+@pytest.mark.parametrize("message", ADDED, ids=[each.NAME for each in ADDED])
+def test_messages_that_v1_1_added(world, message):
+    component, client = started(world, V1_1)
+    assert len(client.ask(message, component)) == 1
+    component.stop()
+    old = world.component("5.1.1", services=core_services(V1_0, *CORE_NAMES), **SETTINGS)
+    old.start()
+    assert client.ask(message, old) == []
+
+
+# ---- our clients at servers of v1.0 ----------------------------------------------------------
+
+
+def old_robot(world, **settings):
+    component = world.component(
+        str(SERVER), services=core_services(V1_0, *CORE_NAMES), **{"control_timeout": 4, **settings}
+    )
+    component.start()
+    return component
+
+
+@pytest.fixture
+def client(world):
+    component = world.component("2.1.1", services=())
+    component.start()
+    return component
+
+
+def test_event_of_a_v1_0_provider_lives_on(world, client):
+    old_robot(world)
+    reports = []
+    client.subscribe(
+        SERVER, QueryHeartbeatPulse(), ReportHeartbeatPulse, lambda r, _: reports.append(r), rate=1
+    )
+    world.run(600.0, step=0.25)
+    assert len(reports) == pytest.approx(601, abs=2)
+    assert world.count(CreateEvent.CODE) == 1
+
+
+def test_event_of_a_v1_0_provider_that_was_restarted(world, client):
+    robot = old_robot(world)
+    reports = []
+    client.subscribe(
+        SERVER, QueryStatus(), ReportStatus, lambda report, _: reports.append(report.status)
+    )
+    world.run(5.0, step=0.25)
+    robot.stop()
+    old_robot(world)
+    world.run(30.0, step=0.25)
+    assert reports[-1] == Status.STANDBY
+
+
+def test_control_of_a_v1_0_component(world, client):
+    robot = old_robot(world)
+    session = client.control(SERVER, authority=100)
+    world.run(20.0, step=0.25)
+    assert session.state is ControlState.READY
+    assert robot.controller == client.address
+
+
+def test_control_goes_on_after_an_emergency_of_v1_0(world, client):
+    robot = old_robot(world)
+    stranger = world.component("3.1.1", services=())
+    stranger.start()
+    session = client.control(SERVER, authority=100)
+    world.run(2.0, step=0.25)
+    stranger.set_emergency(SERVER)
+    world.run(2.0, step=0.25)
+    assert robot.status is Status.EMERGENCY
+    assert session.state is ControlState.REFUSED
+    stranger.clear_emergency(SERVER)
+    world.settle()
+    assert (robot.status, robot.controller) == (Status.READY, client.address)
+    world.run(8.0, step=0.25)
+    assert session.state is ControlState.READY
+
+
+def test_command_event_of_a_v1_0_component_is_refused(world, client):
+    old_robot(world)
+    refusals = []
+    client.command(SERVER, Reset(), on_refused=lambda code, text: refusals.append((code, text)))
+    world.run(4.0, step=0.25)
+    assert refusals == [(None, "no answer")]
+
+
+def test_discovery_of_a_v1_0_subsystem(world):
+    old_robot(world, discovery_scope=2)
+    searcher = world.component("7.1.1", services=())
+    searcher.start()
+    hits = []
+    searcher.discover("urn:jaus:jss:core:Management", hits.append)
+    world.run(1.0, step=0.25)
+    assert [hit.address for hit in hits] == [SERVER]
+    catalog = {SERVER: hits[0].services}
+    assert report_services(query_all_services(), catalog, 1).node_list
+    assert {(each.major, each.minor) for each in hits[0].services} == {V1_0}
