@@ -1,8 +1,9 @@
 """Example values for the generated tests, computed here and not by the runtime's conversions.
 
 Each real source attribute gets a value of its own, so that two attributes that are mixed up differ,
-and each conversion of numbers is computed a second time. Conversions of orientations and times are
-exercised only: their results are held by the tests of the runtime.
+as far as its targets can carry it: out-of-range policies would drop the others. Each conversion of
+numbers is computed a second time. Conversions of orientations and times are exercised only: their
+results are held by the tests of the runtime.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.literals import python_literal
 from jausml.generators.common.assignments import ros_constant, ros_kind
 from jausml.generators.common.jaus_fields import BITS, INTEGER, REAL, jaus_field
-from jausml.generators.common.ros_fields import ros_field
+from jausml.generators.common.ros_fields import INTEGER_RANGES, ros_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.connections import ConnectionView
 
 _NUMBERS = {REAL, INTEGER}
+# Sources to try where the first choice leads out of the range of a target.
+_OTHERS = (0.0, 1.0, *range(2, 100), 0.5, *(10.0**-power for power in range(1, 13)))
 
 
 def _heading(value: float) -> float:
@@ -93,12 +96,19 @@ class Example:
         return self.connection.has_safe_value and not self.connection.to_ros
 
 
-def example_of(view: ConnectionView) -> Example:
-    """Returns the example of a connection."""
+def example_of(view: ConnectionView) -> Example | None:
+    """Returns the example of a connection; None when no source is found that its target carries."""
     build = _ToRos(view) if view.to_ros else _ToJaus(view)
-    for assignment in build.assignments:
-        build.add(assignment)
+    try:
+        for assignment in build.assignments:
+            build.add(assignment)
+    except _NoExampleError:
+        return None
     return Example(view, tuple(build.source_lines), tuple(dict.fromkeys(build.assertions)))
+
+
+class _NoExampleError(Exception):
+    """No value of a source was found that its targets carry."""
 
 
 class _Builder:
@@ -124,17 +134,35 @@ class _Builder:
         elif kind == "ConstantAssignment":
             self.constant(assignment.target, assignment.value)
 
-    def sample(self, place: str, limits: tuple[float, float], *, whole: bool) -> float:
+    def sample(self, path: str, place: str, limits: tuple[float, float], *, whole: bool) -> float:
         """Gives a source attribute its value, once."""
         if place not in self.values:
             number = len(self.values) + 1
-            value = number if whole else number / 8
             low, high = limits
-            if not low <= value <= high:
-                value = int(low) if whole else (low + high) / 2
+            middle = (low + high) / 2 if math.isfinite(high - low) else 0.0
+            first = (number, low) if whole else (number / 8, middle)
+            tried = map(int if whole else float, (*first, *_OTHERS))
+            value = next((each for each in tried if self._fits(path, each, limits)), None)
+            if value is None:
+                raise _NoExampleError(path)
             self.values[place] = value
             self.source_lines.append(f"source.{place} = {python_literal(value)}")
         return self.values[place]
+
+    def _fits(self, path: str, value: float, limits: tuple[float, float]) -> bool:
+        """Whether a source may have a value, and all that is made of it alone has a place."""
+        if not limits[0] <= value <= limits[1]:
+            return False
+        for assignment in self.assignments:
+            if assignment.eClass.name == "FieldAssignment" and assignment.source.strip() == path:
+                result = _converted([value], assignment.conversions)
+                if result is not None and not self.carries(assignment.target, result):
+                    return False
+        return True
+
+    def carries(self, path: str, value: float) -> bool:
+        """Whether a target can hold a number."""
+        raise NotImplementedError
 
     def equal(self, place: str, value: float, tolerance: float = 1e-6) -> None:
         """Adds an assertion about a number of the target."""
@@ -168,11 +196,15 @@ class _ToRos(_Builder):
             if line not in self.source_lines:
                 self.source_lines.append(line)
         if field.kind in _NUMBERS:
-            return self.sample(field.attribute, field.limits, whole=field.kind == INTEGER)
+            return self.sample(path, field.attribute, field.limits, whole=field.kind == INTEGER)
         if field.kind == BITS and field.attribute not in self.values:
             self.values[field.attribute] = 0
             self.source_lines.append(f"source.{field.attribute} = {field.class_name}()")
         return None
+
+    def carries(self, path: str, value: float) -> bool:
+        low, high = INTEGER_RANGES.get(ros_field(self.map.type, path).type, (-math.inf, math.inf))
+        return low <= value <= high
 
     def expect(self, path: str, value: float) -> None:
         field = ros_field(self.map.type, path)
@@ -194,7 +226,11 @@ class _ToJaus(_Builder):
         kind = ros_kind(field)
         if kind not in _NUMBERS:
             return None
-        return self.sample(path, (0, 100), whole=kind == INTEGER)
+        return self.sample(path, path, (0, 100), whole=kind == INTEGER)
+
+    def carries(self, path: str, value: float) -> bool:
+        field = jaus_field(self.view.message, path)
+        return any(low <= value <= high for low, high in field.values or (field.limits,))
 
     def expect(self, path: str, value: float) -> None:
         field = jaus_field(self.view.message, path)

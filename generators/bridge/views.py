@@ -23,6 +23,8 @@ from jausml.generators.common.names import Scope, class_name, package_name, snak
 from jausml.generators.common.ros import RosType, import_lines, ros_type
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from jausml.generators.common.messages import MessageView
 
 _ARGUMENT = 16
@@ -200,22 +202,23 @@ class BridgeView:
         for view in self.connections:
             runtime |= view.runtime_names
         own = import_lines((".messages", name) for name in self.message_names)
-        return (*import_lines(runtime | self._ros_names()), "", *own)
+        return (*import_lines(runtime | self._ros_names(self.ros_names.values())), "", *own)
 
     @functools.cached_property
     def examples(self) -> tuple[Example, ...]:
-        """One example for each translation, for the generated tests."""
-        return tuple(example_of(view) for view in self.connections)
+        """One example for each translation that has one, for the generated tests."""
+        return tuple(filter(None, map(example_of, self.connections)))
 
     @property
     def test_import_lines(self) -> tuple[str, ...]:
         """Import lines of the generated tests."""
         package = self.package
-        third = set(self._ros_names())
+        shown = [example.connection for example in self.examples]
+        third = self._ros_names(view.ros_name for view in shown)
         if any(example.refuses_absent for example in self.examples):
             third.add(("jausml_runtime.bridge_statistics", "AbsentFieldError"))
         own = {(f"{package}.{package}", self.class_name)}
-        own |= {(f"{package}.messages", view.message_name) for view in self.connections}
+        own |= {(f"{package}.messages", view.message_name) for view in shown}
         return ("import pytest", *import_lines(third), "", *import_lines(own))
 
     @property
@@ -246,10 +249,12 @@ class BridgeView:
         hook = MethodContract("on_not_ready", (), "hook:on_not_ready", "", optional=True)
         return SkeletonContract(self.class_name, self.base_name, (*methods, hook))
 
-    def _ros_names(self) -> set[tuple[str, str]]:
+    def _ros_names(self, used: Iterable[str]) -> set[tuple[str, str]]:
+        wanted = set(used)
         return {
             (kind.module, kind.name if name == kind.name else f"{kind.name} as {name}")
             for kind, name in self.ros_names.items()
+            if name in wanted
         }
 
     def _requested(self, message: Any) -> frozenset[str]:

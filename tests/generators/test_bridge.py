@@ -465,6 +465,32 @@ def test_policy_of_the_field_comes_before_that_of_the_connection(
 
 
 @pytest.mark.parametrize(
+    ("target", "conversion", "expected"),
+    [
+        # The first choices would be 0.125 and 50.
+        ("Head.Mode", "", "source.real = 1.0"),
+        ("Head.Effort", "", "source.real = 0.125"),
+        ("Head.Effort", "scale 1000", "source.real = 0.0"),
+        ("Head.Effort", "linear 2.0 5.0", None),
+        ("Head.Percent", "linear 1.0 -3", "source.real = 50.0"),
+        ("Head.Flags.Gear", "linear 1.0 -3", "source.real = 3.0"),
+    ],
+)
+def test_examples_are_values_that_the_target_carries(tmp_path, target, conversion, expected):
+    kind, *arguments = conversion.split() or [""]
+    inner = "".join(f"<arguments>{each}</arguments>" for each in arguments)
+    conversions = f'<conversions kind="{kind}">{inner}</conversions>' if kind else ""
+    line = assignment("FieldAssignment", "toJaus", target, source="real", conversions=conversions)
+    model = small(tmp_path, assignments=line, direction="rosToJaus")
+    view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
+    assert [each.source_lines for each in view.examples] == ([(expected,)] if expected else [])
+    for artifact in render(model, [TARGET]):
+        if artifact.path.endswith("_translations.py"):
+            assert ("Thing" in artifact.text.partition("fixture")[0]) is (expected is not None)
+            ast.parse(artifact.text)
+
+
+@pytest.mark.parametrize(
     ("target", "value", "expected"),
     [
         ("small", "0x10", "target.small = 16"),
