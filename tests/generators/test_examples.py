@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ["catvehicle", "minimal"]
+EXAMPLES = ["catvehicle", "minimal", "examples/winch"]
 RULES = "E,F,W,UP,B,SIM,D,N,PIE,RET"
 # What ROS itself leaves untyped.
 MYPY = """[mypy]
@@ -29,10 +29,10 @@ warn_return_any = false
 def workspace(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Generates an example, around its skeletons where it has any."""
     source = ROOT / "models" / request.param
-    folder = tmp_path_factory.mktemp(request.param) / "ws"
+    folder = tmp_path_factory.mktemp(source.name) / "ws"
     if (source / "src").is_dir():
         shutil.copytree(source / "src", folder, ignore=shutil.ignore_patterns("__pycache__"))
-    run("-m", "jausml", "generate", str(source / f"{request.param}.xmi"), "-o", str(folder))
+    run("-m", "jausml", "generate", str(source / f"{source.name}.xmi"), "-o", str(folder))
     return folder
 
 
@@ -49,7 +49,7 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
 
 def test_no_skeleton_has_drifted(workspace: Path) -> None:
     example = workspace.parent.name.rstrip("0123456789")
-    model = ROOT / "models" / example / f"{example}.xmi"
+    (model,) = (ROOT / "models").glob(f"**/{example}/{example}.xmi")
     said = run("-m", "jausml", "generate", str(model), "-o", str(workspace), "--check")
     assert "does not define" not in said
     assert "warning" not in said
