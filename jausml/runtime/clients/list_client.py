@@ -63,8 +63,13 @@ class ListRequest:
         self._timeout = timeout
         self._retries = retries
         self._attempts = 0
-        self._request_id = -1
+        self._request_id = -1  # none
         self._timer: Timer | None = None
+
+    @property
+    def under_way(self) -> bool:
+        """Whether a request waits for its answer."""
+        return self._request_id >= 0
 
     def cancel(self) -> None:
         """Send no further request; neither callback is called."""
@@ -198,15 +203,19 @@ class ListClient:
         return self._last_request_id
 
     def forget(self, request: ListRequest) -> None:
-        """Drop a change that is done, refused or cancelled."""
+        """Drop a change that is done, refused or cancelled; the next one to the target begins."""
         request.stop_waiting()
         if request in self._pending:
             self._pending.remove(request)
+            following = [each for each in self._pending if each.target == request.target]
+            if following:
+                self.component.loop.call_soon(lambda: self._begin(following[0]))
 
     def stop(self) -> None:
         """Cancel all changes."""
-        for request in list(self._pending):
-            self.forget(request)
+        pending, self._pending = self._pending, []
+        for request in pending:
+            request.stop_waiting()
 
     def _start(
         self,
@@ -227,7 +236,9 @@ class ListClient:
         return request
 
     def _begin(self, request: ListRequest) -> None:
-        if request in self._pending:
+        """Start a change if it is the first one to its target; they happen one at a time."""
+        first = next((each for each in self._pending if each.target == request.target), None)
+        if first is request and not request.under_way:
             request.send_next()
 
     def _confirmed(self, message: ConfirmElementRequest, sender: JausAddress) -> None:

@@ -1,0 +1,236 @@
+"""Commands whose end is told, and emergencies, from the client's side."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.component import Completion, Guard, JausComponent, Status
+from jausml.runtime.core_messages import (
+    CancelEvent,
+    CommandEvent,
+    ConfirmEventRequest,
+    CreateCommandEvent,
+    QueryHeartbeatPulse,
+    RejectEventRequest,
+    ReportHeartbeatPulse,
+    Resume,
+    SetAuthority,
+)
+
+TARGET = JausAddress(1, 1, 1)
+
+
+class Drive(SetAuthority):
+    """A command that takes time."""
+
+    CODE = 0x1F00
+    NAME = "Drive"
+
+
+class Robot(JausComponent):
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.drives = []
+        self.handle(Drive, self.on_drive, when=Guard.READY)
+
+    def on_drive(self, _message, _sender):
+        self.drives.append(Completion())
+        return self.drives[-1]
+
+
+class Outcome:
+    """What the client was told."""
+
+    def __init__(self):
+        self.done = []
+        self.refused = []
+
+    def callbacks(self):
+        return {
+            "on_done": self.done.append,
+            "on_refused": lambda code, text: self.refused.append((code, text)),
+        }
+
+
+@pytest.fixture
+def robot(world):
+    component = world.component(str(TARGET), kind=Robot)
+    component.start()
+    return component
+
+
+@pytest.fixture
+def client(world):
+    component = world.component("2.1.1", services=())
+    component.start()
+    return component
+
+
+@pytest.fixture
+def outcome():
+    return Outcome()
+
+
+@pytest.fixture
+def session(world, robot, client):
+    made = client.control(TARGET, authority=100)
+    world.run(1.0, step=0.1)
+    assert robot.status is Status.READY
+    return made
+
+
+@pytest.mark.usefixtures("session")
+class TestCommand:
+    @pytest.mark.parametrize("good", [True, False])
+    def test_end_is_told_once(self, world, robot, client, outcome, good):
+        client.command(TARGET, Drive(), **outcome.callbacks())
+        world.run(5.0, step=0.5)
+        assert (outcome.done, outcome.refused) == ([], [])
+        (drive,) = robot.drives
+        drive.succeed() if good else drive.fail()
+        world.settle()
+        assert (outcome.done, outcome.refused) == ([good], [])
+        world.run(100.0, step=1.0)
+        assert outcome.done == [good]
+
+    def test_command_that_takes_too_long(self, world, robot, client, outcome):
+        client.command(TARGET, Drive(), max_duration=5, **outcome.callbacks())
+        world.run(6.0, step=0.5)
+        assert outcome.done == [False]
+        assert not robot.drives[0].active
+
+    def test_refusal(self, world, client, outcome, session):
+        session.release()
+        world.settle()
+        client.command(TARGET, Drive(), **outcome.callbacks())
+        world.settle()
+        assert outcome.done == []
+        ((code, text),) = outcome.refused
+        assert code == 3
+        assert text
+
+    def test_lost_end(self, world, client, outcome):
+        world.lost = lambda _source, _destination, code: code == CommandEvent.CODE
+        client.command(TARGET, Drive(), max_duration=5, **outcome.callbacks())
+        world.run(20.0, step=0.5)
+        assert outcome.done == [False]
+        assert world.counters.snapshot()["command_client.lost"] == 1
+
+    def test_cancel(self, world, robot, client, outcome):
+        pending = client.command(TARGET, Drive(), **outcome.callbacks())
+        world.settle()
+        pending.cancel()
+        world.settle()
+        assert world.count(CancelEvent.CODE) == 1
+        assert not robot.drives[0].active
+        world.run(100.0, step=1.0)
+        assert (outcome.done, outcome.refused) == ([], [])
+
+    def test_two_commands_at_a_time(self, world, robot, client):
+        first, second = Outcome(), Outcome()
+        client.command(TARGET, Drive(), **first.callbacks())
+        client.command(TARGET, Resume(), **second.callbacks())
+        world.settle()
+        assert (first.done, second.done) == ([], [True])
+        robot.drives[0].succeed()
+        world.settle()
+        assert first.done == [True]
+
+    def test_next_to_events_of_the_same_provider(self, world, client, outcome):
+        reports = []
+        client.subscribe(
+            TARGET,
+            QueryHeartbeatPulse(),
+            ReportHeartbeatPulse,
+            lambda report, _: reports.append(report),
+            rate=1,
+        )
+        client.command(TARGET, Resume(), **outcome.callbacks())
+        world.run(5.0, step=0.5)
+        assert outcome.done == [True]
+        assert len(reports) >= 5
+
+    def test_end_that_overtakes_its_confirmation(self, world, client, outcome):
+        probe = world.probe("5.1.1")
+        client.command(probe.address, Drive(), **outcome.callbacks())
+        (request,) = probe.take()
+        assert isinstance(request, CreateCommandEvent)
+        probe.send(CommandEvent(event_id=9, command_result=0), client)
+        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
+        world.settle()
+        assert outcome.done == [True]
+
+    def test_reject_without_code_and_text(self, world, client, outcome):
+        probe = world.probe("5.1.1")
+        client.command(probe.address, Drive(), **outcome.callbacks())
+        (request,) = probe.take()
+        probe.send(RejectEventRequest(request_id=request.request_id), client)
+        world.settle()
+        assert outcome.refused == [(None, "")]
+
+
+def test_no_answer(world, client, outcome):
+    client.command(TARGET, Resume(), timeout=2.0, **outcome.callbacks())
+    world.run(3.0, step=0.5)
+    assert outcome.refused == [(None, "no answer")]
+    assert world.count(CreateCommandEvent.CODE) == 1
+
+
+def test_command_before_the_start(world, robot, outcome):
+    late = world.component("2.1.1", services=())
+    late.command(robot.address, Resume(), **outcome.callbacks())
+    world.settle()
+    assert world.count(CreateCommandEvent.CODE) == 0
+    late.start()
+    world.settle()
+    assert outcome.refused[0][0] == 3
+
+
+def test_end_that_nobody_awaits_is_counted(world, client):
+    world.probe("5.1.1").send(CommandEvent(event_id=9, command_result=0), client)
+    world.settle()
+    assert world.counters.snapshot()["command_client.unknown_event"] == 1
+
+
+def test_stop_awaits_nothing_more(world, client, outcome):
+    client.command(TARGET, Resume(), **outcome.callbacks())
+    client.stop()
+    world.run(10.0, step=1.0)
+    assert (outcome.done, outcome.refused) == ([], [])
+
+
+@pytest.mark.parametrize("duration", [-1, 1 << 32])
+def test_impossible_durations(client, duration):
+    with pytest.raises(ValueError, match="outside"):
+        client.command(TARGET, Resume(), max_duration=duration)
+
+
+def test_wildcards_are_refused(client):
+    with pytest.raises(ValueError, match="one component"):
+        client.command(BROADCAST, Resume())
+
+
+def test_too_many_commands(client):
+    for _ in range(31):
+        client.command(TARGET, Resume())
+    with pytest.raises(ValueError, match="31 commands"):
+        client.command(TARGET, Resume())
+
+
+def test_emergency_is_set_and_cleared_with_the_highest_priority(world, robot, client):
+    priorities = []
+    send = world.send
+
+    def watch(source, destination, payload, *, priority, acknowledge, **named):
+        priorities.append((int(priority), acknowledge))
+        send(source, destination, payload, priority=priority, **named)
+
+    world.send = watch
+    client.set_emergency(TARGET)
+    world.settle()
+    assert robot.status is Status.EMERGENCY
+    client.clear_emergency(TARGET)
+    world.settle()
+    assert robot.status is Status.STANDBY
+    assert priorities == [(3, True), (3, True)]
