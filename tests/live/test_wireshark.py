@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-import math
 import random
 import struct
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.generators.common.fields import FORMATS, integer_limits
 from jausml.generators.wireshark.services import library_services
 from jausml.generators.wireshark.views import DissectorView
 from jausml.messages import load_catalogue
 from jausml.model import read_models
 
+from .wireshark_bodies import body, matches
 from .wireshark_support import (
     ROOT,
     TSHARK,
@@ -33,7 +32,6 @@ from .wireshark_support import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 pytestmark = [
@@ -81,75 +79,6 @@ def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 # -- vectors of other implementations ----------------------------------------------------------
-
-
-def leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
-    """Yields the filters that a field should show, with their values, in the order of the wire."""
-    kind = node["kind"]
-    if kind in ("number", "text", "bits", "bytes"):
-        yield from plain_leaves(node, value)
-    elif kind == "choice":
-        yield f"{node['filter']}.index", value["index"]
-        yield from leaves(node["options"][value["index"]], value["value"])
-    elif kind in ("list", "array"):
-        if kind == "list":
-            yield f"{node['filter']}.count", len(value)
-        for item in value:
-            yield from leaves(node["element"], item)
-    elif kind == "variant":
-        yield f"{node['filter']}.tag", value["_tag"]
-        if node["options"]:
-            option = node["options"][value["_tag"]]
-            yield from leaves(option, value.get(option["name"]))
-    else:
-        yield from record_leaves(node, value)
-
-
-def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
-    if node["kind"] == "bits":
-        for part in node["parts"]:
-            yield part["filter"], value[part["name"]]
-    elif node["kind"] == "bytes":
-        yield node["filter"], value["hex"]
-        if "format" in value:
-            yield f"{node['filter']}.format", value["format"]
-    else:
-        yield node["filter"], value
-
-
-def record_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
-    if "_pv" in value:
-        yield f"{node['filter']}.presence", value["_pv"]
-    for member in node["fields"]:
-        if member["name"] in value:
-            yield from leaves(member, value[member["name"]])
-
-
-def expected(message: Any, fields: dict[str, Any]) -> list[tuple[str, Any]]:
-    if not message.body:
-        return []
-    return list(leaves(message.body, fields[message.body["name"]]))
-
-
-def is_close(field: Shown, value: Any) -> bool:
-    if isinstance(value, float):
-        # Wireshark prints 15 significant digits of a double and 6 of a single.
-        return math.isclose(float(field.show), value, rel_tol=1e-5, abs_tol=1e-9)
-    if isinstance(value, int):
-        return int(field.show, 0) == value
-    return value in (field.show, field.value)
-
-
-def matches(fields: list[Shown], message: Any, vector: dict[str, Any]) -> bool:
-    try:
-        wanted = expected(message, vector["fields"])
-    except (KeyError, TypeError, AttributeError):
-        return False  # the layout of another definition
-    names = {name for name, _ in wanted}
-    found = [field for field in fields if field.name in names]
-    return [field.name for field in found] == [name for name, _ in wanted] and all(
-        is_close(field, value) for field, (_, value) in zip(found, wanted, strict=True)
-    )
 
 
 def is_right(view: DissectorView, fields: list[Shown], vector: dict[str, Any]) -> bool:
@@ -422,60 +351,6 @@ def test_hostile_names_only_show(tmp_path: Path) -> None:
 
 
 # -- every message, with random bodies ------------------------------------------------------------
-
-
-def number(chance: random.Random, numeric_type: str) -> bytes:
-    letter = FORMATS[numeric_type]
-    if letter in "fd":
-        return struct.pack(f"<{letter}", chance.uniform(-1000.0, 1000.0))
-    return chance.randbytes(struct.calcsize(letter))
-
-
-def counted(numeric_type: str, data: bytes) -> bytes:
-    return struct.pack(f"<{FORMATS[numeric_type]}", len(data)) + data
-
-
-def body(chance: random.Random, node: dict[str, Any]) -> bytes:
-    """Returns bytes that a field may have."""
-    kind = node["kind"]
-    if kind in ("number", "bits"):
-        return number(chance, node["type"])
-    if kind == "text":
-        length = chance.randrange(min(6, node.get("length", 6)))
-        text = bytes(chance.choices(b"abc XYZ-09", k=length))
-        return (
-            counted(node["count"], text) if "count" in node else text.ljust(node["length"], b"\0")
-        )
-    if kind == "bytes":
-        index = bytes([chance.choice(list(node["formats"]))]) if "formats" in node else b""
-        return index + counted(node["count"], b"\x03\x20")
-    if kind == "choice":
-        index, option = chance.choice(list(node["options"].items()))
-        return bytes([index]) + number(chance, option["type"])
-    return container(chance, node)
-
-
-def container(chance: random.Random, node: dict[str, Any]) -> bytes:
-    if node["kind"] == "list":
-        items = [body(chance, node["element"]) for _ in range(chance.choice((0, 1, 1, 3)))]
-        return struct.pack(f"<{FORMATS[node['count']]}", len(items)) + b"".join(items)
-    if node["kind"] == "array":
-        return b"".join(body(chance, node["element"]) for _ in range(math.prod(node["sizes"])))
-    if node["kind"] == "variant":
-        tag = chance.randrange(max(1, len(node["options"])))
-        option = body(chance, node["options"][tag]) if node["options"] else b""
-        return struct.pack(f"<{FORMATS[node['tag']]}", tag) + option
-    present, bit, data = 0, 1, b""
-    # The library has a record with more optional members than its presence vector has bits.
-    last = integer_limits(node.get("presence", "uint64"))[1]
-    for member in node["fields"]:
-        is_there = not member.get("optional") or (bit <= last and chance.random() < 0.7)
-        if member.get("optional"):
-            present |= bit * is_there
-            bit <<= 1
-        data += body(chance, member) if is_there else b""
-    head = struct.pack(f"<{FORMATS[node['presence']]}", present) if "presence" in node else b""
-    return head + data
 
 
 def test_every_message_of_the_library_shows_what_the_codec_decodes(
