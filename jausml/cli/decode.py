@@ -107,7 +107,7 @@ def _lines(inputs: tuple[str, ...]) -> Iterator[Line]:
 
 def _is_file(text: str) -> bool:
     try:
-        return Path(text).exists()
+        return bool(text) and Path(text).exists()
     except (OSError, ValueError):
         return False
 
@@ -213,6 +213,9 @@ class _Reading:
                 self._output.observation(observation)
             if is_live:
                 sys.stdout.flush()
+        if observer.host_frames:
+            what = f"skipped {observer.host_frames} frames between jausml processes of one host"
+            click.echo(what, err=True)
 
     def capture(self, path: str, port: int) -> None:
         """Shows the JUDP traffic of a capture."""

@@ -62,11 +62,11 @@ def resolve(element: Any) -> Any:
     target, seen = element, set()
     while target is not None and target.eClass.name == "TypeReference":
         if target in seen:
-            raise DefinitionError("the type reference refers to itself", str(element.name))
+            raise DefinitionError("the type reference refers to itself")
         seen.add(target)
         target = target.target
     if target is None:
-        raise DefinitionError("the type reference has no target", str(element.name))
+        raise DefinitionError("the type reference has no target")
     return target
 
 

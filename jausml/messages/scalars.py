@@ -254,7 +254,7 @@ def check_names(fields: Mapping[str, Any], known: Collection[str], needed: Itera
     for name in fields:
         if name not in known:
             absent = [each for each in known if each not in fields]
-            hint = did_you_mean(similar(str(name), absent or known))
+            hint = did_you_mean(similar(str(name), absent) or similar(str(name), known))
             raise EncodeError(f"unknown field{hint}", str(name))
     for name in needed:
         if name not in fields:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages import MessageError
@@ -27,12 +27,11 @@ if TYPE_CHECKING:
 
 _REASSEMBLY_TIMEOUT = 10.0
 _REASSEMBLY_LIMIT = 4 << 20
-_VERSIONS = {
-    0: "a frame between the jausml processes of one host, no JUDP",
-    1: "JUDP version 1 (AS5669) is not supported, AS5669A has version 2",
-    ord("J"): "OPC 2.75 of the JAUS Reference Architecture ('JAUS01.0') is not supported",
-}
+_HOST_FRAMES = (b"\0F", b"\0P")  # runtime/shared_port.py
+_HEADER_COMPRESSION = (0, 2)  # bytes that it adds to a header
 _REASONS = {
+    "judp.version_1": "JUDP version 1 (AS5669) is not supported, AS5669A has version 2",
+    "judp.reference_architecture": "the JAUS Reference Architecture ('JAUS01.0') is not supported",
     "judp.truncated": "the data size of a message is larger than the datagram",
     "judp.bad_size": "the data size of a message is too small for its header",
     "judp.bad_message_type": "the message type is reserved",
@@ -53,6 +52,7 @@ class Observation:
     Attributes:
         datagram: The datagram in which it stood.
         packet: Its header and payload, None when the datagram cannot be read.
+        data_size: What its header says: bytes of the header, the payload and the sequence number.
         message: The JAUS message; that of several packets stands with the packet that completes it.
         error: Why there is no message, empty when there is one or none is due.
         is_fragment: Whether it is a packet of a message of several.
@@ -60,6 +60,7 @@ class Observation:
 
     datagram: Datagram
     packet: Packet | None = None
+    data_size: int = 0
     message: DecodedMessage | None = None
     error: str = ""
     is_fragment: bool = False
@@ -83,7 +84,7 @@ class Observation:
         if packet is not None:
             found.update(
                 version=JUDP_VERSION,
-                data_size=EMPTY_MESSAGE_SIZE + len(packet.payload),
+                data_size=self.data_size,
                 priority=int(packet.priority),
                 broadcast=int(packet.broadcast),
                 ack_nak=int(packet.acknowledge),
@@ -129,7 +130,12 @@ class _Reasons(Counters):
 
 
 class Observer:
-    """Reads datagrams in their order and puts messages of several packets together."""
+    """Reads datagrams in their order and puts messages of several packets together.
+
+    Attributes:
+        host_frames: Datagrams on the network that pass between jausml processes of one host, which
+            share the port so; they are no JUDP.
+    """
 
     def __init__(self, catalogue: Catalogue, service: str | None = None) -> None:
         """Starts with no packets.
@@ -138,10 +144,10 @@ class Observer:
             catalogue: What messages there are.
             service: Service whose messages are meant where a code has several meanings.
         """
+        self.host_frames = 0
         self._catalogue = catalogue
         self._service = service
-        self._reasons = _Reasons()
-        self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, self._reasons)
+        self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, _Reasons())
 
     def observe(self, datagram: Datagram) -> Iterator[Observation]:
         """Yields the messages of a datagram; one that cannot be read yields what is wrong.
@@ -149,36 +155,55 @@ class Observer:
         Args:
             datagram: The datagram.
         """
+        if datagram.source is not None and datagram.data.startswith(_HOST_FRAMES):
+            self.host_frames += 1
+            return
         now = datagram.time or 0.0
         self._reassembly.expire(now)
-        self._reasons.names.clear()
-        for packet in parse_datagram(datagram.data, self._reasons):
-            yield self._observed(datagram, packet, now)
-        for name in self._reasons.names:
-            if name in _REASONS or name == "judp.bad_version":
-                yield Observation(datagram, error=_reason(name, datagram.data))
+        reasons = _Reasons()
+        sizes = _data_sizes(datagram.data)
+        for packet in parse_datagram(datagram.data, reasons):
+            # Sizes of messages that cannot be read stand between those of the others.
+            least = EMPTY_MESSAGE_SIZE + len(packet.payload)
+            size = next((each for each in sizes if each - least in _HEADER_COMPRESSION), least)
+            yield self._observed(Observation(datagram, packet, size), packet, now)
+        for name in reasons.names:
+            yield Observation(datagram, error=_reason(name, datagram.data))
 
-    def _observed(self, datagram: Datagram, packet: Packet, now: float) -> Observation:
+    def _observed(self, seen: Observation, packet: Packet, now: float) -> Observation:
+        """Returns an observation with its message."""
         if packet.acknowledge >= AckNak.NAK:
-            return Observation(datagram, packet)
+            return seen
         payload = packet.payload
         is_fragment = packet.data_flags is not DataFlags.SINGLE
         if is_fragment:
             whole = self._reassembly.add(packet, now)
             if whole is None:
-                error = _FRAGMENTS[packet.data_flags]
-                return Observation(datagram, packet, error=error, is_fragment=True)
+                return replace(seen, error=_FRAGMENTS[packet.data_flags], is_fragment=True)
             payload = whole.payload
         try:
             message = self._catalogue.decode(payload, self._service)
         except MessageError as error:
-            return Observation(datagram, packet, error=str(error))
-        return Observation(datagram, packet, message, is_fragment=is_fragment)
+            return replace(seen, error=str(error))
+        return replace(seen, message=message, is_fragment=is_fragment)
+
+
+def _data_sizes(data: bytes) -> Iterator[int]:
+    """Yields the data sizes of the messages of a datagram, as far as they lead."""
+    offset = 1
+    while offset + EMPTY_MESSAGE_SIZE <= len(data):
+        size = data[offset + 1] | data[offset + 2] << 8
+        if size < EMPTY_MESSAGE_SIZE:
+            return
+        yield size
+        offset += size
 
 
 def _reason(name: str, data: bytes) -> str:
     if not data:
         return "the datagram is empty"
     if name == "judp.bad_version":
-        return _VERSIONS.get(data[0], f"JUDP version {data[0]} is not supported")
-    return f"{_REASONS[name]} ({len(data)} bytes)"
+        if data[0] == 0:
+            return "a frame between the jausml processes of one host, no JUDP"
+        return f"JUDP version {data[0]} is not supported"
+    return f"{_REASONS.get(name, name)} ({len(data)} bytes)"

@@ -1,0 +1,260 @@
+"""Fields and their wire form: shapes, limits, and errors that name the field."""
+
+from __future__ import annotations
+
+import json
+import math
+import tracemalloc
+
+import pytest
+
+from jausml.messages import DecodeError, EncodeError
+
+
+def test_the_worked_example_of_a_presence_vector(catalogue):
+    entry = catalogue.message("SetWrenchEffort")
+    payload = bytes.fromhex("0504 7008 FF7F FFFF 80 00")
+    fields = entry.decode(payload)
+    record = fields["WrenchEffortRec"]
+    assert list(record) == [
+        "_pv",
+        "PropulsiveRotationalEffortY",
+        "PropulsiveRotationalEffortZ",
+        "ResistiveLinearEffortX",
+        "ResistiveRotationalEffortZ",
+    ]
+    assert record["_pv"] == 0x0870
+    assert record["PropulsiveRotationalEffortY"] == pytest.approx(-0.0015, abs=1e-4)
+    assert record["PropulsiveRotationalEffortZ"] == 100.0
+    assert record["ResistiveLinearEffortX"] == pytest.approx(50.196, abs=1e-3)
+    assert record["ResistiveRotationalEffortZ"] == 0.0
+    assert entry.encode(fields) == payload
+
+
+NUMBERS = {
+    "Signed": -2,
+    "Wide": 1.0,
+    "Down": 7.9,
+    "Up": 7.1,
+    "Real": -0.5,
+    "Gap": 7,
+    "Matrix": [1, 2, 3, 4],
+    "Labels": ["a", "\xe9"],
+}
+BODY = {
+    "First": {"X": 1.5},
+    "Numbers": NUMBERS,
+    "Lists": [[1, 2], []],
+    "Choice": {"_tag": 0, "A": {"V": {"index": 1, "value": -1}}},
+}
+
+
+def encode(kinds, **changes):
+    fields = {name: each for name, each in {**BODY, **changes}.items() if each is not None}
+    return kinds.message("Kinds").encode({"Body": fields})
+
+
+def test_every_kind_of_field(kinds):
+    payload = encode(kinds)
+    assert payload == bytes.fromhex(
+        "0001 00 0000c03f feff ffffffffffffffff 07 08 000000000000e0bf 07 01020304 0161 01e9"
+        "0200 020102 00 00 01 ff"
+    )
+    decoded = kinds.message("Kinds").decode(payload)
+    assert decoded["Body"] == {"_pv": 0, **BODY, "Numbers": {**NUMBERS, "Down": 7.0, "Up": 8.0}}
+    with_second = encode(kinds, Second={"X": 2})
+    assert with_second[2] == 1
+    assert kinds.message("Kinds").decode(with_second)["Body"]["Second"] == {"X": 2.0}
+
+
+def test_a_tag_may_be_left_out_when_the_option_tells_it(kinds):
+    assert encode(kinds, Choice={"B": []}) == encode(kinds, Choice={"_tag": 1, "B": []})
+
+
+@pytest.mark.parametrize(
+    ("changes", "error"),
+    [
+        ({"First": None}, "Body.First: this field is absent"),
+        ({"Frist": {}}, "Body.Frist: unknown field; did you mean First?"),
+        ({"First": 1}, "Body.First: 1 is not an object of fields"),
+        ({"First": {"X": "1"}}, "Body.First.X: '1' is not a number"),
+        ({"First": {"X": True}}, "Body.First.X: true is not a number"),
+        ({"First": {"X": None}}, "Body.First.X: null is not a number"),
+        ({"First": {"X": math.nan}}, "Body.First.X: nan is outside"),
+        ({"First": {"X": math.inf}}, "Body.First.X: inf is outside"),
+        ({"First": {"X": 10**400}}, "Body.First.X: an integer of 1329 bits is outside"),
+        ({"_pv": 1}, "Body._pv: 1 given, but the members that are there make 0"),
+        ({"_pv": True}, "Body._pv: true given"),
+        ({"Numbers": {**NUMBERS, "Signed": 32768}}, "Body.Numbers.Signed: 32768 is not among"),
+        ({"Numbers": {**NUMBERS, "Signed": 1.5}}, "Body.Numbers.Signed: 1.5 is not an integer"),
+        (
+            {"Numbers": {**NUMBERS, "Gap": 8}},
+            "Body.Numbers.Gap: 8 is not among the legal values 0, 4",
+        ),
+        ({"Numbers": {**NUMBERS, "Wide": 1.1}}, "Body.Numbers.Wide: 1.1 is outside 0.0 .. 1.0"),
+        ({"Numbers": {**NUMBERS, "Wide": 10**400}}, "Body.Numbers.Wide: an integer of 1329 bits"),
+        ({"Numbers": {**NUMBERS, "Wide": math.nan}}, "Body.Numbers.Wide: nan is outside"),
+        ({"Numbers": {**NUMBERS, "Matrix": [1]}}, "Body.Numbers.Matrix: 1 elements instead of 4"),
+        ({"Numbers": {**NUMBERS, "Matrix": [1, 2, 3, 256]}}, "Body.Numbers.Matrix[3]: 256 is not"),
+        ({"Numbers": {**NUMBERS, "Labels": ["a", "€"]}}, "Body.Numbers.Labels[1]: '€' has char"),
+        ({"Lists": [[], [], [], []]}, "Body.Lists: count 4 is outside 0 .. 3"),
+        ({"Lists": [[1, -1]]}, "Body.Lists[0][1]: -1 is not among"),
+        ({"Lists": {}}, "Body.Lists: an object of 0 is not a list"),
+        ({"Choice": {}}, "Body.Choice._tag: this field is absent, the options are 0 A, 1 B"),
+        ({"Choice": {"_tag": 3}}, "Body.Choice._tag: 3 is not among the legal values 0 .. 2"),
+        ({"Choice": {"_tag": 0, "B": []}}, "Body.Choice.B: unknown field"),
+        (
+            {"Choice": {"_tag": 0, "A": {"V": {"index": 2, "value": 0}}}},
+            "A.V.index: 2 names no type",
+        ),
+        ({"Choice": {"_tag": 0, "A": {"V": {"index": 1, "value": 128}}}}, "A.V.value: 128 is not"),
+    ],
+)
+def test_what_cannot_be_encoded_is_refused_at_its_place(kinds, changes, error):
+    with pytest.raises(EncodeError) as caught:
+        encode(kinds, **changes)
+    assert error in str(caught.value)
+
+
+def test_a_real_without_a_fraction_is_an_integer(kinds):
+    """JSON does not tell 1.0 from 1."""
+    assert encode(kinds, Numbers={**NUMBERS, "Signed": -2.0}) == encode(kinds)
+
+
+@pytest.mark.parametrize(
+    ("payload", "error"),
+    [
+        ("0244", "GlobalPoseRec._pv: 2 bytes wanted at offset 2, 0 left"),
+        ("02440300000000", "GlobalPoseRec.Latitude: 4 bytes wanted at offset 4, 3 left"),
+        ("0244030000000000ffff", "GlobalPoseRec.Longitude: 4 bytes wanted at offset 8, 2 left"),
+        ("02440008", "GlobalPoseRec._pv: bits 0x800 stand for no member"),
+        ("024400800000", "GlobalPoseRec._pv: bits 0x8000 stand"),
+        ("0240010000000000", "1 bytes follow the body of ReportStatus"),
+        ("f02104", "QueryEventsVar._tag: 4 names no option, the options are 0 MessageIDRec"),
+        ("f021", "QueryEventsVar._tag: 1 byte wanted"),
+        ("034b01ff02", "NodeList[0].ComponentList: count 2 needs more than the 0 bytes"),
+        ("034bff0102", "NodeList: count 255 needs more than the 2 bytes that follow"),
+        ("0206010300000000", "JointPositionList[0].JointPosition.index: 3 names no type"),
+        ("f041", "EventList: 1 byte wanted"),
+        ("f1410102ffffffff", "EventRec.ReportMessage: length 4294967295 is more than the 0 bytes"),
+        ("1a4400000000000000", "ElementRec.ElementData.hex: 2 bytes wanted at offset 9"),
+        ("1a44000000000000", "ElementRec.ElementData.format: 1 byte wanted at offset 8"),
+    ],
+)
+def test_what_cannot_be_decoded_says_where(catalogue, payload, error):
+    with pytest.raises(DecodeError) as caught:
+        catalogue.decode(bytes.fromhex(payload))
+    assert str(caught.value).startswith(error)
+
+
+def test_another_message_is_refused(catalogue):
+    with pytest.raises(DecodeError, match="0x2002 is not the code of ReportStatus, 0x4002"):
+        catalogue.message("ReportStatus").decode(b"\x02\x20")
+
+
+def test_a_huge_count_takes_no_memory(catalogue):
+    entry = catalogue.message("ReportServiceList")
+    tracemalloc.start()
+    try:
+        with pytest.raises(DecodeError, match="SubsystemList: count 65535 needs more"):
+            entry.decode(b"\x04\x4b\xff\xff" + b"\0" * 60)
+        assert tracemalloc.get_traced_memory()[1] < 1 << 16
+    finally:
+        tracemalloc.stop()
+
+
+def test_values_outside_their_set_are_decoded_but_not_encoded(catalogue):
+    entry = catalogue.message("SetEmergency")
+    fields = entry.decode(bytes.fromhex("06000000"))
+    assert fields == {"SetEmergencyRec": {"EmergencyCode": 0}}
+    with pytest.raises(EncodeError, match="EmergencyCode: 0 is not among the legal values 1"):
+        entry.encode(fields)
+
+
+def test_a_presence_vector_without_room_for_a_member(catalogue):
+    """CBRNDetection has 14 optional members and a vector of 8 bits."""
+    entry = catalogue.message("CBRNDetection")
+    (record,) = entry.codec.members
+    last = record.codec.members[-1]
+    assert last.bit > 0xFF
+    least = {member.name: 0 for member in record.codec.members if not member.bit}
+    with pytest.raises(EncodeError, match=f"_pv: no bit stands for {last.name}"):
+        entry.encode({record.name: {**least, last.name: 0}})
+
+
+def test_embedded_messages_are_decoded_beside_their_hex(catalogue):
+    event = bytes.fromhex("f1410102070000000240 0100000000")
+    decoded = catalogue.decode(event)
+    assert decoded.fields["EventRec"]["ReportMessage"] == {"hex": "02400100000000"}
+    (embedded,) = decoded.embedded
+    assert embedded.path == "EventRec.ReportMessage"
+    assert embedded.message.entry.name == "ReportStatus"
+    printed = json.loads(json.dumps(decoded.to_json()))
+    holder = printed["fields"]["EventRec"]["ReportMessage"]
+    assert holder["hex"] == "02400100000000"
+    assert holder["message"]["fields"] == {"ReportStatusRec": {"Status": 1, "Reserved": 0}}
+    assert catalogue.encode(printed) == event
+    # Without the hex the decoded form counts.
+    del holder["hex"]
+    holder["message"]["fields"]["ReportStatusRec"]["Status"] = 2
+    assert catalogue.encode(printed) == event[:10] + b"\x02" + event[11:]
+    holder["message"]["message"] = "ReportStatu"
+    with pytest.raises(EncodeError, match=r"EventRec.ReportMessage.message: .*did you mean"):
+        catalogue.encode(printed)
+
+
+def test_embedded_messages_of_lists(catalogue):
+    payload = bytes.fromhex("1a045c02 0100 0000 0200 00 0200 0220 0200 0100 0000 01 0200 0220")
+    decoded = catalogue.decode(payload)
+    assert [(e.path, e.message.entry.name) for e in decoded.embedded] == [
+        ("SetElementSeq.ElementList[0].ElementData", "QueryStatus")
+    ]
+    assert catalogue.encode(decoded.to_json()) == payload
+    elements = decoded.to_json()["fields"]["SetElementSeq"]["ElementList"]
+    assert elements[1]["ElementData"] == {"format": 1, "hex": "0220"}  # of the user's own format
+    del elements[0]["ElementData"]["hex"]
+    assert (
+        catalogue.encode(
+            {
+                "message": "SetElement",
+                "fields": {
+                    "SetElementSeq": {"RequestIDRec": {"RequestID": 0x5C}, "ElementList": elements}
+                },
+            }
+        )
+        == payload
+    )
+
+
+def test_an_embedded_message_that_cannot_be_decoded_harms_nothing(catalogue):
+    payload = bytes.fromhex("f141010202000000ffff")
+    decoded = catalogue.decode(payload)
+    assert decoded.embedded[0].error == "no message has the code 0xFFFF"
+    holder = decoded.to_json()["fields"]["EventRec"]["ReportMessage"]
+    assert holder == {"hex": "ffff", "message": {"error": "no message has the code 0xFFFF"}}
+    assert catalogue.encode(decoded.to_json()) == payload
+
+
+def test_messages_nested_without_end_are_decoded_to_a_depth(catalogue):
+    payload = b"\xff\xff"
+    for _ in range(2000):
+        payload = b"\xf1\x41\0\0" + len(payload).to_bytes(4, "little") + payload
+    decoded = catalogue.decode(payload)
+    depth = 0
+    while decoded.embedded:
+        depth += 1
+        decoded = decoded.embedded[0].message
+    assert depth == 8
+    assert catalogue.encode(decoded.to_json())
+
+
+@pytest.mark.parametrize("value", ["0", "zz", 7, None])
+def test_octets_that_are_no_hex(catalogue, value):
+    message = {
+        "message": "Event",
+        "fields": {
+            "EventRec": {"EventID": 0, "SequenceNumber": 0, "ReportMessage": {"hex": value}}
+        },
+    }
+    with pytest.raises(EncodeError, match=r"EventRec\.ReportMessage\.hex: .* is not"):
+        catalogue.encode(message)

@@ -1,0 +1,86 @@
+"""The interpreting codec against the bytes that other implementations made."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from jausml.messages import AmbiguousMessageError, EncodeError
+
+GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "jaus_messages.jsonl"
+# A list that shall have an element but has none: we take it from a peer, but do not send it.
+TOO_SHORT = "042b0000"
+
+pytestmark = pytest.mark.skipif(
+    not GOLDEN.exists(), reason="the vectors of other implementations are absent"
+)
+
+
+def vectors():
+    return [json.loads(line) for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
+
+
+def close(ours, theirs):
+    if isinstance(theirs, float):
+        return isinstance(ours, float) and math.isclose(ours, theirs, rel_tol=1e-12)
+    if isinstance(theirs, dict):
+        return list(ours) == list(theirs) and all(close(ours[k], theirs[k]) for k in theirs)
+    if isinstance(theirs, list):
+        return len(ours) == len(theirs) and all(map(close, ours, theirs))
+    return type(ours) is type(theirs) and ours == theirs
+
+
+def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(catalogue):
+    wrong = []
+    for vector in vectors():
+        service = f"{vector['service']}/{vector['service_version']}"
+        entry = catalogue.message(vector["message"], service)
+        data = bytes.fromhex(vector["hex"])
+        fields = entry.decode(data)
+        again = data if vector["hex"] == TOO_SHORT else entry.encode(vector["fields"])
+        if (
+            not close(fields, vector["fields"])
+            or again != data
+            or entry.code != data[0] + 256 * data[1]
+        ):
+            wrong.append((vector["message"], vector["hex"], fields, again.hex()))
+    assert not wrong
+
+
+def test_what_is_printed_is_encoded_to_the_same_bytes(catalogue):
+    """Without a service, too: the printed line names one."""
+    ambiguous = set()
+    for vector in vectors():
+        data = bytes.fromhex(vector["hex"])
+        try:
+            decoded = catalogue.decode(data)
+        except AmbiguousMessageError:
+            ambiguous.add(vector["id"])
+            continue
+        assert decoded.entry.name == vector["message"]
+        if vector["hex"] != TOO_SHORT:
+            assert catalogue.encode(json.loads(json.dumps(decoded.to_json()))) == data
+    assert ambiguous <= {"0x2602", "0x4602", "0x4600", "0x4632", "0xF92A", "0xF932"}
+
+
+def test_presence_vectors_may_be_left_out(catalogue):
+    def bare(value):
+        if isinstance(value, dict):
+            return {key: bare(each) for key, each in value.items() if key != "_pv"}
+        return [bare(each) for each in value] if isinstance(value, list) else value
+
+    for vector in vectors():
+        if "_pv" in json.dumps(vector["fields"]):
+            service = f"{vector['service']}/{vector['service_version']}"
+            entry = catalogue.message(vector["message"], service)
+            assert entry.encode(bare(vector["fields"])).hex() == vector["hex"]
+
+
+def test_a_list_that_is_too_short_is_taken_but_not_sent(catalogue):
+    decoded = catalogue.decode(bytes.fromhex(TOO_SHORT))
+    assert decoded.fields == {"SubsystemList": []}
+    with pytest.raises(EncodeError, match=r"^SubsystemList: count 0 is outside 1 \.\. 65535$"):
+        catalogue.encode(decoded.to_json())
