@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from jausml.validation.subject import Subject
 
 _PRESENCE_BITS = {"none": 0, **UNSIGNED_BITS}
+# What the runtime puts together from fragments, in bytes.
+_LARGEST = 4 << 20
 _COUNTS = {
     "List": ("countType", "minimumCount", "maximumCount"),
     "VariableLengthString": ("countType", "minimumLength", "maximumLength"),
@@ -189,6 +191,8 @@ def count_types(subject: Subject) -> Iterator[Finding]:
 def sizes(subject: Subject) -> Iterator[Finding]:
     """Strings and arrays have a size of 1 or more; indices are one byte and differ.
 
+    No more than 4194304 bytes or elements: larger messages are not put together from fragments.
+
     Bad: `<fields xsi:type="jaus:FixedLengthString" name="id" length="0"/>`
 
     Good: `length="16"`
@@ -196,9 +200,16 @@ def sizes(subject: Subject) -> Iterator[Finding]:
     for text in subject.instances("jaus.FixedLengthString"):
         if text.length < 1:
             yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
+        elif text.length > _LARGEST:
+            message = f"'{text.name}' has a length of {text.length}, more than {_LARGEST}"
+            yield Finding(text, message, "length")
     for array in subject.instances("jaus.Array"):
         if any(size < 1 for size in array.dimensions):
             yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
+        elif math.prod(array.dimensions) > _LARGEST:
+            count = math.prod(array.dimensions)
+            message = f"'{array.name}' has {count} elements, more than {_LARGEST}"
+            yield Finding(array, message, "dimensions")
     for field in subject.instances("jaus.VariableField"):
         yield from _index_findings(field.alternatives, field)
     for field in subject.instances("jaus.VariableFormatField"):
@@ -208,6 +219,8 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 @rule("JML329", Severity.ERROR, "impossible value set")
 def value_sets(subject: Subject) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
+
+    A range of an integer field holds an integer: what is above 1 and below 2 is nothing.
 
     Bad: `<values xsi:type="jaus:EnumeratedValue" name="BIG" value="256"/>` in a uint8
 
@@ -324,10 +337,21 @@ def _value_findings(value: Any, field: Any, limits: tuple[int, int] | None) -> I
     if not value.lower <= value.upper:
         message = f"a range of '{field.name}' has lower {value.lower:g} and upper {value.upper:g}"
         yield Finding(value, message, "lower")
+    elif _is_empty(value, integral=limits is not None):
+        yield Finding(value, f"a range of '{field.name}' has no legal value", "lower")
     elif limits is not None and not (limits[0] <= value.lower and value.upper <= limits[1]):
         message = f"range {value.lower:g}..{value.upper:g} of '{field.name}'"
         feature = "lower" if value.lower < limits[0] else "upper"
         yield Finding(value, f"{message} is not in {limits[0]}..{limits[1]}", feature)
+
+
+def _is_empty(value: Any, *, integral: bool) -> bool:
+    """Whether a range whose limits are in order has no value between them."""
+    if integral and math.isfinite(value.lower) and math.isfinite(value.upper):
+        first = math.ceil(value.lower) if value.lowerInclusive else math.floor(value.lower) + 1
+        last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
+        return bool(first > last)
+    return bool(value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive))
 
 
 RULES = (
