@@ -172,5 +172,5 @@ def _write(
 def _list_checks() -> None:
     for check in fixed_checks():
         mark = " (only with --destructive)" if check.destructive else ""
-        click.echo(f"{check.id:36} {check.title}{mark}")
-    click.echo(f"{'codecs.SERVICE.QUERY':36} One for each query of the announced services")
+        click.echo(f"{check.id:44} {check.title}{mark}")
+    click.echo(f"{'codecs.SERVICE.QUERY':44} One for each query of the announced services")

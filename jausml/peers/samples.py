@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages.blobs import FormattedOctets, Octets, Text, VariableNumber
@@ -9,7 +10,80 @@ from jausml.messages.containers import Array, List, Record, Variant
 from jausml.messages.scalars import BitField, FixedText, Integer, Real, Scaled
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.messages import MessageEntry
     from jausml.messages.codec import Codec
+
+
+PRESENCE_VECTOR = "PresenceVector"
+"""Field of a query that names the optional fields which the report shall hold (AS6009)."""
+
+_EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
+_TELLING_FIELDS: dict[str, dict[str, Any]] = {
+    "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
+    "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
+    "QueryServices": {"NodeList": [_EVERYTHING]},
+    "QueryServiceList": {
+        "SubsystemList": [{"SubsystemRec": {"SubsystemID": 65535}, "NodeList": [_EVERYTHING]}]
+    },
+    "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
+}
+"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
+
+
+def plain_query(query: MessageEntry) -> dict[str, Any]:
+    """Returns fields with which a query is answered with something, as far as we can know.
+
+    Args:
+        query: The query.
+    """
+    if query.name in _TELLING_FIELDS:
+        return deepcopy(_TELLING_FIELDS[query.name])
+    fields: dict[str, Any] = sample(query.codec)
+    return fields
+
+
+def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
+    """Returns the fields of a query that asks for everything its report may hold.
+
+    Args:
+        query: The query.
+        report: Its report.
+    """
+    fields = plain_query(query)
+    holder = presence_holder(fields)
+    if holder is not None:
+        holder[PRESENCE_VECTOR] = optional_bits([report])
+    return fields
+
+
+def presence_holder(fields: Any) -> dict[str, Any] | None:
+    """Returns the object of a query's fields that holds its presence vector, if it has one.
+
+    Args:
+        fields: The fields of a query.
+    """
+    if not isinstance(fields, dict):
+        return None
+    if isinstance(fields.get(PRESENCE_VECTOR), int):
+        return fields
+    found = (presence_holder(value) for value in fields.values())
+    return next((each for each in found if each is not None), None)
+
+
+def optional_bits(reports: Sequence[MessageEntry]) -> int:
+    """Returns the presence vector with all bits of the first record that has optional fields.
+
+    Args:
+        reports: Reports that may answer a query.
+    """
+    for report in reports:
+        for record in _records(report.codec):
+            bits = sum(member.bit for member in record.members)
+            if bits:
+                return bits
+    return 0
 
 
 def sample(codec: Codec) -> Any:
@@ -59,3 +133,10 @@ def _leaf(codec: Codec) -> Any:
 def _smallest(ranges: tuple[tuple[int, int], ...]) -> int:
     legal_zero = any(low <= 0 <= high for low, high in ranges)
     return 0 if legal_zero else ranges[0][0]
+
+
+def _records(codec: Any) -> Iterator[Record]:
+    if isinstance(codec, Record):
+        yield codec
+        for member in codec.members:
+            yield from _records(member.codec)

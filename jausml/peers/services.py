@@ -10,7 +10,7 @@ from jausml.runtime.services.definitions import ServiceIdentity
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.runtime.core_messages import ReportServiceList, ReportServices
+    from jausml.runtime.core_messages import ReportControl, ReportServiceList, ReportServices
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 """The services of components."""
@@ -44,6 +44,11 @@ def service_list(report: ReportServiceList) -> Services:
         for node in subsystem.node_list
         for each in node.component_list
     }
+
+
+def controller_of(report: ReportControl) -> str:
+    """Returns the dotted address of the controller; 0.0.0 when there is none (AS5710)."""
+    return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"
 
 
 def _identities(

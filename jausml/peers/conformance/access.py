@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.peers.conformance.check import CheckFailed, check
-from jausml.peers.conformance.session import NOBODY, controller_of
+from jausml.peers.conformance.session import NOBODY
+from jausml.peers.services import controller_of
 from jausml.runtime import core_messages as core
 from jausml.runtime.core_messages import (
     ConfirmControl,

@@ -91,6 +91,7 @@ class Result:
         messages: Why it failed or was skipped, or the deviations that are tolerated.
         evidence: What was sent and received meanwhile.
         seconds: How long it took.
+        left_silent: Whether the target did not answer any more afterwards.
     """
 
     check: Check
@@ -98,6 +99,7 @@ class Result:
     messages: tuple[str, ...] = ()
     evidence: tuple[Line, ...] = ()
     seconds: float = 0.0
+    left_silent: bool = False
 
 
 @dataclass(frozen=True, slots=True)

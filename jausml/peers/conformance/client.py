@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 M = TypeVar("M", bound=Message)
 
-_TIDY_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
-"""Elements are deleted while control is still held."""
+UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
+"""Elements are deleted while control is held; in an emergency control cannot be released."""
 
 
 class Received(NamedTuple):
@@ -44,7 +44,7 @@ class Received(NamedTuple):
 class Client:
     """A component of ours that talks to the target.
 
-    What it leaves behind in the target (control, emergencies, events) is undone by `tidy`.
+    What it leaves behind in the target (control, emergencies, elements, events) it can undo.
 
     Attributes:
         address: Its JAUS id.
@@ -225,13 +225,21 @@ class Client:
                 return report
         return None
 
-    def expect_none(self, message_class: type[Message], why: str) -> None:
+    def expect_none(
+        self, message_class: type[Message], why: str, within: float | None = None
+    ) -> None:
         """Waits for the quiet time.
+
+        Args:
+            message_class: Codec of the message.
+            why: Why none is to come, for the verdict.
+            within: Seconds to wait; the quiet time of the run when None.
 
         Raises:
             CheckFailed: Such a message comes.
         """
-        if self.find(message_class, within=self._probe.quiet) is not None:
+        seconds = self._probe.quiet if within is None else within
+        if self.find(message_class, within=seconds) is not None:
             raise CheckFailed(f"{message_class.NAME} came, but {why}")
 
     def expect_silence(self, why: str) -> None:
@@ -293,15 +301,21 @@ class Client:
 
     # ---- cleaning ---------------------------------------------------------------------------
 
-    def tidy(self) -> None:
-        """Undoes what the client has left behind in the target."""
+    def cancel_events(self) -> None:
+        """Cancels the events that were confirmed."""
         for event_id in sorted(self._events):
             self.put(self.packet(core.CancelEvent(request_id=0, event_id=event_id).encode()))
-        for kind in _TIDY_ORDER:
-            if kind in self._owes:
-                self.put(self.packet(self._owes[kind]))
         self._events.clear()
-        self._owes.clear()
+
+    def undo(self, kind: type[Message]) -> None:
+        """Sends a message that undoes something, if one is owed.
+
+        Args:
+            kind: The class given to `owe`.
+        """
+        payload = self._owes.pop(kind, None)
+        if payload is not None:
+            self.put(self.packet(payload))
 
 
 def decoded(message_class: type[M], payload: bytes) -> M:

@@ -5,37 +5,19 @@ Only queries are sent, never a command.
 
 from __future__ import annotations
 
-from copy import deepcopy
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages import EncodeError, MessageError
-from jausml.messages.containers import PRESENCE, Record
+from jausml.messages.containers import PRESENCE
 from jausml.peers.conformance.check import Check, CheckFailed
-from jausml.peers.samples import sample
+from jausml.peers.samples import PRESENCE_VECTOR, optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from jausml.messages import MessageEntry, ServiceEntry
     from jausml.peers.conformance.session import Session
 
-QUERY_PRESENCE = "PresenceVector"
-"""Field of a query that names the optional fields which the report shall hold (AS6009)."""
-
 _MOST_BITS = 32
-_EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
-_TELLING_FIELDS: dict[str, dict[str, Any]] = {
-    "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
-    "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
-    "QueryServices": {"NodeList": [_EVERYTHING]},
-    "QueryServiceList": {
-        "SubsystemList": [{"SubsystemRec": {"SubsystemID": 65535}, "NodeList": [_EVERYTHING]}]
-    },
-    "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
-}
-"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
-
 _ATTEMPTS = 2
 
 
@@ -75,8 +57,8 @@ def _answers(session: Session, service: ServiceEntry, query: MessageEntry) -> No
     the standard lets the report hold more or fewer fields, so that a deviation is only noted.
     """
     reports = _reports_of(service, query)
-    fields = deepcopy(_TELLING_FIELDS.get(query.name)) or sample(query.codec)
-    holder = _presence_holder(fields)
+    fields = plain_query(query)
+    holder = presence_holder(fields)
     if holder is not None:
         _judge_subsets(session, query, fields, holder, reports)
         return
@@ -96,17 +78,20 @@ def _judge_subsets(
     reports: tuple[MessageEntry, ...],
 ) -> None:
     """Asks for all fields, for none and for each one alone."""
-    bits = _optional_bits(reports)
-    holder[QUERY_PRESENCE] = bits
+    bits = optional_bits(reports)
+    holder[PRESENCE_VECTOR] = bits
     everything = _judge(session, query, _ask(session, query, fields, reports), reports)
+    others: list[str] = []
     for wish in (0, *(1 << index for index in range(_MOST_BITS) if bits >> index & 1)):
-        holder[QUERY_PRESENCE] = wish
+        holder[PRESENCE_VECTOR] = wish
         given = _judge(session, query, _ask(session, query, fields, reports), reports)
         if given != wish & everything:
-            session.note(
-                f"asked for presence vector {wish:#x}, the report has {given:#x} "
-                f"(of {everything:#x} that it can give)"
-            )
+            others.append(f"{wish:#x} gives {given:#x}")
+    if others:
+        session.note(
+            f"the presence vector of the query does not choose the fields of the report: of "
+            f"{everything:#x} that it can give, {', '.join(others[:4])}, ..."
+        )
 
 
 def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntry, ...]:
@@ -115,33 +100,6 @@ def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntr
     outputs = [entry for each in service.lineage for entry in each.outputs]
     named = tuple(entry for entry in outputs if entry.name == wanted)
     return named or tuple(outputs)
-
-
-def _presence_holder(fields: Any) -> dict[str, Any] | None:
-    """Returns the object of a query's fields that holds its presence vector."""
-    if not isinstance(fields, dict):
-        return None
-    if isinstance(fields.get(QUERY_PRESENCE), int):
-        return fields
-    found = (_presence_holder(value) for value in fields.values())
-    return next((each for each in found if each is not None), None)
-
-
-def _optional_bits(reports: tuple[MessageEntry, ...]) -> int:
-    """Returns the bits of the optional fields in the first record that has any."""
-    for report in reports:
-        for record in _records(report.codec):
-            bits = sum(member.bit for member in record.members)
-            if bits:
-                return bits
-    return 0
-
-
-def _records(codec: Any) -> Iterator[Record]:
-    if isinstance(codec, Record):
-        yield codec
-        for member in codec.members:
-            yield from _records(member.codec)
 
 
 def _ask(

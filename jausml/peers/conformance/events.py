@@ -51,6 +51,7 @@ _CANDIDATES: tuple[tuple[str, Message, type[Message]], ...] = (
     ("AccessControl", QueryAuthority(), ReportAuthority),
     ("Liveness", QueryHeartbeatPulse(), ReportHeartbeatPulse),
 )
+_SOME_PERIODS = 3 / RATE
 _FREE_EVENT = 254
 _UNKNOWN_QUERY = b"\xb7\x7a"
 _QUERY_OFFSET = 6
@@ -229,7 +230,7 @@ def cancel(session: Session) -> None:
         f"CancelEvent of event {event_id} is confirmed for event {confirmed.event_id}",
     )
     client.clear()
-    client.expect_none(Event, f"event {event_id} is cancelled")
+    client.expect_none(Event, f"event {event_id} is cancelled", within=_SOME_PERIODS)
 
 
 @check(
@@ -436,7 +437,9 @@ def timeout(session: Session) -> None:
     _next_event(session.first, event_id)
     session.probe.wait(lambda: False, 10.0)
     session.first.clear()
-    session.first.expect_none(Event, f"the event was not updated for {minutes} minutes")
+    session.first.expect_none(
+        Event, f"the event was not updated for {minutes} minutes", within=_SOME_PERIODS
+    )
 
 
 @check(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from jausml.peers.conformance import access
 from jausml.peers.conformance.check import check
-from jausml.peers.conformance.session import NOBODY, controller_of
+from jausml.peers.conformance.session import NOBODY
+from jausml.peers.services import controller_of
 from jausml.runtime.core_messages import (
     ClearEmergency,
     ConfirmControl,

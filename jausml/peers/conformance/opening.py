@@ -72,13 +72,13 @@ def opened(
         try:
             yield session
         finally:
-            session.tidy()
+            session.undo()
 
 
 def _announced(session: Session) -> Sequence[ServiceIdentity]:
     """Returns the services that the target, or the Discovery server of its subsystem, lists."""
     target = session.probe.target
-    report = session.first.asked(query_all_services(), ReportServices, attempts=2)
+    report = session.tried(query_all_services(), ReportServices, attempts=2)
     if report is not None:
         own = services_of(report, target.subsystem).get(target)
         if own:
@@ -100,6 +100,6 @@ def _announced(session: Session) -> Sequence[ServiceIdentity]:
 
 def _answered_query(session: Session) -> tuple[Message, type[Message]]:
     for query, report_class in PINGS:
-        if session.first.asked(query, report_class, attempts=1) is not None:
+        if session.tried(query, report_class) is not None:
             return query, report_class
     return PINGS[0]

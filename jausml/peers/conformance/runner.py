@@ -68,7 +68,8 @@ def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
                 last.append((check, obstacle))
                 continue
             result = _result(session, check, _GONE if gone else obstacle)
-            gone = gone or not _answers_again(session, result)
+            if result.left_silent:
+                gone = not _comes_back(session)
             yield result
     for check, obstacle in last:
         allowed = session.limits.destructive
@@ -99,14 +100,13 @@ def _result(session: Session, check: Check, obstacle: str) -> Result:
         verdict = Verdict.NOTE if session.notes else Verdict.PASS
         messages = tuple(session.notes)
     evidence = session.trace.lines
-    if not session.tidy() and not check.destructive and verdict is not Verdict.FAIL:
+    silent = not session.tidy() and not check.destructive
+    if silent and verdict is not Verdict.FAIL:
         verdict, messages = Verdict.FAIL, (f"{_GONE} after this check",)
         evidence = session.trace.lines
-    return Result(check, verdict, messages, evidence, time.monotonic() - begin)
+    return Result(check, verdict, messages, evidence, time.monotonic() - begin, silent)
 
 
-def _answers_again(session: Session, result: Result) -> bool:
-    """Whether the target is there; after a failure it may have been restarted."""
-    if result.verdict is not Verdict.FAIL or session.answers():
-        return True
+def _comes_back(session: Session) -> bool:
+    """Whether the target answers after all; it may have been restarted."""
     return session.probe.find_target() and session.answers()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.peers.conformance.check import CheckFailed, CheckSkipped
+from jausml.peers.conformance.client import UNDO_ORDER
+from jausml.peers.services import controller_of
 from jausml.runtime import core_messages as core
+from jausml.runtime.message import Message
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 
 if TYPE_CHECKING:
@@ -16,7 +19,8 @@ if TYPE_CHECKING:
     from jausml.peers.conformance.client import Client
     from jausml.peers.conformance.probe import Probe
     from jausml.peers.conformance.trace import Trace
-    from jausml.runtime.message import Message
+
+M = TypeVar("M", bound=Message)
 
 LATEST = (1, 1)
 """Version of the core services that is assumed of a target that announces none (AS5710A)."""
@@ -140,8 +144,15 @@ class Session:
             return self._announced(name) is not None
         if name not in self._answered:
             query, report = _BY_SERVICE[name]
-            self._answered[name] = self.first.asked(query, report, attempts=2) is not None
+            self._answered[name] = self.tried(query, report, attempts=2) is not None
         return self._answered[name]
+
+    def tried(self, query: Message, report_class: type[M], attempts: int = 1) -> M | None:
+        """Returns the report that answers a query, or None when none comes that decodes."""
+        try:
+            return self.first.asked(query, report_class, attempts)
+        except CheckFailed:
+            return None
 
     def version(self, name: str) -> tuple[int, int]:
         """Returns the version of a core service, the latest one when none is announced."""
@@ -280,17 +291,19 @@ class Session:
 
     def tidy(self) -> bool:
         """Undoes what the check left behind, and returns whether the target still answers."""
-        for client in self._clients():
-            client.tidy()
+        self.undo()
         return self.answers()
+
+    def undo(self) -> None:
+        """Undoes what the check left behind."""
+        for client in self._clients():
+            client.cancel_events()
+        for kind in UNDO_ORDER:
+            for client in self._clients():
+                client.undo(kind)
 
     def _clients(self) -> tuple[Client, Client, Client]:
         return self.first, self.second, self.third
-
-
-def controller_of(report: core.ReportControl) -> str:
-    """Returns the dotted address in a ReportControl."""
-    return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"
 
 
 def _version(text: str) -> tuple[int, int]:

@@ -17,6 +17,7 @@ _WORDS = {
     Verdict.SKIPPED: "skip",
     Verdict.NOTE: "note",
 }
+_ID_WIDTH = 44
 _MARKS = {"sent": ">>", "received": "<<", "remark": "--"}
 
 
@@ -59,7 +60,7 @@ def result_lines(result: Result) -> Iterator[str]:
     Args:
         result: Its outcome.
     """
-    yield f"  {_WORDS[result.verdict]}  {result.check.id:36} {result.check.title}"
+    yield f"  {_WORDS[result.verdict]}  {result.check.id:{_ID_WIDTH}} {result.check.title}"
     for message in result.messages:
         yield f"          {_printable(message)}"
     if result.verdict is Verdict.FAIL:

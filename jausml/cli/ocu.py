@@ -1,0 +1,399 @@
+"""`jausml ocu`: an operator control unit for components of any make."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.network import catalogue_from, network_from, network_options
+from jausml.messages import MessageError
+from jausml.peers import rendering
+from jausml.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
+from jausml.peers.network import component_address
+from jausml.peers.operator import NoAnswer, Refused, running_operator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.messages import MessageEntry
+    from jausml.peers.network import Network
+    from jausml.peers.operator import Operator
+    from jausml.runtime.address import JausAddress
+
+_LONGEST_PAUSE = 0.1
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What all commands of the operator share.
+
+    Attributes:
+        network: Who we are, and how the others are reached.
+        models: The user's models.
+        timeout: Seconds to wait for an answer.
+        as_json: Whether output is JSON.
+    """
+
+    network: Network
+    models: tuple[str, ...]
+    timeout: float
+    as_json: bool
+
+    @contextmanager
+    def operator(self) -> Iterator[Operator]:
+        """Yields an operator; its errors become those of the command line.
+
+        Raises:
+            EnvironmentFault: Nobody answers, or the network cannot be used.
+            click.ClickException: A component refused.
+            click.UsageError: A message is unknown or its fields are wrong.
+        """
+        try:
+            with running_operator(
+                self.network, catalogue_from(self.models), self.timeout
+            ) as operator:
+                yield operator
+        except NoAnswer as error:
+            raise EnvironmentFault(str(error)) from error
+        except Refused as error:
+            raise click.ClickException(str(error)) from error
+        except MessageError as error:
+            raise click.UsageError(str(error)) from error
+        except OSError as error:
+            reason = error.strerror or error
+            raise EnvironmentFault(f"the network cannot be used: {reason}") from error
+
+    def show(self, source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
+        """Prints a report."""
+        render = rendering.report_json if self.as_json else rendering.report_line
+        click.echo(render(source, entry, fields))
+
+
+def _address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
+    try:
+        return component_address(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
+
+
+def _fields(
+    _context: click.Context, _parameter: click.Parameter, value: str | None
+) -> dict[str, Any] | None:
+    try:
+        return None if value is None else parse_fields(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
+
+
+_TARGET = click.argument("target", metavar="ID", callback=_address)
+_MESSAGE = click.argument("message", metavar="MESSAGE")
+_FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
+
+
+def _options(function: Callable[..., None]) -> Callable[..., None]:
+    """Adds the shared options and hands them to the function as `Settings`."""
+
+    @network_options
+    @click.option(
+        "--timeout",
+        type=click.FloatRange(0.05, 600),
+        default=3.0,
+        show_default=True,
+        help="Seconds to wait for an answer.",
+    )
+    @click.option(
+        "--format",
+        "output_format",
+        type=click.Choice(["text", "json"]),
+        default="text",
+        show_default=True,
+        help="Format of the output.",
+    )
+    @wraps(function)
+    def run(
+        *arguments: Any,
+        own_id: str,
+        interface: str,
+        port: int,
+        multicast_group: str,
+        peers: tuple[str, ...],
+        models: tuple[str, ...],
+        timeout: float,
+        output_format: str,
+        **others: Any,
+    ) -> None:
+        network = network_from(own_id, interface, port, multicast_group, peers)
+        settings = Settings(network, models, timeout, output_format == "json")
+        function(*arguments, settings=settings, **others)
+
+    return run
+
+
+@click.group("ocu", invoke_without_command=True)
+@click.pass_context
+@_options
+def command(context: click.Context, settings: Settings) -> None:
+    """Operate running components of any make: find, ask, watch and control them.
+
+    Without a command it starts a session, which reads commands from the terminal or from a pipe;
+    its command 'help' lists them. Control is released and events are cancelled at the end, also
+    after Ctrl-C.
+
+    Exit status: 0 done, 1 a component refused or a command of a session failed, 2 nobody answers
+    or an option is wrong, 3 internal error.
+    """
+    if context.invoked_subcommand is None:
+        _run_session(settings)
+        return
+    given = {
+        name: value
+        for name, value in context.params.items()
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    }
+    context.default_map = dict.fromkeys(command.commands, given)
+
+
+@command.command("session")
+@_options
+def session(settings: Settings) -> None:
+    """Read commands from the terminal or from a pipe; 'help' lists them."""
+    _run_session(settings)
+
+
+@command.command("discover")
+@click.option(
+    "--duration",
+    type=click.FloatRange(0.05, 3600),
+    default=2.0,
+    show_default=True,
+    help="Seconds to listen.",
+)
+@_options
+def discover(settings: Settings, duration: float) -> None:
+    """Show subsystems, nodes, components and their services."""
+    with settings.operator() as operator:
+        found = operator.survey.take(duration)
+        if settings.as_json:
+            click.echo(rendering.subsystems_json(found))
+        for line in () if settings.as_json else rendering.subsystem_lines(found):
+            click.echo(line)
+        if not found:
+            raise NoAnswer(f"nobody answers; {operator.hints}")
+
+
+@command.command("services")
+@_TARGET
+@_options
+def services(settings: Settings, target: JausAddress) -> None:
+    """Show the services that the component ID provides."""
+    with settings.operator() as operator:
+        found = operator.services(target)
+        if not found:
+            raise NoAnswer(f"nobody lists the services of {target}; {operator.hints}")
+        if settings.as_json:
+            click.echo(rendering.services_json(target, found))
+        for line in () if settings.as_json else rendering.service_lines(found):
+            click.echo(line)
+
+
+@command.command("status")
+@_TARGET
+@_options
+def status(settings: Settings, target: JausAddress) -> None:
+    """Show the state of the component ID and who controls it."""
+    with settings.operator() as operator:
+        state, control = operator.status(target)
+        if settings.as_json:
+            click.echo(rendering.status_json(target, state, control))
+        else:
+            click.echo(f"{target} {rendering.status_line(state, control)}")
+
+
+@command.command("query")
+@_TARGET
+@_MESSAGE
+@_FIELDS
+@_options
+def query(
+    settings: Settings, target: JausAddress, message: str, fields: dict[str, Any] | None
+) -> None:
+    """Ask the component ID for a report and show it.
+
+    MESSAGE is the query, its report, or what their names share: VelocityState. FIELDS is a JSON
+    object with the fields of the query; without it everything is asked for.
+    """
+    with settings.operator() as operator:
+        settings.show(target, *operator.query(target, message, fields))
+
+
+@command.command("watch")
+@_TARGET
+@_MESSAGE
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0, max=1092, min_open=True),
+    metavar="HZ",
+    help="Reports each second.",
+)
+@click.option("--every-change", is_flag=True, help="A report at every change (the default).")
+@click.option("--count", type=click.IntRange(min=1), help="End after so many reports.")
+@click.option(
+    "--duration", type=click.FloatRange(min=0, min_open=True), help="End after so many seconds."
+)
+@_options
+def watch(
+    settings: Settings,
+    target: JausAddress,
+    message: str,
+    rate: float | None,
+    every_change: bool,
+    count: int | None,
+    duration: float | None,
+) -> None:
+    """Subscribe to a report of the component ID and show it live.
+
+    MESSAGE is the query, its report, or what their names share: VelocityState. Ends after --count
+    reports, after --duration seconds, or with Ctrl-C.
+    """
+    if rate is not None and every_change:
+        raise click.UsageError("--rate and --every-change exclude each other")
+    with settings.operator() as operator, _until_interrupted():
+        _watch(settings, operator, target, message, rate, count, duration)
+
+
+def _watch(
+    settings: Settings,
+    operator: Operator,
+    target: JausAddress,
+    message: str,
+    rate: float | None,
+    count: int | None,
+    duration: float | None,
+) -> None:
+    """Shows reports until enough have come; the first must come within the time for an answer."""
+    reports: SimpleQueue[tuple[MessageEntry, dict[str, Any]]] = SimpleQueue()
+    subscription = operator.watch(
+        target, message, rate, lambda entry, fields: reports.put((entry, fields))
+    )
+    begin = time.monotonic()
+    shown = 0
+    while count is None or shown < count:
+        now = time.monotonic()
+        if duration is not None and now >= begin + duration:
+            break
+        if not subscription.active and now >= begin + operator.timeout:
+            raise NoAnswer(f"{target} does not confirm an event for {message}; {operator.hints}")
+        try:
+            entry, fields = reports.get(timeout=_LONGEST_PAUSE)
+        except Empty:
+            continue
+        settings.show(target, entry, fields)
+        shown += 1
+
+
+@command.command("command")
+@_TARGET
+@_MESSAGE
+@_FIELDS
+@click.option(
+    "--authority",
+    type=click.IntRange(0, 255),
+    default=DEFAULT_AUTHORITY,
+    show_default=True,
+    help="Authority to ask for control with.",
+)
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0, max=1000, min_open=True),
+    metavar="HZ",
+    help="Repeat the message so often each second, for --duration.",
+)
+@click.option(
+    "--duration",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    metavar="SECONDS",
+    help="Hold control so long after the first message.",
+)
+@click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
+@_options
+def send_command(
+    settings: Settings,
+    target: JausAddress,
+    message: str,
+    fields: dict[str, Any] | None,
+    authority: int,
+    rate: float | None,
+    duration: float,
+    no_resume: bool,
+) -> None:
+    """Control the component ID, resume it, send MESSAGE, and release control.
+
+    FIELDS is a JSON object with the fields of the message. The component leaves Ready with the
+    release; hold it with --duration, and repeat the message with --rate where the component stops
+    without fresh commands.
+    """
+    if rate is not None and not duration:
+        raise click.UsageError("--rate needs a --duration")
+    with settings.operator() as operator, _until_interrupted():
+        entry = operator.find(target, message)
+        ready = operator.message(entry, fields or {})
+        console = Console(operator, _remark)
+        operator.control(target, authority)
+        _remark(f"{target} is controlled")
+        if not no_resume:
+            console.resume(target)
+        end = time.monotonic() + duration
+        sent = 0
+        while True:
+            operator.send(target, ready)
+            sent += 1
+            if not rate or time.monotonic() + 1 / rate > end:
+                break
+            time.sleep(1 / rate)
+        _remark(f"{entry.name} sent to {target}" + (f" {sent} times" if sent > 1 else ""))
+        time.sleep(max(0.0, end - time.monotonic()))
+        console.release(target)
+
+
+@contextmanager
+def _until_interrupted() -> Iterator[None]:
+    """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        _remark("interrupted")
+
+
+def _remark(text: str) -> None:
+    click.echo(text, err=True)
+
+
+def _run_session(settings: Settings) -> None:
+    with settings.operator() as operator, _until_interrupted():
+        console = Console(operator, click.echo)
+        if sys.stdin.isatty():
+            _remark("'help' lists the commands, 'quit' ends")
+            console.run(_typed())
+            return
+        console.run(sys.stdin)
+        if console.failures:
+            raise click.exceptions.Exit(PROBLEMS)
+
+
+def _typed() -> Iterator[str]:
+    """Yields what the user types until the end of input."""
+    while True:
+        try:
+            yield input("ocu> ")
+        except EOFError:
+            return

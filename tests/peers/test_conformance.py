@@ -1,0 +1,189 @@
+"""The conformance checks pass good components and find each fault by the check that names it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from jausml.peers.conformance.check import Verdict
+from jausml.peers.conformance.groups import all_groups, fixed_checks
+from jausml.peers.conformance.opening import TargetNotReached, opened
+from jausml.peers.conformance.runner import run
+from jausml.peers.conformance.session import Limits
+from jausml.runtime.address import JausAddress
+from jausml.runtime.services.definitions import Status
+
+TARGET = JausAddress(100, 1, 1)
+QUICK = {"timeout": 0.4, "quiet": 0.06}
+
+FAULTS = {
+    "acks with payload": "transport.ack-empty",
+    "acks another number": "transport.ack-sequence",
+    "acks twice": "transport.ack",
+    "acks as last fragment": "transport.ack-flags",
+    "acks everything": "transport.no-ack",
+    "acks duplicates never": "transport.duplicate-ack",
+    "takes duplicates": "transport.duplicate",
+    "reads version 3": "transport.version",
+    "needs the broadcast flag": "transport.wildcard-destination",
+    "answers for others": "transport.other-destination",
+    "answers the unknown": "transport.unknown-message",
+    "reads no fragments": "transport.fragments",
+    "counts nothing": "transport.sequence-numbers",
+    "appends garbage": "transport.well-formed",
+    "dies of truncated bodies": "transport.truncated-bodies",
+    "dies of short datagrams": "transport.short-datagrams",
+    "identifies as another scope": "discovery.identification",
+    "lists differ": "discovery.service-list",
+    "has no pulse": "liveness.pulse",
+    "confirms another request": "events.create-periodic",
+    "reports before it confirms": "events.confirm-first",
+    "sends the query back": "events.report",
+    "numbers all events as one": "events.sequence",
+    "sends too often": "events.rate",
+    "ignores unknown events": "events.update-unknown",
+    "rejects with another code": "events.unsupported-message",
+    "goes on after cancel": "events.cancel",
+    "lists no events": "events.query-all",
+    "reports another authority": "access.uncontrolled",
+    "takes any authority": "access.insufficient",
+    "equal preempts": "access.equal-authority",
+    "lower preempts": "access.lower-authority",
+    "preempts in silence": "access.preemption",
+    "released by anybody": "access.release-by-other",
+    "authority by anybody": "access.set-authority-by-other",
+    "authority raised": "access.set-authority-raised",
+    "never lapses": "access.timeout",
+    "lapses early": "access.timeout",
+    "stays ready": "management.release-ends-ready",
+    "obeys anybody": "management.resume-by-other",
+    "ignores emergencies": "management.emergency",
+    "keeps its controller in emergency": "management.emergency-ready",
+    "controlled in emergency": "management.emergency-no-control",
+    "resumes in emergency": "management.emergency-resume",
+    "cleared by anybody": "management.clear-by-other",
+    "first clears all": "management.emergency-two-clients",
+    "clears to ready": "management.clear",
+    "trailing bytes": "codecs.Management.QueryStatus",
+}
+
+
+def only(*ids):
+    """Returns the groups with some of their checks."""
+
+    def chosen(group):
+        return replace(
+            group,
+            requires=lambda _: "",
+            checks=lambda session: tuple(c for c in group.checks(session) if c.id in ids),
+        )
+
+    return [chosen(group) for group in all_groups()]
+
+
+def verdicts(report):
+    return {result.check.id: result.verdict for result in report.results}
+
+
+def failures(report):
+    return {r.check.id: r.messages for r in report.results if r.verdict is Verdict.FAIL}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_found_by_the_check_that_names_it(fault, peer, network, catalogue):
+    peer(fault)
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, only(FAULTS[fault]), lambda _: None)
+    assert verdicts(report) == {FAULTS[fault]: Verdict.FAIL}, report.results
+
+
+def test_without_faults_the_same_checks_pass(peer, network, catalogue):
+    peer()
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, only(*FAULTS.values()), lambda _: None)
+    assert verdicts(report) == dict.fromkeys(FAULTS.values(), Verdict.PASS), failures(report)
+
+
+def test_a_component_of_ours_has_no_failures(component, network, catalogue):
+    target = component(default_authority=5)
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, all_groups(), lambda _: None)
+    assert failures(report) == {}
+    assert report.count(Verdict.PASS) > 90
+    assert {r.check.group for r in report.results if r.verdict is Verdict.SKIPPED} <= {
+        "time",
+        "list",
+        "events",
+        "management",
+        "access",
+        "discovery",
+    }
+    assert target.status is Status.STANDBY
+    assert target.controller is None
+
+
+def test_a_component_of_ours_of_version_1_0_has_no_failures(component, network, catalogue):
+    component(version=0)
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, [g for g in all_groups() if g.name == "management"], lambda _: None)
+    assert failures(report) == {}
+    notes = {r.check.id for r in report.results if r.verdict is Verdict.NOTE}
+    assert notes == {"management.clear-after-ready"}
+
+
+def test_destructive_checks_run_last_and_only_when_allowed(component, network, catalogue):
+    target = component()
+    groups = [g for g in all_groups() if g.name in ("management", "liveness")]
+    with opened(network, TARGET, catalogue, limits=Limits(destructive=True), **QUICK) as session:
+        report = run(session, groups, lambda _: None)
+    assert [r.check.id for r in report.results][-1] == "management.shutdown"
+    assert failures(report) == {}
+    assert target.status is Status.SHUTDOWN
+
+
+def test_a_target_that_somebody_else_controls_is_left_alone(component, network, catalogue):
+    target = component(control_timeout=0)
+    groups = [g for g in all_groups() if g.name in ("access", "management")]
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        session.probe.client(9).send(_request(200))
+        report = run(session, groups, lambda _: None)
+    assert set(verdicts(report).values()) == {Verdict.SKIPPED}
+    assert "65000.1.10 controls the target" in report.results[0].messages[0]
+    assert target.controller == JausAddress(65000, 1, 10)
+
+
+def test_an_interrupted_run_leaves_the_target_as_it_was(component, network, catalogue):
+    target = component()
+
+    def interrupt(result):
+        if result.check.id == "management.emergency-no-control":
+            raise KeyboardInterrupt
+
+    groups = [g for g in all_groups() if g.name == "management"]
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, groups, interrupt)
+    assert report.interrupted
+    assert target.status is Status.STANDBY
+    assert target.controller is None
+
+
+def test_an_absent_target_is_told_with_what_to_check(network, catalogue):
+    with (
+        pytest.raises(TargetNotReached, match=r"100\.1\.1 does not answer.*--interface"),
+        opened(network, TARGET, catalogue, timeout=0.05, quiet=0.05),
+    ):
+        pass
+
+
+def test_every_check_has_an_id_of_its_own_and_says_what_it_is():
+    checks = fixed_checks()
+    assert len({check.id for check in checks}) == len(checks)
+    assert all(check.explanation and check.title and check.source for check in checks)
+    assert {check.group for check in checks} == {g.name for g in all_groups()} - {"codecs"}
+
+
+def _request(authority):
+    from jausml.runtime.core_messages import RequestControl
+
+    return RequestControl(authority_code=authority)
