@@ -75,6 +75,8 @@ class ManagementService:
 
     def fail(self, reason: str) -> None:
         """Enter Failure from any state and let go of the controller."""
+        # JAUS-DEVIATION: AS5710 ignores the internal event Failure in Emergency; a component that
+        # is broken must not be in Standby again when the emergency is cleared.
         self._component.counters.count("component.failed", reason)
         self._enter(Status.FAILURE)
         self._access.drop(Reject.CONTROL_RELEASED)
@@ -150,6 +152,8 @@ class ManagementService:
 
     def _leave_emergency(self) -> None:
         """Go to Standby without a controller; in v1.0, back to what the emergency interrupted."""
+        # JAUS-DEVIATION: some definitions of v1.1 go back too, with the same controller; to stand
+        # still is what those of the IOP say, and what is safe.
         if not self._is_1_0 or self._interrupted is None:
             self._enter(Status.STANDBY)
             return

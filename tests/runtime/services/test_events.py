@@ -1,4 +1,4 @@
-"""Events, row by row of the table of AS5710 v1.1."""
+"""Events beyond the rows of the table: rates, beats, expiry, changes of queries."""
 
 from __future__ import annotations
 
@@ -7,21 +7,17 @@ import pytest
 from jausml.runtime.core_messages import (
     CancelEvent,
     ConfirmEventRequest,
-    CreateCommandEvent,
     CreateEvent,
     Event,
     QueryAuthority,
     QueryControl,
     QueryEvents,
-    QueryEventTimeout,
     QueryHeartbeatPulse,
     QueryStatus,
     QueryTime,
     RejectEventRequest,
     ReportAuthority,
     ReportControl,
-    ReportEvents,
-    ReportEventTimeout,
     ReportHeartbeatPulse,
     ReportStatus,
     ReportTime,
@@ -122,54 +118,11 @@ class TestCreate:
 
 
 class TestReject:
-    def test_1_periodic_unsupported(self, server, client):
-        server.provide(QueryTime, ReportTime, lambda *_: None, periodic=False)
-        query = QueryTime(presence_vector=1).encode()
-        assert code_of(client.ask(create(query, rate=10), server)) == 1
-
-    def test_2_every_change_unsupported(self, server, client):
-        server.provide(QueryTime, ReportTime, lambda *_: None, every_change=False)
-        query = QueryTime(presence_vector=1).encode()
-        assert code_of(client.ask(create(query), server)) == 2
-
-    def test_3_too_many_events(self, world, client):
-        server = world.component("1.1.1", max_events=1)
-        server.start()
-        created(client, server, STATUS)
-        assert code_of(client.ask(create(PULSE, rate=1), server)) == 3
-        assert created(client, server, STATUS) == 0
-
-    def test_4_no_rate(self, server, client):
-        message = CreateEvent(
-            request_id=1, event_type=PERIODIC, requested_periodic_rate=0.0, query_message=PULSE
-        )
-        assert code_of(client.ask(message, server)) == 4
-
     def test_4_unknown_event_type(self, server, client):
         payload = bytearray(create(STATUS).encode())
         payload[3] = 2
         client.send_bytes(bytes(payload), server)
         assert code_of(client.take()) == 4
-
-    def test_4_query_that_cannot_be_decoded(self, server, client):
-        assert code_of(client.ask(create(STATUS + b"\0"), server)) == 4
-
-    @pytest.mark.parametrize("query", [b"\xff\xff", RequestControl.CODE.to_bytes(2, "little")])
-    def test_5_message_unsupported(self, server, client, query):
-        assert code_of(client.ask(create(query), server)) == 5
-
-    def test_5_command_event_of_a_query(self, server, client):
-        message = CreateCommandEvent(
-            request_id=1, maximum_allowed_duration=1, command_message=STATUS
-        )
-        assert code_of(client.ask(message, server)) == 5
-
-    def test_6_update_of_an_unknown_event(self, server, client):
-        assert code_of(client.ask(update(9, STATUS), server)) == 6
-
-    def test_6_update_of_the_event_of_another_client(self, server, client, other):
-        event_id = created(client, server, STATUS)
-        assert code_of(other.ask(update(event_id, STATUS), server)) == 6
 
     def test_refused_update_leaves_the_event_as_it_was(self, world, server, client):
         event_id = created(client, server, PULSE, rate=10)
@@ -228,49 +181,7 @@ class TestCancel:
         assert code_of(answer) == 6
 
 
-class TestQueryEvents:
-    @pytest.fixture
-    def events(self, server, client, other):
-        return created(client, server, STATUS), created(other, server, PULSE, rate=5)
-
-    def ids(self, client, server, variant):
-        (report,) = client.ask(QueryEvents(query_events_var=variant), server)
-        assert isinstance(report, ReportEvents)
-        return [each.event_id for each in report.event_list]
-
-    def test_by_message(self, server, client, events):
-        for code in (QueryStatus.CODE, ReportStatus.CODE):
-            choice = QueryEvents.MessageIDRec(message_code=code)
-            assert self.ids(client, server, choice) == [events[0]]
-
-    def test_by_type(self, server, client, events):
-        for event_type, expected in ((EVERY_CHANGE, events[0]), (PERIODIC, events[1])):
-            choice = QueryEvents.EventTypeRec(event_type=event_type)
-            assert self.ids(client, server, choice) == [expected]
-
-    def test_by_id(self, server, client, events):
-        for event_id in events:
-            choice = QueryEvents.EventIDRec(event_id=event_id)
-            assert self.ids(client, server, choice) == [event_id]
-        assert self.ids(client, server, QueryEvents.EventIDRec(event_id=200)) == []
-
-    def test_all(self, server, client, events):
-        assert self.ids(client, server, QueryEvents.AllEventsRec(all_events=0)) == list(events)
-
-    def test_record(self, server, client, events):
-        choice = QueryEvents.EventIDRec(event_id=events[1])
-        (report,) = client.ask(QueryEvents(query_events_var=choice), server)
-        assert report.event_list == [
-            ReportEvents.ReportEventRec(
-                event_type=PERIODIC, event_id=events[1], query_message=PULSE
-            )
-        ]
-
-
 class TestTimeout:
-    def test_is_in_minutes(self, server, client):
-        assert client.ask(QueryEventTimeout(), server) == [ReportEventTimeout(timeout=1)]
-
     def test_event_of_a_dead_client_expires(self, world, server, client):
         event_id = created(client, server, STATUS)
         world.run(59.0, step=1.0)

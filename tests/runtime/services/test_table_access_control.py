@@ -345,3 +345,18 @@ def test_the_old_controller_hears_first_of_a_preemption(world, version):
     stage = play(world, preempting)
     order = [code for _, to, code in stage.world.log[-2:] if to != stage.component.address]
     assert order == [RejectControl.CODE, ConfirmControl.CODE]
+
+
+def test_stop_tells_the_controller(world):
+    stage = play(world, row("start", when=controlled()[0], then={"client": [ACCEPTED]}))
+    stage.component.stop()
+    world.settle()
+    assert stage.heard() == {"client": [RELEASED]}
+    assert stage.peers["client"].ask(QueryControl(), stage.component) == []
+
+
+def test_component_without_access_control_ignores_requests(world):
+    component = world.component("1.1.1", services=())
+    component.start()
+    assert world.probe("2.1.1").ask(request(255), component) == []
+    assert world.counters.snapshot()["component.unknown_message"] == 1
