@@ -1,0 +1,62 @@
+"""Listening to multicast on loopback, without taking part."""
+
+from __future__ import annotations
+
+import socket
+
+import pytest
+from capture_files import QUERY_STATUS
+
+from jausml.runtime.settings import TransportSettings
+from jausml.traffic.errors import TrafficError
+from jausml.traffic.listening import MulticastListener
+
+GROUP, LOOPBACK = "239.255.0.1", "127.0.0.1"
+
+
+@pytest.fixture
+def settings():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((LOOPBACK, 0))
+        port = probe.getsockname()[1]
+    return TransportSettings(interface=LOOPBACK, port=port, multicast_group=GROUP)
+
+
+@pytest.fixture
+def sender():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+        sock.bind((LOOPBACK, 0))
+        yield sock
+
+
+def test_what_is_sent_to_the_group_is_heard(settings, sender):
+    with MulticastListener(settings) as first, MulticastListener(settings) as second:
+        sender.sendto(QUERY_STATUS, (GROUP, settings.port))
+        for listener in (first, second):
+            datagram = next(listener.datagrams(duration=10))
+            assert datagram.data == QUERY_STATUS
+            assert datagram.source == sender.getsockname()
+            assert datagram.destination == (GROUP, settings.port)
+            assert datagram.time is not None
+
+
+def test_the_port_remains_free_for_those_who_take_part(settings):
+    with (
+        MulticastListener(settings),
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as component,
+    ):
+        component.bind((LOOPBACK, settings.port))
+
+
+def test_it_ends_after_the_duration(settings):
+    with MulticastListener(settings) as listener:
+        assert list(listener.datagrams(duration=0.01)) == []
+        assert list(listener.datagrams(duration=0)) == []
+
+
+def test_an_interface_that_is_not_there(settings):
+    # 192.0.2.0/24 is for documentation (RFC 5737): no host has it.
+    absent = TransportSettings(interface="192.0.2.1", port=settings.port, multicast_group=GROUP)
+    with pytest.raises(TrafficError, match=r"cannot listen to 239\.255\.0\.1:.* 192\.0\.2\.1"):
+        MulticastListener(absent)
