@@ -128,6 +128,18 @@ def test_huge_counts_take_no_memory(set_name: str, definition: str) -> None:
         tracemalloc.stop()
 
 
+@EVERY_DEFINITION
+def test_unknown_bits_of_the_presence_vector_are_refused(set_name: str, definition: str) -> None:
+    view, cls = codec(set_name, definition)
+    body, example = view.body, example_bytes(view)
+    known = sum(member.is_optional for member in body.members)
+    for bit in range(known, 8 * body.presence_size):
+        flipped = int.from_bytes(example[2 : 2 + body.presence_size], "little") | 1 << bit
+        payload = example[:2] + flipped.to_bytes(body.presence_size, "little")
+        with pytest.raises(DecodeError, match="unknown bits in presence vector"):
+            cls.decode(payload + example[2 + body.presence_size :])
+
+
 def has_counts(view: Any) -> bool:
     members = list(view.body.members)
     for part in view.nested:
