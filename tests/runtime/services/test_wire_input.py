@@ -6,20 +6,64 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from jausml.runtime.address import JausAddress
-from jausml.runtime.component import Scope
-from jausml.runtime.core_messages import QueryStatus, ReportStatus
+from jausml.runtime.component import Scope, ServiceIdentity, chain
+from jausml.runtime.core_messages import (
+    CreateCommandEvent,
+    DeleteElement,
+    QueryStatus,
+    ReportStatus,
+    RequestControl,
+    Resume,
+    SetElement,
+    SetTime,
+)
+
+from .state_tables import CORE_NAMES, V1_1, core_services
 
 FAILURES = ("component.handler_failed", "loop.callback_failed")
 PROVIDER = JausAddress(2, 1, 1)
+SERVICES = (
+    *core_services(V1_1, *CORE_NAMES),
+    ServiceIdentity("urn:jaus:jss:core:ListManager", 1, 1),
+    ServiceIdentity("urn:jaus:jss:mobility:GlobalWaypointListDriver", 1, 0),
+    ServiceIdentity("urn:jaus:jss:iop:UnsolicitedHeartbeat", 1, 1),
+)
+UIDS = st.one_of(st.integers(0, 4), st.just(65535))
+
+
+def lists():
+    """Requests of a controller for the list, most of which are refused."""
+    data = st.builds(SetElement.ElementData, st.integers(0, 1), st.just(b"\x0c\x04"))
+    element = st.builds(SetElement.ElementRec, UIDS, UIDS, UIDS, data)
+    deletion = st.builds(DeleteElement.DeleteElementRec, UIDS)
+    return st.one_of(
+        st.builds(SetElement, element_list=st.lists(element, max_size=4)),
+        st.builds(DeleteElement, delete_element_list=st.lists(deletion, max_size=3)),
+    ).map(lambda message: message.encode())
+
+
+def times():
+    """SetTime with any bits."""
+    words = st.tuples(st.binary(min_size=4, max_size=4), st.binary(min_size=2, max_size=2))
+    return words.map(lambda parts: SetTime.CODE.to_bytes(2, "little") + b"\3" + b"".join(parts))
+
+
+def command_events(commands):
+    """CreateCommandEvent with any command."""
+    return st.builds(
+        lambda duration, command: CreateCommandEvent(1, duration, command).encode(),
+        st.integers(0, 3),
+        commands.filter(lambda command: len(command) >= 2),
+    )
 
 
 def payloads(classes):
     """Messages with right codes and any bodies."""
     codes = st.sampled_from(sorted(classes)).map(lambda code: code.to_bytes(2, "little"))
     bodies = st.binary(max_size=40)
-    return st.one_of(
-        st.binary(max_size=40), st.tuples(codes, bodies).map(lambda parts: parts[0] + parts[1])
-    )
+    messages = st.tuples(codes, bodies).map(lambda parts: parts[0] + parts[1])
+    known = st.one_of(messages, lists(), times())
+    return st.one_of(st.binary(max_size=40), known, command_events(known))
 
 
 @settings(
@@ -31,11 +75,15 @@ def payloads(classes):
 def test_any_messages(world, message_classes, data):
     for address in ("1.1.1", str(PROVIDER), "3.1.1"):
         world.detach(JausAddress.parse(address))
-    tested = world.component("1.1.1", discovery_scope=Scope.SUBSYSTEM)
+    tested = world.component("1.1.1", services=SERVICES, discovery_scope=Scope.SUBSYSTEM)
     tested.subscribe(PROVIDER, QueryStatus(), ReportStatus, lambda *_: None, rate=5)
     tested.control(PROVIDER, authority=9)
+    tested.command(PROVIDER, Resume(), max_duration=1)
+    tested.set_list(PROVIDER, chain([(1, b"", 1), (2, b"", 1)]))
+    tested.read_list(PROVIDER, lambda _elements: None)
     tested.start()
     probes = [world.probe(str(PROVIDER), strict=False), world.probe("3.1.1", strict=False)]
+    probes[0].ask(RequestControl(authority_code=200), tested)
     for payload in data.draw(st.lists(payloads(message_classes), max_size=12)):
         data.draw(st.sampled_from(probes)).send_bytes(payload, tested)
         world.run(0.1, step=0.1)
