@@ -73,7 +73,9 @@ RESERVED_ATTRIBUTES = _names(
 RESERVED_CLASSES = _names(
     """
     Callable ClassVar ComponentSettings DecodeError EncodeError Guard IntEnum JausAddress
-    JausComponent Message Sequence ServiceIdentity Scope Struct Transport TransportSettings
+    Kind ModelledComponent On State
+    JausComponent Message Sequence ServiceIdentity Scope Struct Transport TransportKind
+    TransportSettings
     """
 )
 

@@ -11,7 +11,9 @@ from jausml.generation.literals import python_string
 from jausml.generators.common import components, names
 from jausml.generators.common.displays import Display, call, lines, tuple_of
 from jausml.generators.common.layout import Call, statement
+from jausml.generators.jaus_component.diagrams import diagram
 from jausml.generators.jaus_component.handlers import Method, documented, guard_of
+from jausml.generators.jaus_component.walks import walks
 from jausml.model.guards import AllOf, AnyOf, Condition, Guard, Negation, conditions, parse_guard
 from jausml.model.machines import CORE_STATES, Machine, Node, event_name, machines_of
 
@@ -34,12 +36,13 @@ RUNTIME_NAMES = {
 }
 
 _NAMES = """
-add_machine address allows authority call component_type control control_available controller
-core_event core_state core_state_changed core_version counters discover fail handle
-handle_by_machines ignored is_control_available is_controlling_client is_id_stored loop name
-provide provide_by_machines provision query raise_event report request_core_state
-run_action run_condition running send services settings shut_down start status stop subscribe
-transport when_shut_down when_started
+add_machine address allows attempt authority call clear_emergency command command_handler
+component_type control control_available controller core_event core_state core_state_changed
+core_version counters current_time delete_elements discover discovery_server elements fail handle
+handle_by_machines host_time ignored is_control_available is_controlling_client is_id_stored loop
+name permissions_changed provide provide_by_machines provision query raise_event read_list report
+request_core_state run_action run_condition running send services set_emergency set_list settings
+shut_down start status stop subscribe supports_element transport when_shut_down when_started
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the component's class that no method of a machine may replace."""
@@ -98,12 +101,14 @@ class MachineView:
         attribute: Attribute of the component that holds it.
         table: Method of the component that returns its states.
         displays: The states, as expressions.
+        ways: Steps over each transition, as expressions, for the generated test.
     """
 
     machine: Machine
     attribute: str
     table: str
     displays: tuple[Display, ...]
+    ways: tuple[Display, ...]
 
     @property
     def name(self) -> str:
@@ -124,6 +129,21 @@ class MachineView:
     def docstring(self) -> str:
         """Docstring of the method that returns the states."""
         return docstring(f"Return the states of {self.name}, and what happens in them.", _BODY)
+
+    @property
+    def diagram(self) -> str:
+        """The machine as a state diagram."""
+        return diagram(self.machine)
+
+    @property
+    def ways_constant(self) -> str:
+        """Name of the constant of the generated test."""
+        return f"WAYS_OF_{self.attribute.upper()}"
+
+    @property
+    def ways_text(self) -> str:
+        """Assignment of the ways in the generated test."""
+        return "\n".join(lines(tuple_of("", *self.ways), 0, f"{self.ways_constant}: Ways = "))
 
     @property
     def states(self) -> str:
@@ -258,7 +278,8 @@ class Machines:
         for machine in self._machines:
             name = self._scope.claim(names.snake_case(machine.name))
             displays = tuple(self._states(machine))
-            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays))
+            ways = tuple(self._ways(machine))
+            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, ways))
         return tuple(found)
 
     @functools.cached_property
@@ -329,6 +350,32 @@ class Machines:
                     items.append(tuple_of(f"{feature}=", *found))
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
+
+    def _ways(self, machine: Machine) -> Iterator[Display]:
+        listed = {
+            path: [
+                (feature, transition)
+                for state in node.elements
+                for feature in ("transitions", "defaults")
+                for transition in getattr(state, feature)
+                if not is_core_trigger(transition)
+            ]
+            for path, node in machine.nodes.items()
+        }
+        for way in walks(machine, listed):
+            yield tuple_of(
+                "",
+                *(
+                    tuple_of("", self._named(s.trigger), str(s.refused), python_string(s.state))
+                    for s in way
+                ),
+            )
+
+    def _named(self, trigger: Any) -> str:
+        """Returns the name of a trigger as a Python string."""
+        return python_string(
+            trigger if isinstance(trigger, str) else self._view(trigger).class_name
+        )
 
     def _on(self, machine: Machine, path: str, transition: Any) -> Display:
         items: list[str | Display] = [self._trigger(transition)]

@@ -70,6 +70,11 @@ class JausComponentTarget:
                 views,
                 lambda view: f"{view.package}/test/test_{view.package}.py",
             ),
+            FileTask(
+                "states.md.j2",
+                [view for view in views if view.state_machines],
+                lambda view: f"{view.package}/states.md",
+            ),
         ]
 
 

@@ -1,0 +1,218 @@
+"""Components with modelled state machines: base, skeleton, its drift, and generated tests."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from codec_support import ROOT
+
+from jausml.generation.engine import render
+from jausml.generators.common import components
+from jausml.generators.jaus_component.diagrams import guard_text
+from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
+from jausml.generators.jaus_component.target import TARGET
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.model.guards import parse_guard
+from jausml.runtime.address import JausAddress
+from jausml.runtime.loop import Loop
+from jausml.runtime.modelled_component import ModelledComponent
+from jausml.runtime.settings import TransportSettings
+from jausml.runtime.transports import create_transport
+from jausml.validation.facts.machines import KEPT_BY_RUNTIME
+
+MODEL = Path(__file__).parent / "lamp.xmi"
+BASE = "spot/spot/spot_base.py"
+SKELETON = "spot/spot/spot.py"
+
+
+@pytest.fixture(scope="module")
+def texts() -> dict[str, str]:
+    result = read_models([MODEL], project_root=ROOT)
+    assert not result.diagnostics, result.diagnostics
+    return {artifact.path: artifact.text for artifact in render(result.model, [TARGET, RUNTIME])}
+
+
+@pytest.fixture(scope="module")
+def workspace(texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("workspace")
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    return folder
+
+
+def run(*command: str, cwd: Path, workspace: Path) -> None:
+    path = os.pathsep.join(str(workspace / name) for name in ("spot", "jausml_runtime"))
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def jausml(*arguments: str | Path) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "jausml", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def flat(text: str) -> str:
+    return re.sub(r",? ([)\]])", r"\1", " ".join(text.split())).replace("( ", "(")
+
+
+def test_the_model_is_valid():
+    # Only what a hand-made model of every kind cannot do without.
+    said = jausml("validate", MODEL)
+    assert "error" not in said
+
+
+def test_ruff_finds_nothing(workspace):
+    config = ["--config", str(ROOT / "pyproject.toml")]
+    folder = workspace / "spot"
+    run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
+    ignore = ["--ignore", "S101,TC001,TC002,TC003"]
+    run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+
+
+def test_mypy_finds_nothing(workspace):
+    run("-m", "mypy", "--strict", "-p", "spot", cwd=workspace, workspace=workspace)
+    run("-m", "mypy", "--strict", "spot/test/test_spot.py", cwd=workspace, workspace=workspace)
+
+
+def test_generated_tests_drive_the_machines(workspace):
+    folder = workspace / "spot"
+    run("-m", "pytest", "-q", "-W", "error", "test", cwd=folder, workspace=workspace)
+    assert "def test_lamp_fsm_goes_as_modelled" in (folder / "test/test_spot.py").read_text("utf-8")
+
+
+def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path):
+    """The ways are worked out from the model, not from the table that they test."""
+    folder = tmp_path / "spot"
+    for name in ("spot/spot_base.py", "spot/spot.py", "spot/messages.py", "spot/__init__.py"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        text = (workspace / "spot" / name).read_text("utf-8")
+        (folder / name).write_text(text.replace('target="On.Bright"', 'target="On.Dim"'), "utf-8")
+    test = (workspace / "spot/test/test_spot.py").read_text("utf-8")
+    (folder / "test_spot.py").write_text(test, "utf-8")
+    (tmp_path / "jausml_runtime").symlink_to(workspace / "jausml_runtime")
+    with pytest.raises(AssertionError, match=r"'On.Dim' == 'On.Bright'"):
+        run("-m", "pytest", "-q", "test_spot.py", cwd=folder, workspace=tmp_path)
+
+
+def test_machines_along_inheritance_are_one(texts):
+    base = flat(texts[BASE])
+    assert base.count("self.add_machine(") == 2
+    assert 'self.lamp_fsm = self.add_machine("LampFSM", self._lamp_fsm())' in base
+    assert 'State("On.Turning", transitions=(On("Turned", target="On.Dim"),))' in base
+
+
+def test_states_of_older_service_sets_are_those_of_the_core(texts):
+    base = flat(texts[BASE])
+    assert 'State("Receiving.Ready.Controlled.Available.Ready", exit=(self.switch_off,)' in base
+    assert 'target="Receiving.Ready.Controlled.Available.Standby"' in base
+
+
+def test_messages_go_to_machines_or_to_handlers(texts):
+    base = flat(texts[BASE])
+    assert "self.handle_by_machines(ToggleLamp, when=Guard.READY)" in base
+    assert "self.provide_by_machines(QueryLamp, ReportLamp, self.report_lamp)" in base
+    # A transition for anything takes what no transition names.
+    assert "self.handle_by_machines(DimLamp, when=Guard.READY)" in base
+    assert "self.handle(" not in base
+
+
+def test_guards_are_methods_and_never_code(texts):
+    base = flat(texts[BASE])
+    assert (
+        "when=any_of(self.is_bright, all_of(self.is_warm,"
+        " negation(any_of(self.is_old, self.class_))))" in base
+    )
+    assert "self.__class__" not in base
+
+
+def test_parameters_are_what_the_triggers_bring(texts):
+    base = flat(texts[BASE])
+    assert "def is_bright(self, message: SetLamp, sender: JausAddress) -> bool:" in base
+    assert "def may_turn(self, message: TurnSpot, sender: JausAddress) -> bool:" in base
+    assert (
+        "def is_old(self, message: SetLamp | None = None, sender: JausAddress | None = None)"
+        " -> bool:" in base
+    )
+    assert "def switch_off(self) -> None:" in base
+    assert "def tell(self) -> ReportLamp | None:" in base
+    assert (
+        "def anything(self, message: Message | None = None, sender: JausAddress | None = None)"
+        " -> None:" in base
+    )
+
+
+def test_names_that_are_taken_are_changed(texts):
+    base = texts[BASE]
+    assert "def stop_(self, " in base.replace("\n        ", "")
+    assert "def import_(" in base
+    assert "def stop(" not in base
+    assert "def raise_class_(self)" in base
+    assert 'self.raise_event("class")' in base
+
+
+def test_every_name_of_the_component_is_taken():
+    settings = TransportSettings()
+    with Loop() as loop:
+        component = ModelledComponent(
+            create_transport(settings, loop), JausAddress(1, 1, 1), name="x", services=()
+        )
+        names = {name for name in dir(component) if not name.startswith(("_", "on_"))}
+    # Methods that answer queries may be named report_..., and leave this one out by themselves.
+    assert names - COMPONENT_NAMES == {"report_changed"}
+    assert set(STANDARD_GUARDS.values()) <= COMPONENT_NAMES
+
+
+def test_rules_and_targets_agree_on_what_the_runtime_takes():
+    assert KEPT_BY_RUNTIME == components.RUNTIME_SERVICES
+
+
+def test_drift_tells_new_and_former_methods(tmp_path):
+    model = tmp_path / "lamp.xmi"
+    text = MODEL.read_text("utf-8")
+    model.write_text(text, "utf-8")
+    out = tmp_path / "ws"
+    jausml("generate", model, "-o", out)
+    assert "does not define" not in jausml("generate", model, "-o", out)
+    model.write_text(
+        text.replace('"switchOff"', '"darken"').replace("isBright(", "isHigh("), "utf-8"
+    )
+    said = jausml("generate", model, "-o", out)
+    for name in ("darken", "is_high"):
+        assert f"does not define {name}(" in said
+    for name in ("switch_off", "is_bright"):
+        assert f"{name}: the model has no such element any more" in said
+
+
+def test_the_diagram_shows_states_and_transitions(texts):
+    shown = texts["spot/states.md"]
+    assert "stateDiagram-v2" in shown
+    assert 'state "Turning" as' in shown
+    assert "SetLamp [isBright || isWarm && !(isOld || __class__)] / import" in shown
+    assert shown.count("```mermaid") == 2
+
+
+@pytest.mark.parametrize("text", ["a", "!a", "a && b || c", "a && (b || !c)", "!(a && b) || d"])
+def test_guard_text_is_read_back_the_same(text):
+    guard = parse_guard(text)
+    assert parse_guard(guard_text(guard)) == guard
