@@ -177,11 +177,13 @@ def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
 def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
     """Orientation in forward-left-up to roll about forward-right-down axes, in [-pi, pi].
 
-    Raises:
-        ConversionError: the quaternion has no length.
+    A quaternion of length zero is no orientation: the result is not a number.
     """
     x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
-    if abs(_sine_of_pitch(x, y, z, w)) > _VERTICAL:
+    sine = _sine_of_pitch(x, y, z, w)
+    if math.isnan(sine):
+        return math.nan
+    if abs(sine) > _VERTICAL:
         return 0.0
     return math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
 
@@ -189,8 +191,7 @@ def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
 def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
     """Orientation in forward-left-up to pitch about forward-right-down axes, in [-pi/2, pi/2].
 
-    Raises:
-        ConversionError: the quaternion has no length.
+    A quaternion of length zero is no orientation: the result is not a number.
     """
     sine = _sine_of_pitch(orientation.x, -orientation.y, -orientation.z, orientation.w)
     return math.asin(clamp(sine, -1.0, 1.0))
@@ -199,11 +200,13 @@ def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
 def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
     """Orientation in forward-left-up to yaw about forward-right-down axes, in [-pi, pi].
 
-    Raises:
-        ConversionError: the quaternion has no length.
+    A quaternion of length zero is no orientation: the result is not a number.
     """
     x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
-    if abs(_sine_of_pitch(x, y, z, w)) > _VERTICAL:
+    sine = _sine_of_pitch(x, y, z, w)
+    if math.isnan(sine):
+        return math.nan
+    if abs(sine) > _VERTICAL:
         # Roll is taken as zero there, so that the three angles still give the orientation.
         return math.atan2(-2 * (x * y - w * z), w * w - x * x + y * y - z * z)
     return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
@@ -269,7 +272,7 @@ def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
 def _sine_of_pitch(x: float, y: float, z: float, w: float) -> float:
     squared_length = x * x + y * y + z * z + w * w
     if squared_length == 0.0:
-        raise ConversionError("quaternion of length zero")
+        return math.nan
     return 2 * (w * y - z * x) / squared_length
 
 

@@ -256,9 +256,23 @@ def test_vertical_attitudes(pitch, yaw):
         c.flu_quaternion_to_frd_yaw,
     ],
 )
-def test_orientation_of_no_length(function):
-    with pytest.raises(c.ConversionError):
-        function(c.Quaternion(0.0, 0.0, 0.0, 0.0))
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (0.0, 0.0, 0.0, 0.0),
+        (math.nan, 0.0, 0.0, 1.0),
+        (0.0, 0.0, 0.0, math.inf),
+    ],
+)
+def test_what_is_no_orientation_has_no_angles(function, parts):
+    """Not a number goes to the policy of the target field."""
+    assert math.isnan(function(c.Quaternion(*parts)))
+
+
+@pytest.mark.parametrize("function", [c.ned_heading_to_enu_yaw, c.enu_yaw_to_ned_heading])
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
+def test_what_is_no_angle_has_no_direction(function, angle):
+    assert math.isnan(function(angle))
 
 
 # --------------------------------------------------------------- times
