@@ -15,6 +15,7 @@ from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
     service_identities,
+    transport_names,
     transport_settings,
 )
 from jausml.generators.common.layout import Call, statement
@@ -46,7 +47,7 @@ _TAKEN_CLASSES = _names(
     """
     AbsentFieldError Bridge BridgeSettings ComponentSettings EventToTopics Guard JausAddress
     MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
-    TopicsToReport TransportSettings
+    TopicsToReport TransportKind TransportSettings
     """
 )
 
@@ -194,11 +195,11 @@ class BridgeView:
             ("jausml_runtime.bridge", "Bridge"),
             ("jausml_runtime.bridge", "BridgeSettings"),
             ("jausml_runtime.component", "ComponentSettings"),
-            ("jausml_runtime.settings", "TransportSettings"),
             ("jausml_runtime.topics", "Topic"),
         }
         if self.services:
             runtime.add(("jausml_runtime.component", "ServiceIdentity"))
+        runtime |= transport_names(self.system, self.bridge)
         for view in self.connections:
             runtime |= view.runtime_names
         own = import_lines((".messages", name) for name in self.message_names)

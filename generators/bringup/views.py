@@ -8,6 +8,7 @@ from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import LINE_WIDTH, python_string, yaml_string
+from jausml.generators.common.components import TRANSPORTS, host_of
 from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.names import package_name
 from jausml.generators.common.ros import import_lines, parameter_value
@@ -48,7 +49,8 @@ SETTINGS = (
     Setting(
         "jaus_interface", "interface", "127.0.0.1", "IPv4 address of the network interface of JAUS"
     ),
-    Setting("jaus_port", "port", "3794", "UDP port of JAUS"),
+    Setting("jaus_transport", "transport", "judp", "How JAUS travels: judp, jtcp or node-manager"),
+    Setting("jaus_port", "port", "3794", "UDP or TCP port of JAUS"),
     Setting("jaus_multicast_group", "multicastGroup", "239.255.0.1", "Multicast group of JAUS"),
     Setting(
         "jaus_multicast_ttl", "multicastTtl", "16", "Routers that a multicast of JAUS may pass"
@@ -309,7 +311,7 @@ class BringupView:
         )
 
     def _process(self, element: Any, kind: str) -> ProcessView:
-        host = self._host_of(element)
+        host = host_of(self.system, element)
         parameters = element.parameters if kind == "node" else ()
         return ProcessView(
             name=element.name,
@@ -320,17 +322,16 @@ class BringupView:
             parameters={each.name: parameter_value(each) for each in parameters},
         )
 
-    def _host_of(self, element: Any) -> Any:
-        for placement in self.system.placements:
-            if element in placement.components or element in placement.nodes:
-                return placement.host
-        return self.system.hosts[0] if self.system.hosts else None
-
 
 def _transport(host: Any) -> tuple[str, ...]:
     if host is None:
         return tuple(each.default for each in SETTINGS)
-    return tuple(str(getattr(host, each.feature)) for each in SETTINGS)
+    return tuple(_value(host, each.feature) for each in SETTINGS)
+
+
+def _value(host: Any, feature: str) -> str:
+    value = getattr(host, feature)
+    return TRANSPORTS[value.name] if feature == "transport" else str(value)
 
 
 def _yaml_key(name: str) -> str:

@@ -168,6 +168,25 @@ def address_call(component: Any) -> Call:
     return Call("JausAddress", tuple(str(int(part)) for part in component.address.split(".")))
 
 
+TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
+"""Values of the option `--jaus-transport` of a process, by literal of Transport."""
+
+_TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
+
+
+def host_of(system: Any, element: Any) -> Any:
+    """Returns the host that an element runs on, the first one without a placement, or None.
+
+    Args:
+        system: The `system.System`.
+        element: A component, bridge or node of the system.
+    """
+    for placement in system.placements:
+        if element in placement.components or element in placement.nodes:
+            return placement.host
+    return system.hosts[0] if system.hosts else None
+
+
 def transport_settings(system: Any, component: Any) -> Call:
     """Returns the transport settings of the host that a component runs on.
 
@@ -175,20 +194,50 @@ def transport_settings(system: Any, component: Any) -> Call:
         system: The `system.System`.
         component: The `jaus.Component`.
     """
-    placed = [p.host for p in system.placements if component in p.components]
-    hosts = placed or list(system.hosts)
-    if not hosts:
+    host = host_of(system, component)
+    if host is None:
         return Call("TransportSettings", ())
-    host = hosts[0]
-    return Call(
-        "TransportSettings",
-        (
-            f"interface={python_string(host.interface)}",
-            f"port={int(host.port)}",
-            f"multicast_group={python_string(host.multicastGroup)}",
-            f"multicast_ttl={int(host.multicastTtl)}",
-        ),
-    )
+    arguments: list[str | Call] = [
+        f"interface={python_string(host.interface)}",
+        f"port={int(host.port)}",
+        f"multicast_group={python_string(host.multicastGroup)}",
+        f"multicast_ttl={int(host.multicastTtl)}",
+    ]
+    if host.transport.name in _TRANSPORT_KINDS:
+        arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
+    others = _peers_elsewhere(system, host)
+    if others:
+        arguments.append(Call("address_book=peers", tuple(map(python_string, others))))
+    return Call("TransportSettings", tuple(arguments))
+
+
+def transport_names(system: Any, component: Any) -> set[tuple[str, str]]:
+    """Returns what `transport_settings` needs, as pairs of module and name.
+
+    Args:
+        system: The `system.System`.
+        component: The `jaus.Component`.
+    """
+    host = host_of(system, component)
+    names = {"TransportSettings"}
+    if host is not None and host.transport.name in _TRANSPORT_KINDS:
+        names.add("TransportKind")
+    if host is not None and _peers_elsewhere(system, host):
+        names.add("peers")
+    return {("jausml_runtime.settings", name) for name in names}
+
+
+def _peers_elsewhere(system: Any, host: Any) -> list[str]:
+    """Returns the components on other hosts, which TCP cannot find by itself."""
+    if host.transport.name != "jtcp":
+        return []
+    elements = [*system.components, *system.bridges]
+    placed = [(each, host_of(system, each)) for each in elements]
+    return [
+        f"{element.address}={where.interface}:{int(where.port)}"
+        for element, where in placed
+        if where is not host
+    ]
 
 
 def query_for(report: Any, services: Iterable[Any]) -> Any | None:

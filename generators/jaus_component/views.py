@@ -14,6 +14,7 @@ from jausml.generators.common import components, imports, names
 from jausml.generators.common.layout import Call, hexadecimal, statement, text
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.message_examples import example_bytes
+from jausml.generators.common.ros import import_lines
 from jausml.generators.jaus_component import machines
 from jausml.generators.jaus_component.handlers import (
     GUARD_TEXTS,
@@ -351,6 +352,12 @@ class ComponentView:
         node_and_component = [int(part) for part in self.component.address.split(".")[1:]]
         discovers = any(each.urn.endswith(":Discovery") for each in self.component.provides)
         return discovers and node_and_component == [1, 1]
+
+    @property
+    def main_import_lines(self) -> tuple[str, ...]:
+        """Import lines of the entry point, without its own modules."""
+        names = components.transport_names(self.system, self.component)
+        return import_lines({*names, ("jausml_runtime.process", "run")})
 
     @property
     def transport(self) -> str:

@@ -272,6 +272,7 @@ class JtcpTransport:
         self._learn(packet.source, connection)
         if packet.destination.is_wildcard and packet.acknowledge is AckNak.ACK:
             self.counters.add("jtcp.present")
+            connection.is_neighbour = connection.peer[0] == self._settings.interface
             return
         is_relayed = self._relay(packet, connection)
         is_taken = self._inbox.take(packet, connection, self.loop.now())
@@ -341,7 +342,7 @@ class JtcpTransport:
         else:
             way = self._routes.get(packet.destination)
             ways = [] if way is None or way is origin else [way]
-        ways = [each for each in ways if self._is_neighbour(each) or self._is_neighbour(origin)]
+        ways = [each for each in ways if each.is_neighbour or origin.is_neighbour]
         # Owners that know each other by several ways must not pass a message round for ever.
         if not ways or (
             packet.acknowledge < AckNak.NAK
@@ -353,10 +354,6 @@ class JtcpTransport:
             way.write(data)
         self.counters.add("jtcp.relayed")
         return True
-
-    def _is_neighbour(self, connection: Connection) -> bool:
-        """Return whether the other end is a process of this host that does not own the port."""
-        return not connection.is_outgoing and connection.peer[0] == self._settings.interface
 
 
 def _message(packet: Packet) -> bytes:

@@ -54,7 +54,7 @@ class Connection:
             sock: Connected, or on its way.
             peer: The other end.
             loop: Loop that watches it.
-            connecting: Whether the socket is on its way; such a connection is outgoing.
+            connecting: Whether the socket is on its way.
             buffer: Bytes that may wait for a slow peer; one message more can wait.
             timeout: Seconds in which the connection must be made, and in which a peer must take
                 something of what waits for it.
@@ -62,7 +62,8 @@ class Connection:
             on_close: Told once when the connection ended, whoever ended it.
         """
         self.peer = peer
-        self.is_outgoing = connecting
+        self.is_neighbour = False
+        """Whether the other end is a process of this host for which messages are passed on."""
         self.is_connected = not connecting
         self.is_closed = False
         self._socket = sock

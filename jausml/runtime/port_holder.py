@@ -65,7 +65,7 @@ def advice(protocol: str, settings: TransportSettings) -> str:
             "who holds it cannot be seen; likely a node manager (that of Junior or fkie) or a "
             "JAUS program of another user"
         )
-    share = "to share it with a node manager: --jaus-transport node-manager"
+    share = "To share it with a node manager: --jaus-transport node-manager"
     return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
 
 

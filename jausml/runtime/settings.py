@@ -203,6 +203,18 @@ def from_arguments(
     )
 
 
+def peers(*texts: str) -> dict[JausAddress, Endpoint]:
+    """Return entries of an address book.
+
+    Args:
+        texts: Entries like ``100.1.2=192.168.0.7:3794``.
+
+    Raises:
+        argparse.ArgumentTypeError: A text is no entry.
+    """
+    return dict(map(_peer, texts))
+
+
 def _peer(text: str) -> tuple[JausAddress, Endpoint]:
     """Read ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
     address, _, endpoint = text.partition("=")

@@ -68,7 +68,8 @@ description = namespace["generate_launch_description"]()
 print(json.dumps([each.said for each in description.entities], default=lambda each: each.said))
 """
 TRANSPORT = [
-    *("--jaus-interface", "$jaus_interface", "--jaus-port", "$jaus_port"),
+    *("--jaus-interface", "$jaus_interface", "--jaus-transport", "$jaus_transport"),
+    *("--jaus-port", "$jaus_port"),
     *("--jaus-multicast-group", "$jaus_multicast_group"),
     *("--jaus-multicast-ttl", "$jaus_multicast_ttl"),
 ]
@@ -117,6 +118,7 @@ def settings(interface, port="3794", group="239.255.0.1", ttl="16"):
     return {
         "ros_domain_id": "env ROS_DOMAIN_ID or 9",
         "jaus_interface": interface,
+        "jaus_transport": "judp",
         "jaus_port": port,
         "jaus_multicast_group": group,
         "jaus_multicast_ttl": ttl,
@@ -316,6 +318,7 @@ def test_options_are_those_of_the_runtime():
     known = TransportSettings()
     assert {each.option: each.default for each in SETTINGS} == {
         "--jaus-interface": known.interface,
+        "--jaus-transport": known.transport.value,
         "--jaus-port": str(known.port),
         "--jaus-multicast-group": known.multicast_group,
         "--jaus-multicast-ttl": str(known.multicast_ttl),

@@ -1,0 +1,143 @@
+"""The transport of a host, from the model to processes that talk."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from codec_support import ROOT
+
+from jausml.generation.engine import render
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.jaus_component.target import TARGET as COMPONENT
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+
+CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
+MODEL = """<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:system="http://www.jausml.org/system/1.0" name="fleet">
+  <components xmi:id="arm" name="arm" address="10.1.1">
+    <provides href="{core}#Discovery"/>
+  </components>
+  <components xmi:id="leg" name="leg" address="10.1.2">
+    <provides href="{core}#Discovery"/>
+  </components>
+  <components xmi:id="desk" name="desk" address="20.1.1"/>
+  <hosts xmi:id="robot" name="robot" transport="{transport}" port="{robot}"/>
+  <hosts xmi:id="station" name="station" transport="{transport}" port="{station}"/>
+  <placements host="robot" components="arm leg"/>
+  <placements host="station" components="desk"/>
+</system:System>
+"""
+ASK = """
+import queue
+from desk.main import TRANSPORT
+from jausml_runtime.address import JausAddress
+from jausml_runtime.component import JausComponent
+from jausml_runtime.core_messages import QueryIdentification, ReportIdentification
+from jausml_runtime.process import running_transport
+
+answers = queue.SimpleQueue()
+with running_transport(TRANSPORT) as transport:
+    asking = JausComponent(transport, JausAddress(20, 1, 1), name="desk", services=())
+    asking.on_message(ReportIdentification, lambda report, sender: answers.put(str(sender)))
+    asking.start()
+    seen = set()
+    while len(seen) < 2:
+        for address in TRANSPORT.address_book:
+            asking.send(QueryIdentification(query_type=4), address)
+        try:
+            seen.add(answers.get(timeout=0.2))
+        except queue.Empty:
+            pass
+    asking.stop()
+print(sorted(seen))
+"""
+
+
+def free_ports() -> tuple[int, int]:
+    with socket.create_server(("127.0.0.1", 0)) as one, socket.create_server(("", 0)) as other:
+        return one.getsockname()[1], other.getsockname()[1]
+
+
+def generate(folder: Path, transport: str, robot: int = 3794, station: int = 3795) -> None:
+    model = folder / "fleet.xmi"
+    model.write_text(
+        MODEL.format(core=CORE, transport=transport, robot=robot, station=station), "utf-8"
+    )
+    result = read_models([model])
+    assert not result.diagnostics, result.diagnostics
+    for artifact in render(result.model, [COMPONENT, RUNTIME, BRINGUP]):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, "utf-8")
+
+
+def environment(folder: Path) -> dict[str, str]:
+    packages = ("arm", "leg", "desk", "jausml_runtime")
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(str(folder / each) for each in packages)}
+
+
+@pytest.mark.parametrize(
+    ("transport", "expected"),
+    [
+        ("judp", "TransportKind.JUDP 0"),
+        ("jtcp", "TransportKind.JTCP 2"),
+        ("nodeManager", "TransportKind.NODE_MANAGER 0"),
+    ],
+)
+def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
+    generate(tmp_path, transport)
+    code = "from desk.main import TRANSPORT as t; print(t.transport, len(t.address_book))"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout.strip() == expected, done.stderr
+    formatted = subprocess.run(
+        ["ruff", "format", "--check", "--isolated", "--line-length", "100", "desk", "arm"],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert formatted.returncode == 0, formatted.stdout
+
+
+def test_the_launch_files_pass_it_on(tmp_path):
+    generate(tmp_path, "nodeManager")
+    text = (tmp_path / "fleet_bringup" / "launch" / "fleet_robot.launch.py").read_text("utf-8")
+    assert 'default_value="node-manager"' in text
+    assert '"--jaus-transport",\n    LaunchConfiguration("jaus_transport"),' in text
+
+
+def test_generated_processes_of_two_hosts_talk_over_tcp(tmp_path):
+    generate(tmp_path, "jtcp", *free_ports())
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-m", f"{name}.main"], env=environment(tmp_path), cwd=tmp_path
+        )
+        for name in ("arm", "leg")
+    ]
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", ASK],
+            env=environment(tmp_path),
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+        assert done.stdout.strip() == "['10.1.1', '10.1.2']", done.stderr
+    finally:
+        for process in processes:
+            process.terminate()
+        assert [process.wait(20) for process in processes] == [0, 0]
