@@ -26,6 +26,7 @@ MAXIMUM_RATE = 1092.0
 """Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
 
 _LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
+_WILDCARD_SUBSYSTEM = 65535
 _NUMBERS = {
     "authority": (0, 255),
     "defaultAuthority": (0, 255),
@@ -51,6 +52,24 @@ def address_range(subject: Subject) -> Iterator[Finding]:
             if not 1 <= int(text) <= maximum:
                 message = f"{name} id {text} of '{component.name}' is not in 1..{maximum}"
                 yield Finding(component, message, "address")
+
+
+@rule("JML309", Severity.WARNING, "subsystem id that Junior takes for a wildcard")
+def address_bytes(subject: Subject) -> Iterator[Finding]:
+    """Neither byte of a subsystem id is 255, so that peers on Junior can talk to the component.
+
+    AS5669A allows such ids. Junior, the stack met most often, takes each byte 255 of an address
+    for a wildcard, and cannot connect to subsystems 255, 511, ... and 65280..65534.
+
+    Bad: `<components name="vehicle" address="511.1.1"/>`
+
+    Good: `<components name="vehicle" address="512.1.1"/>`
+    """
+    for component in subject.instances("jaus.Component"):
+        subsystem = int((component.address or "0").split(".")[0])
+        if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
+            message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
+            yield Finding(component, message, "address")
 
 
 @rule("JML302", Severity.ERROR, "JAUS address used twice")
@@ -245,6 +264,7 @@ def rate_finding(connection: Any) -> Iterator[Finding]:
 
 RULES = (
     address_range,
+    address_bytes,
     address_unique,
     component_numbers,
     connection_provided,

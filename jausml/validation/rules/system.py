@@ -97,6 +97,25 @@ def placements(subject: Subject) -> Iterator[Finding]:
                         yield Finding(placement, message, feature, related=(note,))
 
 
+@rule("JML514", Severity.WARNING, "hosts that cannot talk to each other")
+def transports(subject: Subject) -> Iterator[Finding]:
+    """Hosts of one system speak JAUS over TCP all, or none of them does.
+
+    A host with the transport `jtcp` and one with `judp` or `nodeManager` do not hear each other.
+
+    Bad: `<hosts name="onboard" transport="jtcp"/>` beside `<hosts name="station"/>`
+
+    Good: `transport="jtcp"` for both
+    """
+    for system in subject.instances("system.System"):
+        for host in system.hosts[1:]:
+            first = system.hosts[0]
+            if (host.transport.name == "jtcp") != (first.transport.name == "jtcp"):
+                note = Note(first, f"'{first.name}' has {first.transport.name}")
+                message = f"'{host.name}' has the transport {host.transport.name}"
+                yield Finding(host, message, "transport", related=(note,))
+
+
 def _range(element: Any, feature: str, lower: int, upper: int) -> Iterator[Finding]:
     value = getattr(element, feature)
     if not lower <= value <= upper:
@@ -111,4 +130,4 @@ def _ipv4(text: Any) -> ipaddress.IPv4Address | None:
         return None
 
 
-RULES = (metadata, network, placements)
+RULES = (metadata, network, placements, transports)
