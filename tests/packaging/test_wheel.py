@@ -64,13 +64,14 @@ def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
     assert result.returncode != 0
 
 
-@pytest.mark.parametrize("example", ["catvehicle", "minimal"])
+@pytest.mark.parametrize("example", ["catvehicle", "minimal", "examples/winch"])
 def test_validate_and_generate(installed: Path, tmp_path: Path, example: str) -> None:
-    model = shipped(installed, tmp_path) / example / f"{example}.xmi"
+    name = Path(example).name
+    model = shipped(installed, tmp_path) / example / f"{name}.xmi"
     run(installed / "jausml", "validate", model, cwd=tmp_path)
     run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
     produced = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert {"jausml_runtime", f"{example}_bringup"} <= set(produced)
+    assert {"jausml_runtime", f"{name}_bringup"} <= set(produced)
     assert (tmp_path / "out" / "jausml_runtime" / "jausml_runtime" / "transport.py").is_file()
     run(installed / "jausml", "generate", model, "-o", "out", "--check", cwd=tmp_path)
     run(installed / "python", "-m", "compileall", "-q", tmp_path / "out", cwd=tmp_path)
