@@ -49,9 +49,10 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
 def clamped_values(subject: Subject) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 
-    The value next to an unknown one is no better than any other, so such a message is dropped and
-    counted. An assignment that asks for clamp by itself expects something else. The policy of a
-    connection may be clamp: it counts for the numbers.
+    The value next to an unknown one is no better than any other, and a text that was cut says
+    something else. Such a message is dropped and counted. An assignment that asks for clamp by
+    itself expects something else. The policy of a connection may be clamp: it counts for the
+    numbers.
 
     Bad: `outOfRange="clamp"` with a target whose value set lists CLOSED and OPEN
 
@@ -62,8 +63,14 @@ def clamped_values(subject: Subject) -> Iterator[Finding]:
             if assignment.outOfRange.name != "clamp":
                 continue
             target = jaus_attribute(each.message, assignment.target)
-            if isinstance(target, Attribute) and target.named:
+            if not isinstance(target, Attribute):
+                continue
+            message = ""
+            if target.named:
                 message = f"the values of '{assignment.target}' have names, none is nearest"
+            elif target.kind in (TEXT, OCTETS):
+                message = f"'{assignment.target}' is {target.name}, which is never cut"
+            if message:
                 yield Finding(assignment, message, "outOfRange", "dropField, dropMessage or error")
 
 
