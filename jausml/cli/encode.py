@@ -45,7 +45,7 @@ class _LineError(ValueError):
 
 def _message(line: str) -> dict[str, object]:
     try:
-        value = json.loads(line)
+        value = json.loads(line.rstrip())
     except json.JSONDecodeError as error:
         raise _LineError(f"column {error.colno}: {error.msg}") from error
     except RecursionError:

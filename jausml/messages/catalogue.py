@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages.codec import shown
@@ -31,8 +31,9 @@ from jausml.model.diagnostics import Severity
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
-    from jausml.model import Model
+    from jausml.model import Model, ReadResult
 
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
 
@@ -45,7 +46,8 @@ def load_catalogue(
 ) -> Catalogue:
     """Returns the catalogue of the shipped library and of further models.
 
-    A service of these models takes the place of the library's service of the same URN and version.
+    That of the library alone is read once in a process. A service of these models takes the place
+    of the library's service of the same URN and version.
 
     Args:
         models: The user's models (XMI).
@@ -55,10 +57,24 @@ def load_catalogue(
     Raises:
         CatalogueError: A model cannot be read; the text has all errors with their places.
     """
-    library = sorted((library_root() / "jaus").glob("*.xmi"))
+    if not models:
+        return _library_catalogue()
     result = read_models(
-        [*models, *library], project_root=project_root, allow_outside=allow_outside
+        [*models, *_library_files()], project_root=project_root, allow_outside=allow_outside
     )
+    return _catalogue_of(result)
+
+
+@cache
+def _library_catalogue() -> Catalogue:
+    return _catalogue_of(read_models(_library_files()))
+
+
+def _library_files() -> list[Path]:
+    return sorted((library_root() / "jaus").glob("*.xmi"))
+
+
+def _catalogue_of(result: ReadResult) -> Catalogue:
     errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
     if errors:
         raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
@@ -296,6 +312,12 @@ class Catalogue:
             AmbiguousMessageError: Several messages are meant.
             DefinitionError: The definition gives no codec.
         """
+        try:
+            return self._encode(message)
+        except RecursionError:
+            raise EncodeError("messages are nested too deep in it") from None
+
+    def _encode(self, message: Mapping[str, Any]) -> bytes:
         entry = self._meant(message)
         fields = message.get("fields", {})
         if not isinstance(fields, dict):
@@ -336,7 +358,7 @@ class Catalogue:
         if not isinstance(message, dict):
             raise EncodeError(f"{shown(message)} is not an object of a message")
         try:
-            return self.encode(message)
+            return self._encode(message)
         except CodecError:
             raise
         except MessageError as error:

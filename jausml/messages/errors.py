@@ -100,5 +100,5 @@ def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
         limit: How many to return at most.
     """
     by_folded = {each.casefold(): each for each in known}
-    found = get_close_matches(name.casefold()[:200], by_folded, n=limit, cutoff=0.7)
+    found = get_close_matches(name.casefold()[:200], by_folded, n=limit, cutoff=0.8)
     return [by_folded[each] for each in found]

@@ -113,7 +113,8 @@ def simple(codec: Codec, value: Any) -> str:
         )
     if isinstance(codec, VariableNumber):
         return simple(codec.alternatives[value["index"]], value["value"])
-    return ascii(value)[1:-1] if not value.isprintable() else f'"{value}"'
+    # What a terminal would obey instead of showing it is escaped.
+    return f'"{value if value.isprintable() else ascii(value)[1:-1]}"'
 
 
 def _named(names: Mapping[int, str], value: int) -> str:

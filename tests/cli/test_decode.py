@@ -1,0 +1,368 @@
+"""`jausml decode` and `jausml encode`."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import struct
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from jausml.cli import main
+
+STATUS = "02400100000000"
+DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
+
+
+@pytest.fixture
+def jausml(tmp_path, monkeypatch):
+    """Runs the command line in an empty folder, with text on stdin."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments, text=""):
+        return CliRunner().invoke(main, [str(each) for each in arguments], input=text)
+
+    return run
+
+
+def objects(result):
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+def capture(*datagrams, port=3794):
+    data = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101)
+    for number, datagram in enumerate(datagrams):
+        hosts = socket.inet_aton("10.9.0.1") + socket.inet_aton("10.9.0.2")
+        udp = struct.pack(">HHHH", 5000, port, 8 + len(datagram), 0) + datagram
+        packet = struct.pack(">BBHHHBBH", 0x45, 0, 20 + len(udp), 1, 0, 9, 17, 0) + hosts + udp
+        data += struct.pack("<IIII", 1000 + number, 0, len(packet), len(packet)) + packet
+    return data
+
+
+def test_arguments(jausml):
+    result = jausml("decode", STATUS, "0x02 0x20  # a comment")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.splitlines() == [
+        "ReportStatus 0x4002 (urn:jaus:jss:core:Management/1.0)",
+        "  ReportStatusRec",
+        "    Status: 1 (READY)",
+        "    Reserved: 0",
+        "QueryStatus 0x2002 (urn:jaus:jss:core:Management/1.0)",
+    ]
+
+
+def test_bytes_given_one_by_one_are_one_message(jausml):
+    result = jausml("decode", "02", "40", "01", "0x00", "00", "00", "00")
+    assert result.stdout.startswith("ReportStatus")
+
+
+def test_json(jausml):
+    (found,) = objects(jausml("decode", "--format", "json", STATUS))
+    assert found == {
+        "message": "ReportStatus",
+        "code": "0x4002",
+        "service": "urn:jaus:jss:core:Management",
+        "service_version": "1.0",
+        "fields": {"ReportStatusRec": {"Status": 1, "Reserved": 0}},
+    }
+
+
+@pytest.mark.parametrize("source", [(), ("-",), ("lines.hex",)])
+def test_each_bad_line_is_told_and_the_run_goes_on(jausml, tmp_path, source):
+    text = f"# messages\n\n{STATUS}\n02 4z\nffff\n0240\n0220\n"
+    (tmp_path / "lines.hex").write_text(text)
+    result = jausml("decode", "--format", "json", *source, text=text)
+    assert result.exit_code == 1
+    name = source[0] if source and source[0] != "-" else "<stdin>"
+    assert result.stderr.splitlines() == [
+        f"{name}:4: column 5: 'z' is no hexadecimal digit",
+        f"{name}:5: no message has the code 0xFFFF",
+        f"{name}:6: ReportStatusRec.Status: 1 byte wanted at offset 2, 0 left",
+    ]
+    names = [found.get("message", found.get("error", "")[:10]) for found in objects(result)]
+    assert names == ["ReportStatus", "column 5: ", "no message", "ReportStat", "QueryStatus"]
+
+
+def test_count(jausml):
+    result = jausml("decode", "--count", 1, text=f"\nzz\n{STATUS}\n0220\n")
+    assert "ReportStatus" in result.stdout
+    assert "QueryStatus" not in result.stdout
+
+
+def test_a_service_chooses_between_several_meanings(jausml):
+    result = jausml("decode", "0226")
+    assert result.exit_code == 1
+    assert "QueryJointPosition of" in result.stderr
+    result = jausml("decode", "--service", "ManipulatorJointPositionSensor/2.0", "0226", STATUS)
+    assert result.exit_code == 0
+    assert result.stdout.startswith("QueryJointPositions 0x2602")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("--service", "Managment", STATUS), "did you mean Management?"),
+        (("--pcap", "absent.pcap"), "absent.pcap: No such file or directory"),
+        (("--pcap", "x", STATUS), "give one of HEX or FILE, --pcap, and --listen"),
+        (("--model", "absent.xmi", STATUS), "absent.xmi: No such file or directory"),
+        (("--listen", "--interface", "nowhere"), "nowhere"),
+        (("--listen", "--port", "0"), "port is 0"),
+        (("--listen", "--multicast-group", "10.0.0.1"), "not an IPv4 multicast group"),
+        (("--listen", "--interface", "192.0.2.1", "--count", "1"), "cannot listen to"),
+        (("--format", "xml", STATUS), "xml"),
+    ],
+)
+def test_usage_and_environment(jausml, arguments, reason):
+    result = jausml("decode", *arguments)
+    assert result.exit_code == 2
+    assert reason in result.stderr
+
+
+def test_a_folder_is_no_file(jausml, tmp_path):
+    (tmp_path / "folder").mkdir()
+    result = jausml("decode", "folder")
+    assert (result.exit_code, result.stderr) == (2, "Error: folder: Is a directory\n")
+    assert jausml("decode", "").exit_code == 0
+
+
+def test_own_models(jausml, tmp_path):
+    (tmp_path / "own.xmi").write_text(
+        """<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+        xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+        xmlns:jaus="http://www.jausml.org/jaus/1.0" name="own"><services name="Lamp" urn="urn:own">
+        <inputs name="SetLamp" code="0xD001" isCommand="true"/></services></jaus:ServiceSet>"""
+    )
+    assert jausml("decode", "01d0", "--model", "own.xmi").stdout.startswith("SetLamp 0xD001")
+    assert jausml(
+        "list", "messages", "--model", "own.xmi", "--service", "Lamp"
+    ).stdout.splitlines()[1:] == ["0xD001  SetLamp  command  urn:own/1.0"]
+    line = json.dumps({"message": "SetLamp"})
+    assert jausml("encode", "--model", "own.xmi", text=line).stdout == "01d0\n"
+    (tmp_path / "own.xmi").write_text("<x/>")
+    result = jausml("decode", "01d0", "--model", "own.xmi")
+    assert result.exit_code == 1
+    assert "own.xmi:1:1" in result.stderr
+
+
+def test_datagrams(jausml):
+    lines = [DATAGRAM.hex(), "01" + DATAGRAM.hex()[2:], "zz", DATAGRAM.hex() + "ff"]
+    result = jausml("decode", "--datagram", "--format", "json", text="\n".join(lines))
+    assert result.exit_code == 1
+    good, version_1, malformed, again, rest = objects(result)
+    assert good == again
+    assert good["message"]["message"] == "QueryStatus"
+    assert good["destination"] == {"subsystem": 200, "node": 1, "component": 2}
+    assert "version 1" in version_1["error"]
+    assert "no hexadecimal digit" in malformed["error"]
+    assert "bytes follow" in rest["error"]
+    assert result.stderr == "<stdin>:3: column 1: 'z' is no hexadecimal digit\n"
+    text = jausml("decode", "--datagram", DATAGRAM.hex())
+    assert text.exit_code == 0
+    assert text.stdout.startswith("101.1.1 > 200.1.2  #7  QueryStatus 0x2002")
+
+
+def test_captures(jausml, tmp_path):
+    path = tmp_path / "a.pcap"
+    path.write_bytes(capture(DATAGRAM, b"\0P\1\1\1\1", DATAGRAM))
+    result = jausml("decode", "--pcap", path, "--format", "json")
+    assert result.exit_code == 0
+    assert [
+        (each["number"], each["time"], each["from"], each["to"]) for each in objects(result)
+    ] == [
+        (1, 1000.0, "10.9.0.1:5000", "10.9.0.2:3794"),
+        (3, 1002.0, "10.9.0.1:5000", "10.9.0.2:3794"),
+    ]
+    assert result.stderr == "skipped 1 frames between jausml processes of one host\n"
+    assert jausml("decode", "--pcap", path, "--port", 5001).stdout == ""
+    assert len(objects(jausml("decode", "--pcap", path, "--count", 1, "--format", "json"))) == 1
+
+
+def test_a_capture_that_ends_too_early_is_shown_so_far(jausml, tmp_path):
+    path = tmp_path / "a.pcap"
+    path.write_bytes(capture(DATAGRAM, DATAGRAM)[:-1])
+    result = jausml("decode", "--pcap", "a.pcap")
+    assert result.exit_code == 1
+    assert "QueryStatus" in result.stdout
+    assert "a.pcap: the file ends within frame 2 (at byte" in result.stderr
+
+
+def test_what_is_skipped_is_counted(jausml, tmp_path):
+    data = bytearray(capture(DATAGRAM))
+    struct.pack_into("<I", data, 36, 500)  # the frame was longer than what was kept
+    (tmp_path / "a.pcap").write_bytes(bytes(data[:32]) + struct.pack("<I", 40) + data[36:80])
+    result = jausml("decode", "--pcap", "a.pcap")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == "a.pcap: skipped 1 frames that were cut\n"
+
+
+def test_infinity_is_a_string_since_json_has_none():
+    from jausml.cli.messages import to_json
+
+    assert to_json({"x": [float("inf"), 1.5]}) == '{"x": ["inf", 1.5]}'
+
+
+# -- live ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def listening(port):
+    """Starts `jausml decode --listen` and sends to its group."""
+    started = []
+
+    def start(*options):
+        command = [
+            sys.executable,
+            "-m",
+            "jausml",
+            "decode",
+            "--listen",
+            "--port",
+            str(port),
+            *options,
+        ]
+        process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
+        )
+        started.append(process)
+        assert process.stderr.readline().startswith("listening to 239.255.0.1:")
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait(10)
+        process.stdout.close()
+        process.stderr.close()
+
+
+def send(port):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        interface = socket.inet_aton("127.0.0.1")
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+        sock.sendto(DATAGRAM, ("239.255.0.1", port))
+
+
+def test_listening_ends_after_a_count(listening, port):
+    process = listening("--count", "1", "--format", "json")
+    send(port)
+    found = json.loads(process.stdout.readline())
+    assert found["message"]["message"] == "QueryStatus"
+    assert found["to"] == f"239.255.0.1:{port}"
+    assert process.wait(10) == 0
+
+
+def test_each_message_is_shown_at_once_and_an_interrupt_ends_cleanly(listening, port):
+    process = listening()
+    send(port)
+    assert "QueryStatus" in process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) == 0
+    assert process.stderr.read() == "interrupted\n"
+
+
+def test_listening_ends_after_a_duration(jausml, port):
+    result = jausml("decode", "--listen", "--port", port, "--duration", "0.01")
+    assert (result.exit_code, result.stdout) == (0, "")
+
+
+# -- encode ----------------------------------------------------------------------------------------
+
+
+def test_encode_takes_what_decode_prints(jausml):
+    hexes = ["0220", STATUS, "f14101020700000002400100000000", "02440300000000800000c0ff"]
+    printed = jausml("decode", "--format", "json", *hexes).stdout
+    result = jausml("encode", text=printed)
+    assert (result.exit_code, result.stdout.split()) == (0, hexes)
+    printed = jausml("decode", "--datagram", "--format", "json", DATAGRAM.hex()).stdout
+    assert jausml("encode", "-", text=printed).stdout == "0220\n"
+
+
+def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
+    lines = [
+        '{"message": "ReportStatus", "fields": {"ReportStatusRec": {"Status": 1, "Reserved": 0}}}',
+        "",
+        '{"message": "ReportStatus", "fields": {"ReportStatusRec": {"Status": 9, "Reserved": 0}}}',
+        '{"message": "ReportStatus", "fields": {"ReportStatusRec": {"Stats": 1}}}',
+        '{"message": "ReportStat"}',
+        '{"message": ',
+        "[1]",
+        "[" * 100000,
+        '{"code": "2002"}',
+    ]
+    (tmp_path / "lines.jsonl").write_text("\n".join(lines))
+    result = jausml("encode", "lines.jsonl")
+    assert result.exit_code == 1
+    assert result.stdout.split() == [STATUS, "0220"]
+    assert result.stderr.splitlines() == [
+        "lines.jsonl:3: ReportStatusRec.Status: 9 is not among the legal values 0 .. 5",
+        "lines.jsonl:4: ReportStatusRec.Stats: unknown field; did you mean Status?",
+        "lines.jsonl:5: no message 'ReportStat'; did you mean ReportStatus or ReportPath?",
+        "lines.jsonl:6: column 12: Expecting value",
+        "lines.jsonl:7: an object is needed, this is a list",
+        "lines.jsonl:8: nested too deep",
+    ]
+    assert jausml("encode", "absent.jsonl").exit_code == 2
+
+
+def test_a_message_nested_too_deep_is_a_bad_line(jausml):
+    line = (
+        '{"message":"Event","fields":{"EventRec":{"EventID":0,"SequenceNumber":0,"ReportMessage":'
+    )
+    text = (line + '{"message":') * 150 + "0" + "}}}}" * 150
+    result = jausml("encode", text=text)
+    assert result.exit_code == 1
+    assert result.stderr == "<stdin>:1: messages are nested too deep in it\n"
+
+
+# -- list ------------------------------------------------------------------------------------------
+
+
+def test_list_services(jausml):
+    result = jausml("list", "services", "--set", "core")
+    head, *rows = result.stdout.splitlines()
+    assert head.split() == ["SERVICE", "VERSION", "SET", "INHERITS"]
+    assert len(rows) == 16
+    row = next(each for each in rows if "Management" in each.split()[0] and " 1.1 " in each)
+    assert row.split()[-1] == "urn:jaus:jss:core:AccessControl/1.1"
+    found = objects(jausml("list", "services", "--format", "json"))
+    assert len(found) == 86
+    (management,) = (
+        each
+        for each in found
+        if each["service"].endswith(":Management") and each["version"] == "1.1"
+    )
+    assert management["outputs"] == ["ReportStatus"]
+    assert "Shutdown" in management["inputs"]
+    result = jausml("list", "services", "--set", "cor")
+    assert result.exit_code == 2
+    assert "there are: core, environment_sensing" in result.stderr
+
+
+def test_list_messages(jausml):
+    everything = objects(jausml("list", "messages", "--format", "json"))
+    assert {
+        key: value
+        for each in everything
+        if each["message"] == "Shutdown"
+        for key, value in each.items()
+        if key != "services"
+    } == {"message": "Shutdown", "code": "0x0002", "command": True}
+    assert len(everything) > 300
+    inherited = jausml("list", "messages", "--service", "GlobalPoseSensor").stdout
+    assert "ReportGlobalPose" in inherited
+    assert "CreateEvent" in inherited
+    result = jausml("list", "messages", "--service", "GlobalPoseSenso")
+    assert result.exit_code == 2
+    assert "did you mean GlobalPoseSensor or LocalPoseSensor?" in result.stderr
