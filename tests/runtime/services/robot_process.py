@@ -1,4 +1,4 @@
-"""A component process with every core service, as a generated one is made."""
+"""A component process with core services and commands of its own, as a generated one is made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jausml.runtime.component import (
 from jausml.runtime.core_messages import QueryTime, ReportTime, SetTime
 from jausml.runtime.process import run
 
-CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery", "Time")
+CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 
 
 class Robot(JausComponent):

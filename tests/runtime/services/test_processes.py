@@ -163,7 +163,7 @@ class TestTwoProcesses:
             lambda report, _sender: times.append(report.time_stamp),
         )
         tested.expect("ready")
-        operator.discover("urn:jaus:jss:core:Time", found.append)
+        operator.discover("urn:jaus:jss:core:Management", found.append)
         wait_until(lambda: session.state is ControlState.READY)
         stamp = SetTime.TimeStamp(hour=13, day=1)
         wait_until(lambda: times)
