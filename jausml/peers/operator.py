@@ -37,6 +37,7 @@ OCU_TYPE = 20001
 """Type of an operator control unit (AS5710, ReportIdentification)."""
 
 ATTEMPTS = 3
+_POLL = 0.01
 
 _SERVICES = tuple(
     ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
@@ -114,7 +115,7 @@ class Operator:
             self.survey.ask(type(target)(target.subsystem, 255, 255))
             end = time.monotonic() + self.timeout
             while not known and time.monotonic() < end:
-                time.sleep(0.01)
+                time.sleep(_POLL)
                 known = self.survey.services(target)
         return known
 
@@ -205,15 +206,23 @@ class Operator:
 
         Raises:
             MessageError: There is no such message.
+            NoAnswer: The component does not confirm the event.
         """
         query, report = self.exchange(target, name)
-        return self._component.subscribe(
+        subscription = self._component.subscribe(
             target,
             self.message(query, full_query(query, report)),
             message_class(report),
             lambda message, _: on_report(report, message.fields),
             rate=rate,
         )
+        end = time.monotonic() + self.timeout
+        while not subscription.active:
+            if time.monotonic() > end:
+                subscription.cancel()
+                raise NoAnswer(f"{target} confirms no event on {query.name}; {self.hints}")
+            time.sleep(_POLL)
+        return subscription
 
     # ---- control ----------------------------------------------------------------------------
 

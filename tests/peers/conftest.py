@@ -5,21 +5,47 @@ from __future__ import annotations
 import importlib.util
 import socket
 import sys
+import time
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from jausml.cli import conformance, main, ocu
 from jausml.messages import load_catalogue
+from jausml.peers.entry_messages import message_class
 from jausml.peers.network import make_network
 from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ComponentSettings, JausComponent, Scope, ServiceIdentity
+from jausml.runtime.component import (
+    ComponentSettings,
+    Guard,
+    JausComponent,
+    Scope,
+    ServiceIdentity,
+)
 from jausml.runtime.process import running_transport
 from jausml.runtime.settings import TransportSettings
 
 TARGET = JausAddress(100, 1, 1)
 CORE = "urn:jaus:jss:core:"
-NAMES = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+NAMES = (
+    "Transport",
+    "Events",
+    "AccessControl",
+    "Management",
+    "Liveness",
+    "Discovery",
+    "Time",
+    "ListManager",
+)
+
+
+class Target(JausComponent):
+    """A component whose list takes any element."""
+
+    def supports_element(self, _element):
+        return True
 
 
 def find_free_port():
@@ -51,13 +77,14 @@ def component(free_port):
     """Starts a component of ours on the free port; returns it."""
     with ExitStack() as stack:
 
-        def start(version=1, **settings):
+        def start(version=1, services=(), **settings):
+            further = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 0) for name in services]
             transport = stack.enter_context(running_transport(TransportSettings(port=free_port)))
-            made = JausComponent(
+            made = Target(
                 transport,
                 TARGET,
                 name="target",
-                services=[ServiceIdentity(CORE + name, 1, version) for name in NAMES],
+                services=[ServiceIdentity(CORE + name, 1, version) for name in NAMES] + further,
                 component_type=10001,
                 settings=ComponentSettings(
                     **{"discovery_scope": Scope.SUBSYSTEM, "control_timeout": 1, **settings}
@@ -93,3 +120,58 @@ def peer(free_port, peer_module):
             return made
 
         yield start
+
+
+@pytest.fixture
+def vehicle(component, catalogue):
+    """Starts a component of ours with a velocity sensor and a driver; returns it.
+
+    Its attribute `wrenches` has the fields of each SetWrenchEffort that it obeyed.
+    """
+
+    def start(**settings):
+        made = component(
+            services=("mobility:VelocityStateSensor", "mobility:PrimitiveDriver"), **settings
+        )
+        made.wrenches = []
+        made.speed = 1.25
+        report = message_class(catalogue.message("ReportVelocityState"))
+        made.provide(
+            message_class(catalogue.message("QueryVelocityState")),
+            report,
+            lambda *_: report({"ReportVelocityStateRec": {"Velocity_X": made.speed}}),
+        )
+        made.handle(
+            message_class(catalogue.message("SetWrenchEffort")),
+            lambda message, _: made.wrenches.append(message.fields["WrenchEffortRec"]),
+            when=Guard.READY,
+        )
+        return made
+
+    return start
+
+
+@pytest.fixture
+def wait_until():
+    """Waits for a condition, with a bound."""
+
+    def wait(condition, seconds=10.0):
+        deadline = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < deadline, "the condition did not come true in time"
+            time.sleep(0.005)
+
+    return wait
+
+
+@pytest.fixture
+def jausml(free_port, catalogue, monkeypatch):
+    """Runs the command line in this process, on the free port; the library is read once."""
+    for module in (ocu, conformance):
+        monkeypatch.setattr(module, "catalogue_from", lambda _: catalogue)
+
+    def run(*arguments, input=None):  # noqa: A002 - click's name
+        words = [*map(str, arguments), "--port", str(free_port)]
+        return CliRunner().invoke(main, words, input=input)
+
+    return run

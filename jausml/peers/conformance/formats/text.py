@@ -94,6 +94,7 @@ def summary(report: ConformanceReport) -> str:
             (Verdict.FAIL, "failed"),
             (Verdict.SKIPPED, "skipped"),
         )
+        if report.count(verdict) or verdict is Verdict.FAIL
     )
     end = " (interrupted)" if report.interrupted else ""
     return f"{len(report.results)} checks: {counts}{end}"

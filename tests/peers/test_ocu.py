@@ -1,0 +1,228 @@
+"""`jausml ocu` against a running component."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from jausml.runtime.address import JausAddress
+from jausml.runtime.core_messages import RequestControl
+from jausml.runtime.services.definitions import Status
+
+OPERATOR = JausAddress(65000, 1, 1)
+
+
+def test_discover_shows_subsystem_component_and_services(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "discover", "--duration", "0.4")
+    assert result.exit_code == 0, result.stderr
+    assert "subsystem 100 'target' (vehicle)\n  node 1\n    100.1.1 'target'" in result.stdout
+    assert "urn:jaus:jss:mobility:VelocityStateSensor 1.0" in result.stdout
+    assert "65000" not in result.stdout
+
+
+def test_discover_in_json(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "discover", "--duration", "0.4", "--format", "json")
+    (subsystem,) = json.loads(result.stdout)["subsystems"]
+    assert (subsystem["subsystem"], subsystem["type"]) == (100, 10001)
+    (component,) = subsystem["components"]
+    assert component["id"] == "100.1.1"
+    assert {"urn": "urn:jaus:jss:core:Management", "version": "1.1"} in component["services"]
+
+
+def test_services_of_one_component(jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "services", "100.1.1")
+    assert result.exit_code == 0, result.stderr
+    assert "urn:jaus:jss:mobility:PrimitiveDriver 1.0" in result.stdout.splitlines()
+
+
+def test_a_known_peer_is_reached_without_multicast(jausml, vehicle, free_port):
+    vehicle()
+    group = ("--multicast-group", "239.255.77.77")
+    peer = ("--peer", f"100.1.1=127.0.0.1:{free_port}")
+    result = jausml("ocu", "discover", "--duration", "0.4", *group, *peer)
+    assert "100.1.1 'target'" in result.stdout
+
+
+def test_status_names_state_and_controller(jausml, component):
+    target = component(control_timeout=0)
+    result = jausml("ocu", "status", "100.1.1")
+    assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n"
+    target._jaus_access._request(RequestControl(authority_code=7), JausAddress(9, 1, 1))
+    result = jausml("ocu", "status", "100.1.1", "--format", "json")
+    assert json.loads(result.stdout) == {
+        "component": "100.1.1",
+        "status": "STANDBY",
+        "controller": "9.1.1",
+        "authority": 7,
+    }
+
+
+@pytest.mark.parametrize("name", ["QueryVelocityState", "ReportVelocityState", "VelocityState"])
+def test_query_by_the_name_of_query_or_report(name, jausml, vehicle):
+    vehicle()
+    result = jausml("ocu", "query", "100.1.1", name)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.endswith("100.1.1 ReportVelocityState  Velocity_X=1.2500000 m/s\n")
+
+
+def test_query_with_fields_in_json(jausml, vehicle):
+    vehicle()
+    fields = '{"PresenceVector": 2}'
+    result = jausml("ocu", "query", "100.1.1", "QueryTime", fields, "--format", "json")
+    report = json.loads(result.stdout)
+    assert (report["message"], report["source"]) == ("ReportTime", "100.1.1")
+    assert report["fields"]["TimeRec"]["_pv"] == 2
+
+
+def test_watch_shows_values_until_enough_have_come(jausml, vehicle, wait_until):
+    target = vehicle()
+    result = jausml("ocu", "watch", "100.1.1", "VelocityState", "--rate", "50", "--count", "3")
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.count("Velocity_X=1.2500000 m/s") == 3
+    wait_until(lambda: not target._jaus_events._events)
+
+
+def test_watch_every_change_in_json(jausml, vehicle, wait_until):
+    target = vehicle()
+    result = jausml("ocu", "watch", "100.1.1", "Control", "--duration", "0.3", "--format", "json")
+    (line,) = result.stdout.splitlines()
+    assert json.loads(line)["fields"]["ReportControlRec"]["ComponentID"] == 0
+    wait_until(lambda: not target._jaus_events._events)
+
+
+def test_command_controls_resumes_sends_and_releases(jausml, vehicle):
+    target = vehicle()
+    result = jausml(
+        *("ocu", "command", "100.1.1", "SetWrenchEffort", '{"PropulsiveLinearEffortX": 50}'),
+        *("--rate", "50", "--duration", "0.1"),
+    )
+    assert result.exit_code == 0, result.stderr
+    assert len(target.wrenches) > 1
+    assert target.wrenches[0]["PropulsiveLinearEffortX"] == pytest.approx(50, abs=0.01)
+    assert (target.status, target.controller) == (Status.STANDBY, None)
+    assert "100.1.1 is in READY" in result.stderr
+    assert "100.1.1 is released" in result.stderr
+
+
+def test_a_refusal_says_who_has_control(jausml, vehicle):
+    target = vehicle(control_timeout=0)
+    target._jaus_access._request(RequestControl(authority_code=255), JausAddress(9, 1, 1))
+    result = jausml("ocu", "command", "100.1.1", "SetWrenchEffort", "{}")
+    assert result.exit_code == 1
+    assert "9.1.1 controls it with authority 255" in result.stderr
+    assert target.controller == JausAddress(9, 1, 1)
+
+
+def test_a_session_on_a_pipe(jausml, vehicle):
+    target = vehicle()
+    commands = """
+        # who is there
+        discover 0.4
+        services
+        control 100.1.1
+        resume
+        status
+        send SetWrenchEffort {"PropulsiveLinearEffortX": 50}
+        query VelocityState
+        watch VelocityState 20
+        wait 0.3
+        unwatch
+        standby
+        release
+        quit
+        discover
+    """
+    result = jausml("ocu", input=commands)
+    assert result.exit_code == 1, result.output
+    errors = [line for line in result.stdout.splitlines() if line.startswith("error")]
+    assert errors == ["error: which component? name its id, e.g. 100.1.1; usage: services [ID]"]
+    for text in (
+        "100.1.1 is controlled",
+        "100.1.1 is in READY",
+        "100.1.1 READY; controlled by 65000.1.1 with authority 205",
+        "SetWrenchEffort sent to 100.1.1",
+        "Velocity_X=1.2500000 m/s",
+        "100.1.1 is in STANDBY",
+        "100.1.1 is released",
+    ):
+        assert text in result.stdout
+    assert len(target.wrenches) == 1
+    assert target.controller is None
+
+
+def test_a_session_that_just_ends_releases_and_cancels(jausml, vehicle, wait_until):
+    target = vehicle(control_timeout=0)
+    commands = "control 100.1.1\nresume\nwatch VelocityState 20\n"
+    result = jausml("ocu", "session", input=commands)
+    assert result.exit_code == 0, result.output
+    wait_until(lambda: target.controller is None and not target._jaus_events._events)
+    assert target.status is Status.STANDBY
+
+
+def test_an_emergency_in_a_session(jausml, vehicle):
+    target = vehicle()
+    result = jausml("ocu", input="emergency 100.1.1\n")
+    assert "100.1.1 EMERGENCY" in result.stdout
+    assert "our emergency of 100.1.1 lasts" in result.stdout
+    assert target.status is Status.EMERGENCY
+    result = jausml("ocu", input="clear 100.1.1\n")
+    assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ("releas 100.1.1", "no command 'releas'; did you mean release?"),
+        ("query 100.1.1", "which message?"),
+        ("query 100.1.1 QueryStats", "no message 'QueryStats'"),
+        ("query 100.1.1 QueryTime {", "the fields are no JSON"),
+        ("query 100.1.1 QueryTime []", "the fields must be a JSON object"),
+        ("watch 100.1.1 Status fast", "'fast' is no number"),
+        ("resume 100.1.1", "100.1.1 is not controlled by us"),
+        ("status 100.1.255", "100.1.255 does not name one component"),
+        ("status 100.1.2222", "'100.1.2222' is not a JAUS address"),
+    ],
+)
+def test_what_a_session_does_not_understand(line, error, jausml, component):
+    component()
+    result = jausml("ocu", input=f"{line}\n")
+    assert result.exit_code == 1
+    assert f"error: {error}" in result.stdout
+
+
+def test_nobody_there(jausml):
+    result = jausml("ocu", "status", "100.1.1", "--timeout", "0.15")
+    assert result.exit_code == 2
+    assert "100.1.1 does not answer QueryStatus" in result.stderr
+    assert "--interface" in result.stderr
+    assert "firewall" in result.stderr
+
+
+@pytest.mark.live
+def test_ctrl_c_releases_control(vehicle, free_port, wait_until):
+    target = vehicle(control_timeout=0)
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "jausml", "ocu", "command", "100.1.1", "SetWrenchEffort"),
+            *("{}", "--rate", "20", "--duration", "60", "--port", str(free_port)),
+        ],
+        stderr=subprocess.PIPE,
+        env=os.environ,
+    )
+    try:
+        wait_until(lambda: len(target.wrenches) > 3, 30)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 0, err
+    assert (target.status, target.controller) == (Status.STANDBY, None)
