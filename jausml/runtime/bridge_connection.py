@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .bridge import Bridge
+    from .counters import Counters
     from .loop import Timer
 
 SourceT = TypeVar("SourceT")
@@ -99,6 +100,7 @@ class Connection(Generic[SourceT, TargetT]):
         self._heard = 0.0
         self._watch: Timer | None = None
         self._bridge: Bridge
+        self._counters: Counters | None = None
         self._reported: tuple[float, int, int, int] | None = None
 
     # ------------------------------------------------------------------ for the kinds
@@ -110,6 +112,7 @@ class Connection(Generic[SourceT, TargetT]):
             bridge: The bridge, whose two sides are there.
         """
         self._bridge = bridge
+        self._counters = bridge.component.counters
         if self.silence_timeout > 0:
             self.silence_timeout = bridge.silence_parameter(self.name, self.silence_timeout)
 
@@ -158,14 +161,15 @@ class Connection(Generic[SourceT, TargetT]):
         """
         counts = self.statistics.out_of_range
         counts[policy, field] = counts.get((policy, field), 0) + 1
-        counters = self._bridge.component.counters
+        self.statistics.limited += policy == CLAMP
+        if self._counters is None:  # a translation that is tried before the bridge is open
+            return
         name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
         if policy == CLAMP:
-            self.statistics.limited += 1
-            counters.add(name)
+            self._counters.add(name)
         else:
             level = logging.ERROR if policy == ERROR else logging.WARNING
-            counters.count(name, reason, level=level)
+            self._counters.count(name, reason, level=level)
 
     def _refuse(self, error: OutOfRangeError) -> None:
         """Counts a message that is not passed on because of one of its values."""

@@ -269,6 +269,44 @@ main(["--help"])
     assert "--jaus-id" in done.stdout
 
 
+def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
+    pytest.importorskip("rclpy")
+    result = read_models([CASE])
+    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    program = """
+from geometry_msgs.msg import Twist
+from jausml_runtime.bridge_limits import OutOfRangeError
+from loop_bridge.loop_bridge import LoopBridge
+from nav_msgs.msg import Odometry
+
+bridge = LoopBridge()
+twist = Twist()
+twist.angular.z = -5.0
+assert bridge.translate_drive(twist).propulsive_rotational_effort_z == 100.0
+assert bridge.drive.statistics.out_of_range == {("clamp", "PropulsiveRotationalEffortZ"): 1}
+twist.linear.x = 10.5
+try:
+    bridge.translate_drive(twist)
+except OutOfRangeError as error:
+    assert (error.field, error.policy) == ("PropulsiveLinearEffortX", "error")
+else:
+    raise AssertionError
+odometry = Odometry()
+odometry.pose.pose.position.x, odometry.pose.pose.position.y = 1.0, float("nan")
+report = bridge.translate_estimate(odometry)
+assert (report.x, report.y, report.yaw) == (1.0, None, 0.0)
+assert type(report).decode(report.encode()).y is None
+"""
+    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "loop_bridge"))
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 # ------------------------------------------------------------------ models of all kinds
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
