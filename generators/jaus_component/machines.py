@@ -116,6 +116,11 @@ class MachineView:
         return clean(self.machine.name)
 
     @property
+    def service(self) -> str:
+        """Name of the service that has it, the inherited one of several, clean."""
+        return clean(self.machine.elements[0].eContainer().name)
+
+    @property
     def registration(self) -> str:
         """Statement of the constructor."""
         arguments = [python_string(self.name), f"self.{self.table}()"]
@@ -128,7 +133,8 @@ class MachineView:
     @property
     def docstring(self) -> str:
         """Docstring of the method that returns the states."""
-        return docstring(f"Return the states of {self.name}, and what happens in them.", _BODY)
+        text = f"Return the states of {self.name} of {self.service}, and what happens in them."
+        return docstring(text, _BODY)
 
     @property
     def diagram(self) -> str:
@@ -276,7 +282,7 @@ class Machines:
         """The machines."""
         found = []
         for machine in self._machines:
-            name = self._scope.claim(names.snake_case(machine.name))
+            name = self._scope.claim(_attribute(machine))
             displays = tuple(self._states(machine))
             ways = tuple(self._ways(machine))
             found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, ways))
@@ -439,6 +445,14 @@ def is_core_trigger(transition: Any) -> bool:
     message = transition.message
     owner = None if message is None else message.eContainer()
     return str(getattr(owner, "urn", "")) in components.RUNTIME_SERVICES
+
+
+def _attribute(machine: Machine) -> str:
+    """Returns the name of a machine in code; several services may extend that of the core."""
+    if not machine.extends_core:
+        return names.snake_case(machine.name)
+    service = machine.elements[0].eContainer()
+    return names.snake_case(f"{service.name}_{machine.name}")
 
 
 def _note(use: _Use, kind: str | None, *, is_plain: bool) -> None:

@@ -60,6 +60,9 @@ class ModelledComponent(JausComponent):
 
     _jaus_machines: tuple[StateMachine, ...] = ()
     _jaus_core_state = ""
+    # Actions that have answered the message at work: of former machines, and of the present one.
+    _jaus_answered: frozenset[Action] = frozenset()
+    _jaus_answers: frozenset[Action] = frozenset()
 
     def add_machine(
         self, name: str, states: Sequence[State], *, extends_core: bool = False
@@ -201,8 +204,9 @@ class ModelledComponent(JausComponent):
     def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
         """Run an action and send the message that it returns."""
         message = self.call(action, *arguments)
-        if message is None:
+        if message is None or (arguments and action in self._jaus_answered):
             return
+        self._jaus_answers |= {action}
         receiver = arguments[1] if arguments else self.controller
         if receiver is None:
             self.ignored("component.no_receiver", f"{message.NAME} of an event has no controller")
@@ -217,8 +221,14 @@ class ModelledComponent(JausComponent):
         self.counters.count(reason, detail)
 
     def _jaus_take(self, message: Message, sender: JausAddress) -> None:
-        taken = [machine.receive(message, sender) for machine in self._jaus_machines]
-        if not any(taken):
+        """Let each machine take a message; what several would answer alike is answered once."""
+        is_taken = False
+        self._jaus_answers = frozenset()
+        for machine in self._jaus_machines:
+            self._jaus_answered = self._jaus_answers
+            is_taken = machine.receive(message, sender) or is_taken
+        self._jaus_answered = frozenset()
+        if not is_taken:
             self.counters.add("component.no_transition")
 
     def _jaus_report(

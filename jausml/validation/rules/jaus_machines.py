@@ -264,9 +264,12 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
             message = transition.message
             owner = None if message is None else message.eContainer()
             if owner is not None and owner.urn in KEPT_BY_RUNTIME:
-                text = f"{message.name} is taken by {owner.name} itself"
-                hint = "use entry and exit actions of the core states"
-                yield Finding(transition, text, "message", hint)
+                text = (
+                    f"{message.name} is taken by {owner.name} of the runtime, not by a transition"
+                )
+                hint = "entry and exit actions of the core states tell what has happened"
+                is_management = owner.name in ("AccessControl", "Management")
+                yield Finding(transition, text, "message", hint if is_management else "")
 
 
 @rule("JML351", Severity.WARNING, "command that anyone may give")

@@ -300,3 +300,29 @@ def test_a_machine_of_its_own_starts_again_at_reset(world, client):
     client.ask(SetTime(), free)
     client.ask(Reset(), free)
     assert free.machine.state == "Off"
+
+
+class Twice(ModelledComponent):
+    """Two services that take the same messages."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.taken = 0
+        for name in ("First", "Second"):
+            transition = On(QueryTime, do=(self.note, self.report_time), kind=Kind.INTERNAL)
+            self.add_machine(name, (State("A", initial=True, transitions=(transition,)),))
+        self.provide_by_machines(QueryTime, ReportTime, self.report_time)
+
+    def note(self, _message, _sender):
+        self.taken += 1
+
+    def report_time(self, _message, _sender):
+        return SENT
+
+
+def test_services_that_take_the_same_query_answer_it_once(world, client):
+    twice = world.component("1.1.1", kind=Twice)
+    twice.start()
+    for count_of_queries in (1, 2):
+        assert client.ask(QueryTime(), twice) == [SENT]
+        assert twice.taken == 2 * count_of_queries

@@ -88,12 +88,12 @@ class Winch(WinchBase):
 
     def reject_command(self, message: SetWinchCommand, sender: JausAddress) -> RejectWinchCommand:
         """Returns why a command has no effect."""
-        locked = self.receive_fsm.state.endswith("Locked")
+        locked = self.winch_receive_fsm.state.endswith("Locked")
         return RejectWinchCommand(reason=Reason.LOCKED if locked else Reason.END_OF_ROPE)
 
     def report_winch_state(self, message: QueryWinchState, sender: JausAddress) -> ReportWinchState:
         """Returns what the winch does, and where the rope is."""
-        innermost = self.receive_fsm.state.rpartition(".")[2]
+        innermost = self.winch_receive_fsm.state.rpartition(".")[2]
         return ReportWinchState(
             activity=ACTIVITIES.get(innermost, Activity.OUT_OF_WORK),
             rope_length=self._drum.length,
