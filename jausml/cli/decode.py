@@ -77,15 +77,12 @@ def command(
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
     output = _Output(output_format)
     reading = _Reading(open_catalogue(models), service, output, count)
-    try:
-        if listen:
-            reading.network(**options)
-        elif pcap is not None:
-            reading.capture(pcap, options["port"])
-        else:
-            reading.lines(_lines(inputs), are_datagrams=datagram)
-    except KeyboardInterrupt:
-        click.echo("interrupted", err=True)
+    if listen:
+        reading.network(**options)
+    elif pcap is not None:
+        reading.capture(pcap, options["port"])
+    else:
+        reading.lines(_lines(inputs), are_datagrams=datagram)
     if output.has_failed:
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -263,4 +260,7 @@ class _Reading:
         with listener:
             where = f"{multicast_group}:{port} on {interface}"
             click.echo(f"listening to {where}", err=True)
-            self._observe(islice(listener.datagrams(duration), self._count), is_live=True)
+            try:
+                self._observe(islice(listener.datagrams(duration), self._count), is_live=True)
+            except KeyboardInterrupt:
+                click.echo("interrupted", err=True)
