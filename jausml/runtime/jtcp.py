@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import socket
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from .jtcp_connection import Connection, connect
 from .messenger import Messenger
 from .packet import AckNak, Broadcast, Packet, Priority
 from .port_holder import advice
+from .transport import report
 
 if TYPE_CHECKING:
     from .address import JausAddress
@@ -80,6 +81,7 @@ class JtcpTransport:
         self._routes: OrderedDict[JausAddress, Connection] = OrderedDict()
         self._lines: dict[Endpoint, _Line] = {}
         self._connections: list[Connection] = []
+        self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
         self._listener: socket.socket | None = None
         self._takeover: Timer | None = None
         self._is_open = False
@@ -98,6 +100,7 @@ class JtcpTransport:
     def close(self) -> None:
         """Close the connections; messages that wait are reported as lost."""
         with self.loop.lock:
+            self._send_unsent()
             self._is_open = False
             timers = [self._takeover, *(line.retry for line in self._lines.values())]
             for timer in timers:
@@ -154,14 +157,19 @@ class JtcpTransport:
 
     def _send_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
         """Send on the loop's thread, which alone uses the connections."""
-        self.loop.call_soon(partial(self._send_now, packets, on_result))
+        self._unsent.append((packets, on_result))
+        self.loop.call_soon(self._send_unsent)
+
+    def _send_unsent(self) -> None:
+        while self._unsent:
+            self._send_now(*self._unsent.popleft())
 
     def _send_now(self, packets: list[Packet], on_result: OnResult | None) -> None:
         destination = packets[0].destination
         data = b"".join([_message(packet) for packet in packets])
         if destination.is_wildcard:
             sent = [each.write(data) for each in self._everyone()]
-            self._messenger.report(on_result, success=any(sent))
+            report(self.loop, on_result, success=any(sent))
             if not sent:
                 self.counters.add("jtcp.nobody_connected")
             return
@@ -170,7 +178,7 @@ class JtcpTransport:
             connection.write(data, on_result)
             return
         self.counters.count("jtcp.not_connected", f"no connection to {destination}")
-        self._messenger.report(on_result, success=False)
+        report(self.loop, on_result, success=False)
 
     def _transmit(self, packet: Packet) -> bool:
         connection = self._way_to(packet.destination)

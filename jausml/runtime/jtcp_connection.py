@@ -6,21 +6,22 @@ import os
 import socket
 import sys
 from collections import deque
-from functools import partial
 from typing import TYPE_CHECKING
 
-from .packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
+from .jtcp_stream import StreamError, StreamReader
+from .packet import JUDP_VERSION
+from .transport import report
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .loop import Loop, Timer
+    from .packet import Packet
     from .settings import Endpoint
     from .transport import OnResult
 
 _READ_SIZE = 65536
 _READS_PER_WAKE_UP = 8
-_SIZE_END = 3
 _VERSION = bytes([JUDP_VERSION])
 
 _KEEPALIVE_IDLE_S = 5
@@ -72,8 +73,7 @@ class Connection:
         self._timeout = timeout
         self._on_packet = on_packet
         self._on_close = on_close
-        self._incoming = bytearray()
-        self._is_version_known = False
+        self._reader = StreamReader(loop.counters)
         self._outgoing: deque[tuple[bytes, OnResult | None]] = deque([(_VERSION, None)])
         self._waiting = len(_VERSION)
         self._sent = 0
@@ -98,7 +98,7 @@ class Connection:
         if self.is_closed or self._waiting > self._buffer:
             if not self.is_closed:
                 self._loop.counters.count("jtcp.buffer_full", f"{self._waiting} bytes for {self}")
-            self._report(on_result, success=False)
+            report(self._loop, on_result, success=False)
             return False
         was_idle = not self._outgoing
         self._outgoing.append((data, on_result))
@@ -124,7 +124,7 @@ class Connection:
         if waiting:
             self._loop.counters.count("jtcp.unsent", f"{len(waiting)} messages for {self}")
         for _, on_result in waiting:
-            self._report(on_result, success=False)
+            report(self._loop, on_result, success=False)
         self._on_close(self)
 
     def _end(self, counter: str, detail: str) -> None:
@@ -161,7 +161,7 @@ class Connection:
             if self._sent == len(data):
                 self._sent = 0
                 self._outgoing.popleft()
-                self._report(on_result, success=True)
+                report(self._loop, on_result, success=True)
 
     def _guard(self) -> None:
         """Give the peer its time again; a connection without anything to send has no limit."""
@@ -187,42 +187,24 @@ class Connection:
                 self._end("jtcp.lost", str(error))
                 return
             if not data:
-                if self._incoming:
+                if self._reader.pending:
                     self._loop.counters.count("jtcp.truncated", f"{self} ended within a message")
                 self.close()
                 return
-            self._incoming += data
-            self._take_messages()
+            try:
+                self._take(data)
+            except StreamError as error:
+                self._end(error.counter, str(error))
             if self.is_closed:
                 return
 
-    def _take_messages(self) -> None:
-        if not self._is_version_known:
-            if self._incoming[0] != JUDP_VERSION:
-                self._end("jtcp.bad_version", bytes(self._incoming[:32]).hex())
-                return
-            self._is_version_known = True
-            del self._incoming[:1]
-        data, offset, end = bytes(self._incoming), 0, len(self._incoming)
-        while end - offset >= _SIZE_END:
-            size = message_size(data, offset)
-            if size < EMPTY_MESSAGE_SIZE:
-                self._end("jtcp.bad_size", f"a message of {size} bytes")
-                return
-            if end - offset < size:
-                break
-            packet = parse_message(data, offset, size, self._loop.counters)
-            offset += size
+    def _take(self, data: bytes) -> None:
+        for packet in self._reader.feed(data):
             self._loop.counters.add("jtcp.received")
             if packet is not None:
                 self._on_packet(packet, self)
                 if self.is_closed:
                     return
-        del self._incoming[:offset]
-
-    def _report(self, on_result: OnResult | None, *, success: bool) -> None:
-        if on_result is not None:
-            self._loop.call_soon(partial(on_result, success))
 
 
 def connect(endpoint: Endpoint) -> socket.socket:

@@ -9,7 +9,7 @@ from .inbox import Inbox, Origin
 from .outbox import Outbox
 from .packet import AckNak, Packet, Priority
 from .packetizer import Packetizer
-from .transport import MESSAGE_CODE_SIZE
+from .transport import MESSAGE_CODE_SIZE, report
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,7 +85,7 @@ class Messenger(Generic[Origin]):
         if refusal:
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
             self._loop.counters.count(refusal, detail)
-            self.report(on_result, success=False)
+            report(self._loop, on_result, success=False)
             return
         if destination in self.inbox.receivers:
             number = self._packetizer.reserve(source, 1)
@@ -98,11 +98,6 @@ class Messenger(Generic[Origin]):
             on_result = None
         self._send_all(packets, on_result)
 
-    def report(self, on_result: OnResult | None, *, success: bool) -> None:
-        """Tell a result in the next round of the loop."""
-        if on_result is not None:
-            self._loop.call_soon(partial(on_result, success))
-
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
         """Deliver to components of this process, in the next round of the loop."""
         self._loop.call_soon(partial(self._arrive_here, packet, on_result))
@@ -110,11 +105,11 @@ class Messenger(Generic[Origin]):
     def _arrive_here(self, packet: Packet, on_result: OnResult | None) -> None:
         receivers = self.inbox.receivers_of(packet)
         self.inbox.deliver(packet, receivers)
-        self.report(on_result, success=bool(receivers))
+        report(self._loop, on_result, success=bool(receivers))
 
     def _send_out(self, packets: list[Packet], on_result: OnResult | None) -> None:
         if packets[0].acknowledge:
             self._outbox.send(packets, on_result)
             return
         sent = [self._transmit(packet) for packet in packets]
-        self.report(on_result, success=all(sent))
+        report(self._loop, on_result, success=all(sent))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from .node_manager_client import NodeManagerClient
 from .packet import Priority
 from .port_holder import MANAGER
+from .transport import report
 
 if TYPE_CHECKING:
     from .address import JausAddress
@@ -111,14 +112,12 @@ class NodeManagerTransport:
         acknowledge: bool = False,
         on_result: OnResult | None = None,
     ) -> None:
-        """Send one message of an attached component; see ``Transport.send``.
-
-        Raises:
-            ValueError: The source is not attached, or the payload has no message code.
-        """
+        """Send one message of an attached component; see ``Transport.send``."""
         client = self._clients.get(source)
         if client is None:
-            raise ValueError(f"{source} is not attached; a node manager serves attached components")
+            self.counters.count("node_manager.not_attached", f"a message of {source} is lost")
+            report(self.loop, on_result, success=False)
+            return
         client.messenger.send(
             source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
         )

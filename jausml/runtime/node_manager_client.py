@@ -116,11 +116,12 @@ class NodeManagerClient:
 
     def close(self) -> None:
         """Take leave of the manager and remove the socket."""
-        self._cancel_timer()
         with self._lock:
             was_attached = self.is_attached
+            self._send_waiting()
             self._state = _State.CLOSED
             self._waiting.clear()
+        self._cancel_timer()
         if self._socket is not None:
             if was_attached:
                 self._command(_CANCEL)

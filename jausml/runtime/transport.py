@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from .packet import Priority
@@ -39,6 +40,18 @@ Receive = Callable[[ReceivedMessage], None]
 
 OnResult = Callable[[bool], None]
 """Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
+
+
+def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
+    """Tell a result in the next round of the loop.
+
+    Args:
+        loop: The loop.
+        on_result: Who wants to know, if anybody.
+        success: Whether the message went out.
+    """
+    if on_result is not None:
+        loop.call_soon(partial(on_result, success))
 
 
 class Transport(Protocol):

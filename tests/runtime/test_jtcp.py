@@ -9,11 +9,14 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from jausml.runtime import jtcp
 from jausml.runtime.address import BROADCAST, JausAddress
 from jausml.runtime.counters import Counters
 from jausml.runtime.jtcp import JtcpTransport
+from jausml.runtime.jtcp_stream import StreamError, StreamReader
 from jausml.runtime.loop import Loop
 from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, parse_datagram
 from jausml.runtime.settings import TransportKind, TransportSettings
@@ -429,6 +432,17 @@ class TestThreads:
         wait_until(lambda: len(there.received) == 200)
         assert len({message.sequence for _, message in there.received}) == 200
 
+    def test_what_was_sent_before_closing_arrives(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        stream.send(b"\x02" + from_peer())
+        wait_until(lambda: here.received)
+        with here.loop.lock:
+            here.transport.send(DRIVER, PEER, STATUS + b"farewell")
+            here.transport.close()
+        stream.read(1)
+        assert stream.receive().payload == STATUS + b"farewell"
+
     def test_closing_reports_what_still_waits(self, tcp, host, wait_until):
         here = tcp(address_book={PEER: host.endpoint})
         results: list[bool] = []
@@ -438,3 +452,33 @@ class TestThreads:
         here.transport.close()
         wait_until(lambda: results)
         assert results == [False]
+
+
+MESSAGES = st.lists(
+    st.builds(from_peer, st.binary(max_size=40), st.integers(0, 65535)),
+    max_size=6,
+).map(b"".join)
+
+
+def read(chunks: list[bytes]) -> tuple[list[Packet | None], str]:
+    """Return what a stream holds and how it ends."""
+    reader, packets = StreamReader(Counters()), []
+    try:
+        for chunk in chunks:
+            packets += reader.feed(chunk)
+    except StreamError as error:
+        return packets, error.counter
+    assert reader.pending < 65536
+    return packets, "more may come"
+
+
+@given(st.one_of(st.binary(), MESSAGES), st.binary(max_size=4), st.lists(st.integers(1, 30)))
+def test_any_stream_is_read_the_same_however_it_is_cut(data, damage, cuts):
+    data = b"\x02" + data + damage + data
+    chunks, rest = [], data
+    for size in cuts:
+        chunks.append(rest[:size])
+        rest = rest[size:]
+    whole, end = read([data])
+    parts, same_end = read([*chunks, rest])
+    assert (parts, same_end) == (whole, end)
