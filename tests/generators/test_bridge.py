@@ -21,6 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
 MODELS = [CASE, ROOT / "models" / "minimal" / "minimal.xmi"]
 MODELS += [ROOT / "models" / "catvehicle" / "catvehicle.xmi"]
+MODELS += [Path(__file__).with_name("narrow_bridge.xmi")]
 LIBRARY = "http://www.jausml.org/library"
 
 
@@ -298,6 +299,49 @@ assert (report.x, report.y, report.yaw) == (1.0, None, 0.0)
 assert type(report).decode(report.encode()).y is None
 """
     path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "loop_bridge"))
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
+    pytest.importorskip("rclpy")
+    result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
+    assert result.diagnostics == []
+    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    program = """
+import math
+import pytest
+from jausml_runtime.bridge_limits import OutOfRangeError
+from narrow_bridge.messages import ReportMeter
+from narrow_bridge.narrow_bridge import NarrowBridge
+
+bridge = NarrowBridge()
+
+def report(ticks=0, level=0.0):
+    return ReportMeter(ticks, level)
+
+# Beyond what the definition allows, which a decoder takes all the same.
+ticks = [bridge.translate_ticks(report(number)).data for number in (100, 255, 256, 65535)]
+assert ticks == [100, 255, 255, 255]
+assert bridge.ticks.statistics.limited == 2
+assert bridge.translate_level(report(level=0.5)).data == 0.5
+assert bridge.translate_level(report(level=-1e300)).data == -3.4028234663852886e38
+for level in (math.nan, math.inf):
+    for translate, policy in (
+        (bridge.translate_level, "not_clampable"),
+        (bridge.translate_full, "error"),
+    ):
+        with pytest.raises(OutOfRangeError) as caught:
+            translate(report(level=level))
+        assert (caught.value.policy, caught.value.field) == (policy, "Level")
+assert bridge.translate_full(report(level=2.6)).data == 3
+"""
+    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "narrow_bridge"))
     done = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, "PYTHONPATH": path},
