@@ -94,10 +94,12 @@ class _DocumentWriter:
     def __init__(self, roots: Sequence[Any], model: Model, path: Path) -> None:
         self._roots = list(roots)
         self._model = model
+        self._home = model.document_of(self._roots[0]) if self._roots else None
         self._class_of = model.metamodels.class_of
         self._folder = Path(os.path.realpath(path)).parent
         self._library = Path(os.path.realpath(library_root()))
         self._fragments: dict[Any, str] = {}
+        self._identifiers: set[str] = set()
         self._prefixes: set[str] = set()
         self._has_types = False
 
@@ -127,19 +129,34 @@ class _DocumentWriter:
                 yield f' xmlns:{name}="{_attribute(uri)}"'
 
     def _name_fragments(self, root: Any, path: str) -> None:
-        """Notes id or path of an element and of all below it."""
+        """Notes how an element and all below it are referred to: by id, else by path."""
         pending = [(root, path)]
         while pending:
             obj, at = pending.pop()
-            self._fragments[obj] = self._model.identifier(obj) or at
+            identifier = self._model.identifier(obj) or self._identifying_value(obj)
+            known = identifier and identifier in self._identifiers
+            self._fragments[obj] = at if known or not identifier else identifier
+            self._identifiers.add(identifier or "")
             for feature in self._class_of(obj).features.values():
                 if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):
                     value = getattr(obj, feature.name)
+                    steps = [(value, f"{at}/@{feature.name}")]
                     if feature.many:
                         steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
-                        pending += steps
-                    else:
-                        pending.append((value, f"{at}/@{feature.name}"))
+                    pending += [step for step in reversed(steps) if not self._is_apart(step[0])]
+
+    def _is_apart(self, obj: Any) -> bool:
+        """Tells whether an owned element is the root of another document, which keeps it."""
+        document = self._model.document_of(obj)
+        if document is None or document is self._home:
+            return False
+        return document.root_position(obj) is not None
+
+    def _identifying_value(self, obj: Any) -> str | None:
+        """Returns the value of the attribute that identifies an element, None without one."""
+        feature = self._class_of(obj).id_feature
+        value = getattr(obj, feature.name) if feature is not None else None
+        return str(value) if value is not None else None
 
     def _tag(self, table: ClassTable) -> str:
         self._prefixes.add(table.package.name)
@@ -150,7 +167,7 @@ class _DocumentWriter:
     ) -> Iterator[str]:
         """Yields the lines of an element."""
         identifier = self._model.identifier(obj)
-        if identifier is not None:
+        if identifier is not None and identifier != self._identifying_value(obj):
             head += f' xmi:id="{_attribute(identifier)}"'
         attributes = [head]
         features = []
@@ -199,7 +216,7 @@ class _DocumentWriter:
             else:
                 table = self._class_of(each)
                 tag = name + self._type_attribute(table, feature)
-                if feature.kind is FeatureKind.CONTAINMENT:
+                if feature.kind is FeatureKind.CONTAINMENT and not self._is_apart(each):
                     yield from self._element(each, table, tag, "", indent)
                 else:
                     yield f'{indent}<{tag} href="{_attribute(self._href(each))}"/>'
