@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
@@ -37,6 +38,8 @@ OCU_TYPE = 20001
 """Type of an operator control unit (AS5710, ReportIdentification)."""
 
 ATTEMPTS = 3
+"""Fewest times that a question is asked; of long times for an answer, once each second."""
+
 _POLL = 0.01
 
 _SERVICES = tuple(
@@ -89,14 +92,15 @@ class Operator:
             EncodeError: The query's fields are wrong.
         """
         answers: SimpleQueue[Message | None] = SimpleQueue()
+        attempts = max(ATTEMPTS, math.ceil(self.timeout))
         self._component.query(
             target,
             query,
             report_class,
             lambda report, _: answers.put(report),
             on_failure=lambda: answers.put(None),
-            timeout=self.timeout / ATTEMPTS,
-            retries=ATTEMPTS - 1,
+            timeout=self.timeout / attempts,
+            retries=attempts - 1,
         )
         report = answers.get()
         if report is None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from jausml.peers.conformance.session import Session
 
 _MOST_BITS = 32
+_OF_WIDER_SCOPE = ("QueryConfiguration", "QuerySubsystemList")
 _ATTEMPTS = 2
 
 
@@ -63,6 +64,10 @@ def _answers(session: Session, service: ServiceEntry, query: MessageEntry) -> No
         _judge_subsets(session, query, fields, holder, reports)
         return
     answer = _ask(session, query, fields, reports)
+    session.skip_unless(
+        answer is not None or query.name not in _OF_WIDER_SCOPE,
+        "not answered; only a Discovery service of the whole subsystem or node has to",
+    )
     session.skip_unless(
         answer is not None or not fields,
         f"not answered with the fields {fields}; the target may have nothing for them",
