@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+TARGETS = ROOT / "fuzz" / "targets"
 
 FINDS = """
 def seeds():
@@ -52,6 +53,12 @@ def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
     assert done.stdout.startswith("20000 inputs in ")
     for end in ("delivered", "judp.truncated=", "judp.duplicate=", "judp.reassembled="):
         assert end in done.stdout
+
+
+@pytest.mark.parametrize("target", sorted(each.stem for each in TARGETS.glob("[a-z]*.py")))
+def test_every_target_takes_a_few_hundred_inputs(target):
+    done = run(ROOT / "fuzz", target, "--plain", "--runs", "300", "--seed", "5")
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_run_can_be_repeated():

@@ -102,6 +102,22 @@ def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
     assert loop.run_once(0) == 0
 
 
+def test_a_socket_is_watched_for_writing_on_demand(loop: Loop) -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        calls: list[str] = []
+        loop.register(ours, lambda: calls.append("ready"))
+        loop.run_once(0)
+        assert not calls
+        loop.watch_writable(ours, wanted=True)
+        loop.run_once(0)
+        assert calls == ["ready"]
+        loop.watch_writable(ours, wanted=False)
+        loop.run_once(0)
+        assert calls == ["ready"]
+        loop.unregister(ours)
+
+
 def test_a_socket_unregistered_by_an_earlier_callback_is_left_alone(loop: Loop) -> None:
     pairs = [socket.socketpair() for _ in range(2)]
     called: list[int] = []

@@ -5,7 +5,13 @@ import argparse
 import pytest
 
 from jausml.runtime.address import JausAddress
-from jausml.runtime.settings import TransportSettings, add_arguments, from_arguments
+from jausml.runtime.settings import (
+    TransportKind,
+    TransportSettings,
+    add_arguments,
+    from_arguments,
+    peers,
+)
 
 
 def parse(*words: str, defaults: TransportSettings | None = None) -> TransportSettings:
@@ -44,6 +50,27 @@ def test_options_override_modelled_settings_and_extend_the_address_book() -> Non
     }
 
 
+@pytest.mark.parametrize("kind", list(TransportKind))
+def test_the_transport_is_chosen_by_option_and_by_model(kind: TransportKind) -> None:
+    folder = "--jaus-node-manager-directory=/run/jaus"
+    chosen = TransportSettings(transport=kind, node_manager_directory="/run/jaus")
+    assert parse(f"--jaus-transport={kind.value}", folder) == chosen
+    assert parse(defaults=chosen) == chosen
+
+
+def test_an_unknown_transport_is_a_usage_error() -> None:
+    with pytest.raises(argparse.ArgumentError, match="jaus-transport"):
+        parse("--jaus-transport=carrier-pigeon")
+
+
+def test_peers_are_written_as_on_the_command_line() -> None:
+    known = peers("1.1.1=192.0.2.7:3794", "2.1.1=robot.local:4000")
+    assert known == {
+        JausAddress(1, 1, 1): ("192.0.2.7", 3794),
+        JausAddress(2, 1, 1): ("robot.local", 4000),
+    }
+
+
 @pytest.mark.parametrize(
     "text", ["", "1.1.1", "1.1.1=host", "1.1.1=:5", "1.1.1=host:x", "1.1=host:5", "=host:5"]
 )
@@ -67,6 +94,8 @@ def test_a_bad_peer_is_a_usage_error(text: str) -> None:
         {"fragment_size": 4080},
         {"acknowledge_retries": -1},
         {"acknowledge_timeout": 0.0},
+        {"send_buffer": -1},
+        {"connection_timeout": 0.0},
         {"address_book": {JausAddress(1, 1, 255): ("127.0.0.1", 3794)}},
         {"address_book": {JausAddress(1, 1, 1): ("127.0.0.1", 0)}},
     ],
