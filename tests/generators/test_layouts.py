@@ -298,6 +298,15 @@ def test_presence_vector_of_64_bits(kinds: ModuleType) -> None:
         kinds.Wide.decode(bytes.fromhex("0201 0000000004000000"))
 
 
+def test_bit_field_of_64_bits(kinds: ModuleType) -> None:
+    cls = kinds.LongBits
+    message = cls(cls.Bits(low=0x01020304, high=0x7A0B0C0D, top=1))
+    assert message.encode() == bytes.fromhex("0301 04030201 0D0C0BFA")
+    assert cls.decode(message.encode()) == message
+    with pytest.raises(EncodeError, match="low: 4294967296 is outside"):
+        cls(cls.Bits(low=1 << 32)).encode()
+
+
 @pytest.mark.parametrize(
     ("position", "changed", "reason"),
     [
