@@ -140,7 +140,9 @@ class Machine:
             path: The state.
         """
         inside = self.initial(path)
-        return path if inside is None else self.innermost(inside)
+        while inside is not None:
+            path, inside = inside, self.initial(inside)
+        return path
 
     def resolve(self, source: str, target: str) -> str | None:
         """Returns the path of the state that a target means, None when there is none.
@@ -152,16 +154,18 @@ class Machine:
             source: Path of the state with the transition.
             target: Feature `target` of the transition.
         """
-        known = {*self.nodes, *(CORE_STATES if self.extends_core else ())}
         full = canonical(target) if self.extends_core else target
-        if full in known:
+        if self._has(full):
             return full
         outer = source
         while outer:
-            if f"{outer}.{target}" in known:
+            if self._has(f"{outer}.{target}"):
                 return f"{outer}.{target}"
             outer = outer.rpartition(".")[0]
         return None
+
+    def _has(self, path: str) -> bool:
+        return path in self.nodes or (self.extends_core and path in CORE_STATES)
 
 
 def machines_of(services: Iterable[Any]) -> list[Machine]:

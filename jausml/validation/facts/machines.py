@@ -110,15 +110,18 @@ class Behaviour:
 
     def _innermost(self, path: str) -> list[str]:
         """Returns the states that entering one leads to: several where not one is initial."""
-        inside = self.machine.children(path)
-        if not inside:
-            return [path]
-        marked = [each for each in inside if each in self._marked()] or inside
-        starts = inside[:1] if inside[0] in CORE_STATES else marked
-        return [state for each in starts for state in self._innermost(each)]
-
-    def _marked(self) -> set[str]:
-        return {path for path, node in self.machine.nodes.items() if node.is_initial}
+        found = []
+        pending = [path]
+        while pending:
+            inside = self.machine.children(outer := pending.pop())
+            if not inside:
+                found.append(outer)
+            elif self.machine.extends_core and inside[0] in CORE_STATES:
+                pending.append(inside[0])
+            else:
+                nodes = self.machine.nodes
+                pending += [each for each in inside if nodes[each].is_initial] or inside
+        return found
 
 
 def behaviours(subject: Subject) -> Iterator[Behaviour]:

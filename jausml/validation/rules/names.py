@@ -35,6 +35,7 @@ _IDENTIFIERS = (
     "system.System",
     "system.Host",
 )
+_DEEPEST_STATE = 20
 # Features whose elements become names in one scope of the code.
 _SIBLINGS = (
     ("jaus.Record", ("fields",)),
@@ -190,7 +191,8 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
     """States, actions and guards have names of letters, digits and underscores, joined by dots.
 
     Actions and guards become methods of one class: what differs in the model differs in code. An
-    action may stand in many places under one name; it is the same action everywhere.
+    action may stand in many places under one name; it is the same action everywhere. States lie
+    at most 20 deep.
 
     Bad: an action setSpeed and another one set_speed
 
@@ -201,6 +203,10 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
     for action in subject.instances("jaus.Action"):
         yield from _dotted(action, "action")
     for behaviour in behaviours(subject):
+        for path, state in behaviour.states():
+            if path.count(".") >= _DEEPEST_STATE:
+                text = f"state '{state.name}' lies more than {_DEEPEST_STATE} states deep"
+                yield Finding(state, text, "name")
         holders: dict[str, tuple[str, Any, str]] = {}
         for kind, name, element, feature in _methods(behaviour):
             first_kind, first, written = holders.setdefault(snake_case(name), (kind, element, name))
