@@ -13,8 +13,8 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.messages import (
+    FORMATS,
     STDIN,
-    format_option,
     model_option,
     open_catalogue,
     read_lines,
@@ -47,7 +47,13 @@ Line = tuple[str, str]
     metavar="SERVICE",
     help="Where a code has several meanings, that of this service: URN or name, then /VERSION.",
 )
-@format_option("Indented text with units, or one JSON object a line.")
+@click.option(
+    "--format",
+    "output_format",
+    type=FORMATS,
+    help="Indented text with units, or one JSON object a line; by default text on a terminal,"
+    " else JSON.",
+)
 @model_option
 @click.option("--port", default=3794, show_default=True, help="For --pcap and --listen: UDP port.")
 @click.option("--interface", default="127.0.0.1", show_default=True, help="For --listen: IPv4.")
@@ -60,7 +66,7 @@ def command(
     pcap: str | None,
     listen: bool,
     service: str | None,
-    output_format: str,
+    output_format: str | None,
     models: tuple[str, ...],
     count: int | None,
     **options: Any,
@@ -75,7 +81,8 @@ def command(
     """
     if sum((bool(inputs), pcap is not None, listen)) > 1:
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
-    output = _Output(output_format)
+    by_default = "text" if sys.stdout.isatty() else "json"
+    output = _Output(output_format or by_default)
     reading = _Reading(open_catalogue(models), service, output, count)
     if listen:
         reading.network(**options)

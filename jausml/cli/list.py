@@ -6,12 +6,22 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.messages import format_option, model_option, open_catalogue, to_json, write
+from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.messages import Catalogue, MessageEntry, ServiceEntry
+
+
+_format_option = click.option(
+    "--format",
+    "output_format",
+    type=FORMATS,
+    default="text",
+    show_default=True,
+    help="A table, or one JSON object a line.",
+)
 
 
 @click.group("list")
@@ -21,7 +31,7 @@ def command() -> None:
 
 @command.command("services")
 @click.option("--set", "set_name", metavar="NAME", help="Only the services of a service set.")
-@format_option("A table, or one JSON object a line.")
+@_format_option
 @model_option
 def services(set_name: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List services with their versions.
@@ -63,7 +73,7 @@ def _service_json(service: ServiceEntry) -> dict[str, Any]:
     metavar="SERVICE",
     help="Only those of a service, inherited ones too: URN or name, then /VERSION if meant.",
 )
-@format_option("A table, or one JSON object a line.")
+@_format_option
 @model_option
 def messages(service: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List messages with their codes.

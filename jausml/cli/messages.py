@@ -14,7 +14,7 @@ import click
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml.messages import Catalogue
 
@@ -29,16 +29,8 @@ model_option = click.option(
 )
 
 
-def format_option(help_text: str) -> Callable[[Any], Any]:
-    """Returns the option for the format of the output.
-
-    Args:
-        help_text: What the formats are.
-    """
-    choices = click.Choice(["text", "json"])
-    return click.option(
-        "--format", "output_format", type=choices, default="text", show_default=True, help=help_text
-    )
+FORMATS = click.Choice(["text", "json"])
+"""Formats of the output: for people and for programs."""
 
 
 class ModelFault(click.ClickException):

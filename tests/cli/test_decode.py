@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import signal
 import socket
 import struct
@@ -45,7 +46,7 @@ def capture(*datagrams, port=3794):
 
 
 def test_arguments(jausml):
-    result = jausml("decode", STATUS, "0x02 0x20  # a comment")
+    result = jausml("decode", "--format", "text", STATUS, "0x02 0x20  # a comment")
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout.splitlines() == [
         "ReportStatus 0x4002 (urn:jaus:jss:core:Management/1.0)",
@@ -58,11 +59,11 @@ def test_arguments(jausml):
 
 def test_bytes_given_one_by_one_are_one_message(jausml):
     result = jausml("decode", "02", "40", "01", "0x00", "00", "00", "00")
-    assert result.stdout.startswith("ReportStatus")
+    assert objects(result)[0]["message"] == "ReportStatus"
 
 
 def test_json(jausml):
-    (found,) = objects(jausml("decode", "--format", "json", STATUS))
+    (found,) = objects(jausml("decode", STATUS))
     assert found == {
         "message": "ReportStatus",
         "code": "0x4002",
@@ -76,7 +77,7 @@ def test_json(jausml):
 def test_each_bad_line_is_told_and_the_run_goes_on(jausml, tmp_path, source):
     text = f"# messages\n\n{STATUS}\n02 4z\nffff\n0240\n0220\n"
     (tmp_path / "lines.hex").write_text(text)
-    result = jausml("decode", "--format", "json", *source, text=text)
+    result = jausml("decode", *source, text=text)
     assert result.exit_code == 1
     name = source[0] if source and source[0] != "-" else "<stdin>"
     assert result.stderr.splitlines() == [
@@ -100,7 +101,7 @@ def test_a_service_chooses_between_several_meanings(jausml):
     assert "QueryJointPosition of" in result.stderr
     result = jausml("decode", "--service", "ManipulatorJointPositionSensor/2.0", "0226", STATUS)
     assert result.exit_code == 0
-    assert result.stdout.startswith("QueryJointPositions 0x2602")
+    assert [each["message"] for each in objects(result)] == ["QueryJointPositions", "ReportStatus"]
 
 
 @pytest.mark.parametrize(
@@ -137,7 +138,10 @@ def test_own_models(jausml, tmp_path):
         xmlns:jaus="http://www.jausml.org/jaus/1.0" name="own"><services name="Lamp" urn="urn:own">
         <inputs name="SetLamp" code="0xD001" isCommand="true"/></services></jaus:ServiceSet>"""
     )
-    assert jausml("decode", "01d0", "--model", "own.xmi").stdout.startswith("SetLamp 0xD001")
+    assert (
+        '"message": "SetLamp", "code": "0xD001"'
+        in jausml("decode", "01d0", "--model", "own.xmi").stdout
+    )
     assert jausml(
         "list", "messages", "--model", "own.xmi", "--service", "Lamp"
     ).stdout.splitlines()[1:] == ["0xD001  SetLamp  command  urn:own/1.0"]
@@ -151,7 +155,7 @@ def test_own_models(jausml, tmp_path):
 
 def test_datagrams(jausml):
     lines = [DATAGRAM.hex(), "01" + DATAGRAM.hex()[2:], "zz", DATAGRAM.hex() + "ff"]
-    result = jausml("decode", "--datagram", "--format", "json", text="\n".join(lines))
+    result = jausml("decode", "--datagram", text="\n".join(lines))
     assert result.exit_code == 1
     good, version_1, malformed, again, rest = objects(result)
     assert good == again
@@ -161,7 +165,7 @@ def test_datagrams(jausml):
     assert "no hexadecimal digit" in malformed["error"]
     assert "bytes follow" in rest["error"]
     assert result.stderr == "<stdin>:3: column 1: 'z' is no hexadecimal digit\n"
-    text = jausml("decode", "--datagram", DATAGRAM.hex())
+    text = jausml("decode", "--format", "text", "--datagram", DATAGRAM.hex())
     assert text.exit_code == 0
     assert text.stdout.startswith("101.1.1 > 200.1.2  #7  QueryStatus 0x2002")
 
@@ -169,7 +173,7 @@ def test_datagrams(jausml):
 def test_captures(jausml, tmp_path):
     path = tmp_path / "a.pcap"
     path.write_bytes(capture(DATAGRAM, b"\0P\1\1\1\1", DATAGRAM))
-    result = jausml("decode", "--pcap", path, "--format", "json")
+    result = jausml("decode", "--pcap", path)
     assert result.exit_code == 0
     assert [
         (each["number"], each["time"], each["from"], each["to"]) for each in objects(result)
@@ -179,7 +183,7 @@ def test_captures(jausml, tmp_path):
     ]
     assert result.stderr == "skipped 1 frames between jausml processes of one host\n"
     assert jausml("decode", "--pcap", path, "--port", 5001).stdout == ""
-    assert len(objects(jausml("decode", "--pcap", path, "--count", 1, "--format", "json"))) == 1
+    assert len(objects(jausml("decode", "--pcap", path, "--count", 1))) == 1
 
 
 def test_a_capture_that_ends_too_early_is_shown_so_far(jausml, tmp_path):
@@ -255,7 +259,7 @@ def send(port):
 
 
 def test_listening_ends_after_a_count(listening, port):
-    process = listening("--count", "1", "--format", "json")
+    process = listening("--count", "1")
     send(port)
     found = json.loads(process.stdout.readline())
     assert found["message"]["message"] == "QueryStatus"
@@ -282,10 +286,10 @@ def test_listening_ends_after_a_duration(jausml, port):
 
 def test_encode_takes_what_decode_prints(jausml):
     hexes = ["0220", STATUS, "f14101020700000002400100000000", "02440300000000800000c0ff"]
-    printed = jausml("decode", "--format", "json", *hexes).stdout
+    printed = jausml("decode", *hexes).stdout
     result = jausml("encode", text=printed)
     assert (result.exit_code, result.stdout.split()) == (0, hexes)
-    printed = jausml("decode", "--datagram", "--format", "json", DATAGRAM.hex()).stdout
+    printed = jausml("decode", "--datagram", DATAGRAM.hex()).stdout
     assert jausml("encode", "-", text=printed).stdout == "0220\n"
 
 
@@ -366,3 +370,18 @@ def test_list_messages(jausml):
     result = jausml("list", "messages", "--service", "GlobalPoseSenso")
     assert result.exit_code == 2
     assert "did you mean GlobalPoseSensor or LocalPoseSensor?" in result.stderr
+
+
+def test_a_terminal_gets_text_and_a_program_json():
+    command = [sys.executable, "-m", "jausml", "decode", "0220"]
+    ours, terminal = pty.openpty()
+    try:
+        subprocess.run(command, stdin=subprocess.DEVNULL, stdout=terminal, timeout=60, check=True)
+        assert os.read(ours, 1000).startswith(b"QueryStatus 0x2002 (")
+    finally:
+        os.close(ours)
+        os.close(terminal)
+    piped = subprocess.run(command, capture_output=True, timeout=60, check=True)
+    assert json.loads(piped.stdout)["message"] == "QueryStatus"
+    chosen = [*command, "--format", "json"]
+    assert subprocess.run(chosen, capture_output=True, check=True).stdout == piped.stdout
