@@ -205,7 +205,7 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
     for behaviour in behaviours(subject):
         for path, state in behaviour.states():
             if path.count(".") >= _DEEPEST_STATE:
-                text = f"state '{state.name}' lies more than {_DEEPEST_STATE} states deep"
+                text = f"a state lies more than {_DEEPEST_STATE} states deep"
                 yield Finding(state, text, "name")
         holders: dict[str, tuple[str, Any, str]] = {}
         for kind, name, element, feature in _methods(behaviour):
