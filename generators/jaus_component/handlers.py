@@ -29,6 +29,12 @@ GUARD_TEXTS = {
     "CONTROLLED": "from the controller",
     "READY": "from the controller while the component is Ready",
 }
+# Limits may be set in Standby, the current command in Ready alone (AS6009, VelocityStateDriver).
+CONDITIONS = {
+    "SetVelocityCommand": (
+        "lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED"
+    ),
+}
 _FIRST_QUERY = 0x2000
 _DEFINITION = 4
 _BODY = 8
@@ -106,11 +112,10 @@ class Handler:
     @property
     def registration(self) -> str:
         """Statement of the constructor."""
-        arguments = (
-            self.message.class_name,
-            f"self.{self.method.name}",
-            f"when=Guard.{self.guard}",
-        )
+        guard = f"Guard.{self.guard}"
+        if self.guard == "READY":
+            guard = CONDITIONS.get(self.message.class_name, guard)
+        arguments = (self.message.class_name, f"self.{self.method.name}", f"when={guard}")
         return statement(Call("self.handle", arguments), "", _BODY)
 
 

@@ -52,6 +52,7 @@ _TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONE
 _RUNTIME_NAMES = {
     "jausml_runtime.address": ("JausAddress",),
     "jausml_runtime.component": (
+        "Completion",
         "ComponentSettings",
         "Guard",
         "JausComponent",
@@ -242,7 +243,7 @@ class ComponentView:
         method = Method(
             self._methods.claim(f"on_{names.snake_case(view.class_name)}"),
             (("message", view.class_name), ("sender", "JausAddress")),
-            "None",
+            "Completion | None",
             documented(message, f"take {clean(message.name)} {GUARD_TEXTS[guard]}"),
             view.code_text,
         )

@@ -100,6 +100,30 @@ def test_commands_are_obeyed_as_the_service_demands() -> None:
         assert name not in flat, "the runtime handles the messages of the core services"
 
 
+def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path: Path) -> None:
+    library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
+    path = tmp_path / "driver.xmi"
+    path.write_text(
+        f"""<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:system="http://www.jausml.org/system/1.0" name="driver">
+  <components name="driver" address="1.1.1">
+    <provides href="{os.path.relpath(library, tmp_path)}#VelocityStateDriver"/>
+  </components>
+</system:System>
+""",
+        encoding="utf-8",
+    )
+    read = read_models([path])
+    assert not read.diagnostics, read.diagnostics
+    (base,) = (a.text for a in render(read.model, [TARGET]) if a.path.endswith("_base.py"))
+    assert (
+        "self.handle( SetVelocityCommand, self.on_set_velocity_command, "
+        "when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED, )"
+    ) in " ".join(base.split())
+    compile(base, "driver_base.py", "exec")
+
+
 def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> None:
     (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
     assert skeleton.contract is not None
