@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
-from jausml.cli.network import catalogue_from, network_from, network_options
+from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
 from jausml.peers.conformance.formats import json, junit, text
 from jausml.peers.conformance.groups import all_groups, fixed_checks
 from jausml.peers.conformance.opening import TargetNotReached, opened
@@ -101,14 +101,17 @@ def command(
     groups = [group for group in all_groups() if group.name in (only or _GROUPS)]
     limits = Limits(slow=slow, destructive=destructive)
     try:
-        with opened(
-            network,
-            address,
-            catalogue_from(models),
-            limits=limits,
-            timeout=timeout,
-            quiet=quiet_time,
-        ) as session:
+        with (
+            ended_by_signals(),
+            opened(
+                network,
+                address,
+                catalogue_from(models),
+                limits=limits,
+                timeout=timeout,
+                quiet=quiet_time,
+            ) as session,
+        ):
             live = output is None and output_format == "text"
             report = _checked(session, groups, live=live)
     except TargetNotReached as error:

@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
-from jausml.cli.network import catalogue_from, network_from, network_options
+from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
 from jausml.messages import MessageError
 from jausml.peers import rendering
 from jausml.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
@@ -162,7 +162,7 @@ def command(context: click.Context, settings: Settings) -> None:
     context.default_map = dict.fromkeys(command.commands, given)
 
 
-@command.command("session")
+@command.command("session", short_help="Read commands from the terminal or a pipe.")
 @_options
 def session(settings: Settings) -> None:
     """Read commands from the terminal or from a pipe; 'help' lists them."""
@@ -295,7 +295,7 @@ def _watch(
         shown += 1
 
 
-@command.command("command")
+@command.command("command", short_help="Control a component, send it a message, release it.")
 @_TARGET
 @_MESSAGE
 @_FIELDS
@@ -364,7 +364,8 @@ def send_command(
 def _until_interrupted() -> Iterator[None]:
     """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
     try:
-        yield
+        with ended_by_signals():
+            yield
     except KeyboardInterrupt:
         _remark("interrupted")
 

@@ -108,8 +108,8 @@ def find_exchange(
     """
     topic = name.removeprefix("Query").removeprefix("Report")
     query = _first(catalogue, (f"Query{topic}", name), services)
-    if query.name.startswith("Report"):
-        raise UnknownMessageError(f"no query is known for {query.name}")
+    if not query.name.startswith("Query"):
+        raise UnknownMessageError(f"{query.name} is no query, and none is known for it")
     topic = query.name.removeprefix("Query")
     return query, _first(catalogue, (f"Report{topic}", topic), services)
 

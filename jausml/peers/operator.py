@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.messages import MessageError
+from jausml.messages import AmbiguousMessageError, MessageError
 from jausml.peers.discovery import Survey
 from jausml.peers.entry_messages import find_exchange, find_message, message_class
 from jausml.peers.samples import full_query
@@ -170,7 +170,7 @@ class Operator:
         """
         try:
             return find_exchange(self.catalogue, name)
-        except MessageError:
+        except AmbiguousMessageError:
             return find_exchange(self.catalogue, name, self.services(target))
 
     @staticmethod
@@ -294,7 +294,7 @@ class Operator:
         """
         try:
             return find_message(self.catalogue, name)
-        except MessageError:
+        except AmbiguousMessageError:
             return find_message(self.catalogue, name, self.services(target))
 
     def controls(self, target: JausAddress) -> bool:

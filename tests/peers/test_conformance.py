@@ -11,7 +11,9 @@ from jausml.peers.conformance.groups import all_groups, fixed_checks
 from jausml.peers.conformance.opening import TargetNotReached, opened
 from jausml.peers.conformance.runner import run
 from jausml.peers.conformance.session import Limits
+from jausml.peers.describing import describe
 from jausml.runtime.address import JausAddress
+from jausml.runtime.component import JausComponent, ServiceIdentity
 from jausml.runtime.services.definitions import Status
 
 TARGET = JausAddress(100, 1, 1)
@@ -192,3 +194,38 @@ def _request(authority):
     from jausml.runtime.core_messages import RequestControl
 
     return RequestControl(authority_code=authority)
+
+
+def test_services_of_a_target_without_discovery_come_from_its_subsystem(
+    component, network, catalogue
+):
+    server = component()
+    target = JausAddress(100, 1, 2)
+    names = ("core:Events", "core:Liveness", "acme:Winch")
+    services = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 1) for name in names]
+    other = JausComponent(server.transport, target, name="other", services=services)
+    other.start()
+    groups = [g for g in all_groups() if g.name in ("liveness", "codecs")]
+    try:
+        with opened(network, target, catalogue, **QUICK) as session:
+            report = run(session, groups, lambda _: None)
+    finally:
+        other.stop()
+    assert report.services == tuple(f"{each.urn} 1.1" for each in services)
+    assert verdicts(report)["liveness.event"] is Verdict.PASS
+    (winch,) = [r for r in report.results if r.check.id == "codecs.Winch"]
+    assert winch.messages == ("the library lacks it; --model FILE adds a service",)
+
+
+@pytest.mark.parametrize(
+    ("payload", "text"),
+    [
+        ("024002000000", "ReportStatus, not decodable"),
+        ("02400200000000", "ReportStatus(status=2, reserved=0)"),
+        ("0544010000", "message 4405"),
+        ("03", "1 bytes, no message code"),
+        ("b77a00", "message 7AB7 with 1 bytes of body"),
+    ],
+)
+def test_evidence_says_what_a_payload_is(payload, text, catalogue):
+    assert describe(bytes.fromhex(payload), catalogue).startswith(text)

@@ -16,6 +16,7 @@ from jausml.peers.samples import PRESENCE_VECTOR, optional_bits, plain_query, pr
 if TYPE_CHECKING:
     from jausml.messages import MessageEntry, ServiceEntry
     from jausml.peers.conformance.session import Session
+    from jausml.runtime.services.definitions import ServiceIdentity
 
 _MOST_BITS = 32
 _OF_WIDER_SCOPE = ("QueryConfiguration", "QuerySubsystemList")
@@ -32,13 +33,33 @@ def checks(session: Session) -> tuple[Check, ...]:
     found: dict[str, Check] = {}
     for identity in session.services:
         service = session.known(identity)
-        if service is None:
-            continue
-        for query in service.inputs:
-            if query.name.startswith("Query"):
-                made = _check(service, query)
-                found.setdefault(made.id, made)
+        made = [_unknown(session, identity)] if service is None else _of_service(service)
+        for each in made:
+            found.setdefault(each.id, each)
     return tuple(found.values())
+
+
+def _of_service(service: ServiceEntry) -> list[Check]:
+    queries = [entry for entry in service.inputs if entry.name.startswith("Query")]
+    return [_check(service, query) for query in queries]
+
+
+def _unknown(session: Session, identity: ServiceIdentity) -> Check:
+    """Returns a check that says why nothing of a service is checked."""
+    version = f"{identity.major}.{identity.minor}"
+    versions = [each for urn, each in session.catalogue.services if urn == identity.urn]
+    known = f"known are the versions {', '.join(versions)}" if versions else "the library lacks it"
+
+    def skip(session: Session) -> None:
+        """The layouts of the service are not known, so that nothing of it is asked for."""
+        session.skip_unless(holds=False, reason=f"{known}; --model FILE adds a service")
+
+    return Check(
+        id=f"codecs.{identity.urn.rpartition(':')[2]}",
+        title=f"Answers the queries of {identity.urn} {version}",
+        source="AS5684 encoding",
+        body=skip,
+    )
 
 
 def _check(service: ServiceEntry, query: MessageEntry) -> Check:
