@@ -29,6 +29,8 @@ _ESCAPED = re.compile('[&<"\n\r\t]')
 _TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", "\r": "&#xD;", "]]>": "]]&gt;"}
 _TEXT_ESCAPED = re.compile("[&<\r]|]]>")
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+# Other texts mean something else, or nothing, where references stand side by side.
+_REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")
 _XMI = ' xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
 _XSI = ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
 
@@ -134,8 +136,8 @@ class _DocumentWriter:
         while pending:
             obj, at = pending.pop()
             identifier = self._model.identifier(obj) or self._identifying_value(obj)
-            known = identifier and identifier in self._identifiers
-            self._fragments[obj] = at if known or not identifier else identifier
+            is_free = identifier not in self._identifiers and _REFERABLE.fullmatch(identifier or "")
+            self._fragments[obj] = identifier if identifier and is_free else at
             self._identifiers.add(identifier or "")
             for feature in self._class_of(obj).features.values():
                 if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):

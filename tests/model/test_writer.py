@@ -91,7 +91,8 @@ def models(draw, metamodels):
             chosen = draw(st.lists(st.sampled_from(fitting), max_size=2)) if fitting else []
             for target in chosen if feature.many else chosen[:1]:
                 other = feature.opposite
-                free = other is None or other.many or not count(target, other)
+                free = feature.many or not count(obj, feature)
+                free = free and (other is None or other.many or not count(target, other))
                 if free and not holds(obj, feature, target) and feature.settable:
                     link(obj, feature, target)
     return roots, model
