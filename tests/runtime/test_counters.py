@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import logging
 import threading
 from typing import TYPE_CHECKING
 
@@ -70,3 +71,13 @@ def test_drops_are_told_apart_from_traffic() -> None:
     counters.count("judp.truncated")
     counters.count("judp.bad_version")
     assert list(counters.drops().items()) == [("judp.bad_version", 1), ("judp.truncated", 1)]
+
+
+def test_errors_are_logged_as_such(caplog: pytest.LogCaptureFixture) -> None:
+    counters = Counters()
+    counters.count("bridge.a", "worse", level=logging.ERROR)
+    counters.count("bridge.b", "bad")
+    assert [(each.levelname, each.message) for each in caplog.records] == [
+        ("ERROR", "bridge.a (1 times): worse"),
+        ("WARNING", "bridge.b (1 times): bad"),
+    ]
