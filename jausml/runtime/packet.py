@@ -146,7 +146,7 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
     while offset < end:
         size = -1
         if end - offset >= EMPTY_MESSAGE_SIZE:
-            size = message_size(data, offset)
+            size = data[offset + 1] | data[offset + 2] << 8
         if not EMPTY_MESSAGE_SIZE <= size <= end - offset:
             _count_remainder(data, offset, size, counters)
             break
