@@ -25,7 +25,7 @@ PAYLOAD = (
 # The texts that are free: everything else has rules of its own and must be refused.
 FREE = {
     *("documentation", "units", "format", "defaultValue"),
-    *("EnumeratedValue.name", "Format.name", "Alternative.name"),
+    *("EnumeratedValue.name", "Format.name", "Alternative.name", "Action.arguments"),
     *("Parameter.value", "Constant.value", "ConstantAssignment.value"),
 }
 
