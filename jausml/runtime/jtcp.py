@@ -277,7 +277,7 @@ class JtcpTransport:
     def _on_packet(self, packet: Packet, connection: Connection) -> None:
         if self._inbox.refuses(packet, connection):
             return
-        self._learn(packet.source, connection)
+        self._learn(packet, connection)
         if packet.destination.is_wildcard and packet.acknowledge is AckNak.ACK:
             self.counters.add("jtcp.present")
             connection.is_neighbour = connection.peer[0] == self._settings.interface
@@ -287,9 +287,11 @@ class JtcpTransport:
         if not is_taken and not is_relayed:
             self.counters.add("judp.not_for_us")
 
-    def _learn(self, address: JausAddress, connection: Connection) -> None:
+    def _learn(self, packet: Packet, connection: Connection) -> None:
+        address = packet.source
         former = self._routes.get(address)
-        if former is connection:
+        # A broadcast may come by several ways, of which none is better than the one known.
+        if former is connection or (former is not None and packet.destination.is_wildcard):
             self._routes.move_to_end(address)
             return
         if former is not None:

@@ -395,6 +395,23 @@ class TestSharedPort:
             wait_until(lambda each=each: STATUS + b"2" in each.payloads)
         assert [len(each.received) for each in (owner, first, second)] == [2, 1, 2]
 
+    def test_a_broadcast_that_comes_by_two_ways_arrives_once_and_changes_no_route(
+        self, tcp, wait_until
+    ):
+        port = free_port_of()
+        far = tcp(port=port).attach(PEER)
+        owner, first = (
+            tcp(address_book={PEER: ("127.0.0.1", port)}).attach(each) for each in (DRIVER, SENSOR)
+        )
+        owner.transport.send(DRIVER, PEER, STATUS)
+        first.transport.send(SENSOR, PEER, STATUS)
+        wait_until(lambda: len(far.received) == 2 and owner.counter("jtcp.present"))
+        for count in range(3):
+            first.transport.send(SENSOR, BROADCAST, STATUS + bytes([count]))
+        wait_until(lambda: far.counter("judp.duplicate") == 3)
+        assert len(far.received) == 5
+        assert far.counter("judp.address_changed") == 0
+
     def test_another_process_takes_over(self, tcp, wait_until):
         owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
         wait_until(lambda: owner.counter("jtcp.present") == 2)
