@@ -9,6 +9,7 @@ import tracemalloc
 import pytest
 
 from jausml.messages import DecodeError, EncodeError
+from jausml.messages.scalars import Scaled
 
 
 def test_the_worked_example_of_a_presence_vector(catalogue):
@@ -133,6 +134,7 @@ def test_a_real_without_a_fraction_is_an_integer(kinds):
         ("f02104", "QueryEventsVar._tag: 4 names no option, the options are 0 MessageIDRec"),
         ("f021", "QueryEventsVar._tag: 1 byte wanted"),
         ("034b01ff02", "NodeList[0].ComponentList: count 2 needs more than the 0 bytes"),
+        ("000b02000000", "ServiceList: count 2 needs more than the 3 bytes that follow"),
         ("034bff0102", "NodeList: count 255 needs more than the 2 bytes that follow"),
         ("0206010300000000", "JointPositionList[0].JointPosition.index: 3 names no type"),
         ("f041", "EventList: 1 byte wanted"),
@@ -169,6 +171,20 @@ def test_values_outside_their_set_are_decoded_but_not_encoded(catalogue):
     assert fields == {"SetEmergencyRec": {"EmergencyCode": 0}}
     with pytest.raises(EncodeError, match="EmergencyCode: 0 is not among the legal values 1"):
         entry.encode(fields)
+
+
+@pytest.mark.parametrize("rounding", ["round", "floor", "ceiling"])
+@pytest.mark.parametrize(("lower", "upper"), [(0.0, 1.0), (-math.pi, math.pi), (-10000.0, 35000.0)])
+def test_a_scaled_value_comes_back_from_every_integer(rounding, lower, upper):
+    scaled = Scaled("B", lower, upper, rounding)
+    assert [scaled.to_wire(scaled.from_wire(raw)) for raw in range(256)] == list(range(256))
+    between = scaled.from_wire(7) + 0.6 * scaled.step
+    assert scaled.to_wire(between) == {"round": 8, "floor": 7, "ceiling": 8}[rounding]
+    assert scaled.to_wire(upper) == 255
+    assert scaled.to_wire(lower) == 0
+    for outside in (lower - scaled.step, upper + scaled.step):
+        with pytest.raises(EncodeError, match="is outside"):
+            scaled.to_wire(outside)
 
 
 def test_a_presence_vector_without_room_for_a_member(catalogue):

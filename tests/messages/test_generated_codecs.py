@@ -1,8 +1,12 @@
-"""The interpreting codec and the generated codecs say the same of any bytes, for every message."""
+"""The interpreting codec and the generated codecs say the same of any bytes, for every message.
+
+A long run takes more examples of each: JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
+"""
 
 from __future__ import annotations
 
 import functools
+import os
 
 import pytest
 from codec_strategies import messages
@@ -15,11 +19,12 @@ from jausml.messages.catalogue import Catalogue
 from jausml.model import read_models
 from jausml.runtime.message import DecodeError, EncodeError
 
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "3"))
 FEW = settings(
-    max_examples=5,
+    max_examples=EXAMPLES,
     deadline=None,
     database=None,
-    derandomize=True,
+    derandomize=EXAMPLES < 100,
     phases=[Phase.explicit, Phase.generate],
     suppress_health_check=list(HealthCheck),
 )
