@@ -31,21 +31,23 @@ _STANDBY = f"{_CONTROLLED}.Available.Standby"
 _RELEASED = f"{_NOT_CONTROLLED}.Available.Standby"
 
 
-def core_state(status: Status, *, controlled: bool) -> str:
-    """Return the path of a state of the machine ReceiveFSM (AS5710, Management).
-
-    Args:
-        status: Management state.
-        controlled: Whether another component controls this one.
-    """
+def _path(status: Status, *, controlled: bool) -> str:
     if status in _NOT_AVAILABLE:
         return _NOT_AVAILABLE[status]
+    if status is Status.READY:
+        return f"{_CONTROLLED}.Available.Ready"
     outer = _CONTROLLED if controlled else _NOT_CONTROLLED
     if status is Status.EMERGENCY:
         return f"{outer}.NotAvailable.Emergency"
-    return (
-        f"{_CONTROLLED}.Available.Ready" if status is Status.READY else f"{outer}.Available.Standby"
-    )
+    return f"{outer}.Available.Standby"
+
+
+CORE_STATES = {
+    (status, controlled): _path(status, controlled=controlled)
+    for status in Status
+    for controlled in (False, True)
+}
+"""Paths of states of ReceiveFSM by Management state and control (AS5710, Management)."""
 
 
 class ModelledComponent(JausComponent):
@@ -154,7 +156,7 @@ class ModelledComponent(JausComponent):
 
     def core_state(self) -> str:
         """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready."""
-        return core_state(self.status, controlled=self.controller is not None)
+        return CORE_STATES[self.status, self.controller is not None]
 
     def request_core_state(self, path: str) -> None:
         """Enter the core state of a path, when a component may do so by itself.
