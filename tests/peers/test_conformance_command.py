@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from xml.etree import ElementTree
 
 import pytest
+
+from jausml.runtime.services.definitions import Status
 
 QUICK = ("--timeout", "0.4", "--quiet-time", "0.06")
 
@@ -88,3 +92,26 @@ def test_usage_and_environment_exit_with_2(arguments, error, jausml):
     result = jausml("conformance", *arguments)
     assert result.exit_code == 2
     assert error in result.stderr
+
+
+@pytest.mark.live
+def test_a_run_that_is_ended_from_outside_clears_its_emergency(component, free_port, wait_until):
+    target = component(control_timeout=0)
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "jausml", "conformance", "100.1.1", "--only", "management"),
+            *("--port", str(free_port), "--quiet-time", "0.2"),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        wait_until(lambda: target.status is Status.EMERGENCY, 60)
+        process.terminate()
+        out, _ = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 1
+    assert "(interrupted)" in out
+    wait_until(lambda: (target.status, target.controller) == (Status.STANDBY, None))

@@ -313,9 +313,9 @@ class Client:
         Args:
             kind: The class given to `owe`.
         """
-        payload = self._owes.pop(kind, None)
-        if payload is not None:
-            self.put(self.packet(payload))
+        if kind in self._owes:
+            self.put(self.packet(self._owes[kind]))
+            del self._owes[kind]  # last, for Ctrl-C may come between
 
 
 def decoded(message_class: type[M], payload: bytes) -> M:

@@ -1,0 +1,66 @@
+"""The example's vehicle, generated and run as a process, passes the conformance checks."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.live, pytest.mark.timeout(180)]
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        return sock.getsockname()[1]
+
+
+@pytest.fixture
+def port(tmp_path):
+    """The port of a running vehicle."""
+    folder = tmp_path / "car"
+    shutil.copytree(EXAMPLE / "src", folder)
+    jausml("generate", EXAMPLE / "catvehicle.xmi", "-o", folder)
+    path = os.pathsep.join(str(each) for each in folder.iterdir() if each.is_dir())
+    number = free_port()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vehicle.main", "--jaus-port", str(number)],
+        env={**os.environ, "PYTHONPATH": path},
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        yield number
+    finally:
+        process.terminate()
+        process.wait(30)
+
+
+def jausml(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "jausml", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_the_vehicle_conforms(port):
+    ready = jausml("ocu", "status", "100.1.1", "--port", port, "--timeout", 60)
+    assert ready.returncode == 0, ready.stderr
+    options = ("--port", port, "--quiet-time", 0.1, "--format", "json")
+    result = jausml("conformance", "100.1.1", *options)
+    report = json.loads(result.stdout)
+    failed = [each for each in report["checks"] if each["verdict"] == "fail"]
+    assert failed == []
+    assert result.returncode == 0
+    ids = {each["id"] for each in report["checks"]}
+    assert "codecs.PrimitiveDriver.QueryWrenchEffort" in ids
+    assert report["summary"]["pass"] > 100

@@ -1,0 +1,35 @@
+"""What a client of the conformance test has caused is owed until it is undone."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.peers.conformance.client import Client
+from jausml.peers.conformance.opening import opened
+from jausml.runtime.address import JausAddress
+from jausml.runtime.core_messages import ClearEmergency, SetEmergency
+from jausml.runtime.services.definitions import Status
+
+TARGET = JausAddress(100, 1, 1)
+
+
+def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(
+    component, network, catalogue, monkeypatch
+):
+    target = component()
+    with opened(network, TARGET, catalogue, timeout=0.4, quiet=0.05) as session:
+        session.second.send(SetEmergency(emergency_code=1))
+        assert session.reaches(Status.EMERGENCY)
+        put = Client.put
+
+        def interrupted(client, packet):
+            if packet.payload[:2] == ClearEmergency(emergency_code=1).encode()[:2]:
+                raise KeyboardInterrupt
+            put(client, packet)
+
+        monkeypatch.setattr(Client, "put", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            session.tidy()
+        monkeypatch.undo()
+        assert session.tidy()
+        assert target.status is Status.STANDBY
