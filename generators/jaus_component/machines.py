@@ -149,7 +149,7 @@ class MachineView:
     @property
     def ways_text(self) -> str:
         """Assignment of the ways in the generated test."""
-        return "\n".join(lines(tuple_of("", *self.ways), 0, f"{self.ways_constant}: Ways = "))
+        return "\n".join(lines(tuple_of("", *self.ways), 0, f"{self.ways_constant}: _Ways = "))
 
     @property
     def states(self) -> str:
