@@ -32,6 +32,7 @@ _LONGEST_PAUSE_S = 5.0
 # JAUS-DEVIATION: clients and node managers speak AS5669 version 1 among themselves, of which
 # AS5669A knows nothing, to attach (Junior; fkie does the same).
 _CONNECT, _ACCEPT, _CANCEL = 1, 2, 3
+_MANAGER_SOURCE = 0
 _HEAD = struct.Struct("<BHH")
 _BODY = struct.Struct("<BBHIIHH")
 _COMMAND_SIZE = _HEAD.size + _BODY.size
@@ -174,20 +175,19 @@ class NodeManagerClient:
         self._cancel_timer()
         self._attach()
 
-    def _on_command(self, data: bytes) -> None:
-        _, _, code, _, source, _, _ = _BODY.unpack_from(data, _HEAD.size)
-        if source == 0 and code == _ACCEPT and self._state is _State.ATTACHING:
+    def _on_command(self, code: int) -> None:
+        if code == _ACCEPT and self._state in (_State.ATTACHING, _State.WAITING):
             self._cancel_timer()
             self._pause = _FIRST_PAUSE_S
             with self._lock:
                 self._state = _State.ATTACHED
             self._flush()
-        elif source == 0 and code == _CANCEL and self.is_attached:
-            self._on_lost("it cancelled the connection")
-        elif source == 0 and code == _ACCEPT:
+        elif code == _ACCEPT:
             self._counters.add("node_manager.accepted_again")
+        elif code == _CANCEL and self.is_attached:
+            self._on_lost("it cancelled the connection")
         else:
-            self._counters.count("node_manager.bad_command", data[:32].hex())
+            self._counters.count("node_manager.bad_command", f"code {code}")
 
     def _command(self, code: int) -> None:
         body = _BODY.pack(_STANDARD_PRIORITY, _MESSAGE_VERSION, code, 0, self.address.packed, 0, 0)
@@ -270,9 +270,11 @@ class NodeManagerClient:
             self._on_datagram(data)
 
     def _on_datagram(self, data: bytes) -> None:
-        if data[:1] == b"\x01" and len(data) == _COMMAND_SIZE:
-            self._on_command(data)
-            return
+        if data[:1] == b"\x01" and len(data) >= _COMMAND_SIZE:
+            _, _, code, _, source, _, _ = _BODY.unpack_from(data, _HEAD.size)
+            if source == _MANAGER_SOURCE:
+                self._on_command(code)
+                return
         inbox, origin = self.messenger.inbox, self._manager.name
         for packet in parse_datagram(data, self._counters):
             if inbox.refuses(packet, origin):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -167,22 +168,76 @@ def test_messages_wait_for_the_manager_to_accept(client, managers, wait_until):
     assert there.payloads == [STATUS + bytes([count]) for count in range(5)]
 
 
-def test_a_busy_manager_is_waited_for(client, folder, wait_until):
+ACCEPT, CANCEL = 2, 3
+
+
+class HandMade:
+    """A manager of which the test decides when it answers."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.bind(str(folder / "JuniorRTE"))
+        self.socket.settimeout(5)
+
+    def receive(self) -> bytes:
+        return self.socket.recv(65535)
+
+    def say(self, code: int) -> None:
+        client = struct.pack("<I", DRIVER.packed)
+        head, tail = bytes.fromhex("01000000100602"), bytes(4 + 4)
+        data = head + struct.pack("<H", code) + client + tail
+        self.socket.sendto(data, str(self.folder / str(DRIVER.packed)))
+
+
+@pytest.fixture
+def by_hand(folder) -> Iterator[HandMade]:
+    made = HandMade(folder)
+    yield made
+    made.socket.close()
+
+
+def test_the_bytes_of_the_handshake(client, by_hand, wait_until):
+    here = client().attach(DRIVER)
+    connect = "01000000100602{code}" + "00000000" + "01016400" + "00000000"
+    assert by_hand.receive().hex() == connect.format(code="0100")
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    here.transport.detach(DRIVER)
+    while (data := by_hand.receive().hex()) == connect.format(code="0100"):
+        pass  # asked again before the answer came
+    assert data == connect.format(code="0300")
+
+
+def test_a_late_answer_is_an_answer(client, by_hand, wait_until):
+    here = client().attach(DRIVER)
+    wait_until(lambda: here.counter("node_manager.no_answer") == 1)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.counter("node_manager.accepted_again") == 1)
+
+
+def test_a_manager_that_cancels_is_asked_again(client, by_hand, wait_until):
+    here = client().attach(DRIVER)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    by_hand.say(CANCEL)
+    wait_until(lambda: here.counter("node_manager.lost") == 1)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+
+
+def test_a_busy_manager_is_waited_for(client, by_hand, wait_until):
     """The system holds few datagrams for a local socket; fragments come in bursts."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
-        manager.bind(str(folder / "JuniorRTE"))
-        manager.settimeout(5)
-        here = client().attach(DRIVER)
-        asked = manager.recv(100)
-        accepted = asked[:9] + asked[13:17] + bytes(4) + asked[17:]
-        accepted = accepted[:7] + b"\x02\x00" + accepted[9:]
-        manager.sendto(accepted, str(folder / str(DRIVER.packed)))
-        wait_until(lambda: here.transport.is_attached(DRIVER))
-        here.transport.send(DRIVER, OCU, bytes(4079 * 200))
-        received = 0
-        while received < 200:
-            received += manager.recv(65535)[0] == 2
-        assert here.counter("node_manager.queue_full") == 0
+    here = client().attach(DRIVER)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    here.transport.send(DRIVER, OCU, bytes(4079 * 200))
+    received = 0
+    while received < 200:
+        received += by_hand.receive()[0] == 2
+    assert here.counter("node_manager.queue_full") == 0
 
 
 def test_without_a_manager_messages_are_counted_and_it_is_found_later(client, managers, wait_until):
@@ -247,7 +302,7 @@ def test_foreign_and_damaged_datagrams_are_counted(client, managers, folder, wai
         for data in (
             b"junk",
             b"\x01" + bytes(20),
-            b"\x01" + bytes(30),
+            bytes.fromhex("0100000012060264000201c8000101650002001a000102"),
             Packet(OCU, PEER, STATUS).encode(),
             Packet(DRIVER, BROADCAST, STATUS).encode(),
             Packet(DRIVER, PEER, STATUS, 1).encode(),
