@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from .component_hooks import ComponentHooks
 from .dispatch import Provision, Router
 from .message import EncodeError, Message
 from .packet import Priority
@@ -26,6 +26,7 @@ from .services.time_service import TimeService
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from datetime import datetime
 
     from .address import JausAddress
     from .completion import Completion
@@ -43,7 +44,7 @@ Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
 
-class ComponentBase:
+class ComponentBase(ComponentHooks):
     """A component that handles commands and answers queries; see ``JausComponent``."""
 
     def __init__(
@@ -243,39 +244,7 @@ class ComponentBase:
         with self.loop.lock:
             self._jaus_management.fail(reason)
 
-    # ---- hooks ------------------------------------------------------------------------------
-
-    def on_initialize(self) -> None:
-        """Prepare or reset the component: at the start and after Reset; Standby follows."""
-
-    def on_ready(self) -> None:
-        """The controller resumed the component: commands are obeyed from now on."""
-
-    def on_not_ready(self) -> None:
-        """The component left Ready, for whatever reason: stop all motion."""
-
-    def on_controller_changed(self, controller: JausAddress | None) -> None:
-        """Another component controls this one, or none does (None)."""
-
-    def on_emergency(self, active: bool) -> None:  # noqa: FBT001
-        """An emergency was set, or the last one was cleared."""
-
-    def on_shutdown(self) -> None:
-        """The component entered Shutdown, by its controller's command or by ``stop``."""
-
-    def on_set_time(self, time: datetime) -> None:
-        """The controller has set the component's clock (AS5710, Time, SetTime).
-
-        Args:
-            time: What it was set to, in UTC. The host's clock is left as it is.
-        """
-
-    def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by; the host's unless overridden.
-
-        Override it for a component that lives in simulated time.
-        """
-        return datetime.now(timezone.utc)
+    # ---- hook with a default ----------------------------------------------------------------
 
     def supports_element(self, element: ListElement) -> bool:
         """Return whether the component's list may hold an element (AS5710, ListManager).
@@ -284,15 +253,6 @@ class ComponentBase:
         SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
         """
         return self._jaus_list.is_of_driver(element)
-
-    def on_list_changed(self) -> None:
-        """The controller has changed ``elements`` (AS5710, ListManager)."""
-
-    def core_state_changed(self) -> None:
-        """The status changed, or who controls the component; for modelled state machines."""
-
-    def core_event(self, name: str) -> None:
-        """An internal event of a core service happened; for modelled state machines."""
 
     # ---- state ------------------------------------------------------------------------------
 

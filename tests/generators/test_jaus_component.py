@@ -17,7 +17,6 @@ from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.runtime.component import JausComponent
-from jausml.runtime.component_base import ComponentBase
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"
@@ -143,7 +142,8 @@ def test_hooks_of_every_component_are_in_the_contract() -> None:
     hooks = {each.name: each.parameters for each in skeleton.contract.methods if each.optional}
     own = {
         name: tuple(inspect.signature(method).parameters)[1:]
-        for name, method in vars(JausComponent).items() | vars(ComponentBase).items()
+        for each in JausComponent.__mro__
+        for name, method in vars(each).items()
         if name.startswith(("on_", "host_time", "supports_element")) and name != "on_message"
     }
     assert hooks == own
