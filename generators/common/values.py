@@ -107,7 +107,9 @@ class ListValue:
 
     def sized(self, value: str, field: str) -> Call:
         """Returns the expression for the checked length of a value."""
-        return Call("sized", (value, str(self.lower), str(self.upper), f'"{field}"'))
+        # JAUS-DEVIATION: AS5684 also states a smallest count; components made with the JAUS Tool
+        # Set send shorter lists (QueryServiceList without a subsystem), and mean them.
+        return Call("sized", (value, "0", str(self.upper), f'"{field}"'))
 
     def checked(self, field: str) -> Call:
         """Returns the expression that checks a count on the wire, which is in `size`."""

@@ -4,7 +4,7 @@ Encoding is strict: a value outside its range, or one that a value set does not 
 EncodeError and names the attribute. Decoding is as lenient as the layout allows: an integer that a
 value set does not list is carried on, because peers send such values (the emergency code 0 for
 example, where AS5710 lists 1 alone) and only the receiver can say what they are worth. For the same
-reason a list or byte string may be shorter than its definition demands.
+reason a byte string may be shorter than its definition demands, and a list in both directions.
 """
 
 from __future__ import annotations

@@ -333,14 +333,19 @@ def test_what_the_layout_does_not_know_is_refused(
 
 def test_list_of_fewest_elements_and_no_list_at_all_differ(kinds: ModuleType) -> None:
     message = more_kinds(kinds)
-    message.points = []
-    with pytest.raises(EncodeError, match=r"points: length 0 is outside 1 \.\. 3"):
-        message.encode()
     message.points = None
     assert message.encode()[2] == 0x02
-    # A peer's list that is too short is taken.
+    # A list that is too short is taken in both directions.
     short = bytes.fromhex(MORE.replace("02000000 00 07 03 01 02 0403", "00000000"))
     assert kinds.More.decode(short).points == []
+    assert kinds.More.decode(short).encode() == short
+
+
+def test_list_with_too_many_elements_is_refused(kinds: ModuleType) -> None:
+    message = more_kinds(kinds)
+    message.points = message.points[:1] * 4
+    with pytest.raises(EncodeError, match=r"points: length 4 is outside 0 \.\. 3"):
+        message.encode()
 
 
 @pytest.mark.parametrize(
