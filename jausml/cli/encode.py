@@ -48,6 +48,8 @@ def _message(line: str) -> dict[str, object]:
         value = json.loads(line.rstrip())
     except json.JSONDecodeError as error:
         raise _LineError(f"column {error.colno}: {error.msg}") from error
+    except ValueError:
+        raise _LineError("an integer has too many digits") from None
     except RecursionError:
         raise _LineError("nested too deep") from None
     if isinstance(value, dict) and isinstance(value.get("message"), dict):

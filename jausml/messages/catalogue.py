@@ -128,9 +128,11 @@ class Catalogue:
 
     def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code: definitions that are equal become one."""
+        if code not in self._by_code:
+            return ()
         if code not in self._entries:
             by_identity: dict[object, MessageEntry] = {}
-            for definition, service in self._by_code.get(code, ()):
+            for definition, service in self._by_code[code]:
                 entry = MessageEntry(definition, self._encode_embedded)
                 try:
                     identity: object = entry.identity

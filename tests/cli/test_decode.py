@@ -303,6 +303,9 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
         '{"message": ',
         "[1]",
         "[" * 100000,
+        '{"message": "X' + "\\ud800" + '"}',
+        '{"code": ' + "1" * 5000 + "}",
+        '{"code": -1}',
         '{"code": "2002"}',
     ]
     (tmp_path / "lines.jsonl").write_text("\n".join(lines))
@@ -316,6 +319,9 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
         "lines.jsonl:6: column 12: Expecting value",
         "lines.jsonl:7: an object is needed, this is a list",
         "lines.jsonl:8: nested too deep",
+        "lines.jsonl:9: no message 'X\\ud800'",
+        "lines.jsonl:10: an integer has too many digits",
+        "lines.jsonl:11: no message '0x-001'",
     ]
     assert jausml("encode", "absent.jsonl").exit_code == 2
 
