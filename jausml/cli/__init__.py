@@ -25,8 +25,8 @@ VERBS = {
     "list": "List the JAUS services and messages that are known.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
-    "ocu": "Operate running JAUS components: discover, query, watch, control.",
-    "conformance": "Check a running JAUS component of any make.",
+    "ocu": "Operate running JAUS components of any make.",
+    "conformance": "Check the conformance of a running component.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
 }

@@ -233,7 +233,8 @@ class FaultyPeer:
             self.state = STANDBY
 
     def on_reset(self, _message, sender):
-        if self.obeys(sender) and self.state in (READY, STANDBY):
+        wrong = self.state == EMERGENCY and "resets in emergency" in self.faults
+        if wrong or (self.obeys(sender) and self.state in (READY, STANDBY)):
             self.drop(0)
             self.state = STANDBY
 

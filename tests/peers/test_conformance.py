@@ -64,6 +64,7 @@ FAULTS = {
     "keeps its controller in emergency": "management.emergency-ready",
     "controlled in emergency": "management.emergency-no-control",
     "resumes in emergency": "management.emergency-resume",
+    "resets in emergency": "management.emergency-reset",
     "cleared by anybody": "management.clear-by-other",
     "first clears all": "management.emergency-two-clients",
     "clears to ready": "management.clear",

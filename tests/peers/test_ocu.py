@@ -9,7 +9,9 @@ import subprocess
 import sys
 
 import pytest
+from click.testing import CliRunner
 
+from jausml.cli import main, ocu
 from jausml.runtime.address import JausAddress
 from jausml.runtime.core_messages import RequestControl
 from jausml.runtime.services.definitions import Status
@@ -198,12 +200,51 @@ def test_what_a_session_does_not_understand(line, error, jausml, component):
     assert f"error: {error}" in result.stdout
 
 
-def test_nobody_there(jausml):
-    result = jausml("ocu", "status", "100.1.1", "--timeout", "0.15")
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (("status", "100.1.1"), "100.1.1 does not answer QueryStatus"),
+        (("query", "100.1.1", "Time"), "100.1.1 does not answer QueryTime"),
+        (("watch", "100.1.1", "Time"), "100.1.1 confirms no event on QueryTime"),
+        (("services", "100.1.1"), "nobody lists the services of 100.1.1"),
+        (("discover", "--duration", "0.1"), "nobody answers"),
+        (("command", "100.1.1", "Resume"), "100.1.1 does not answer RequestControl"),
+    ],
+)
+def test_nobody_there(arguments, error, jausml):
+    result = jausml("ocu", *arguments, "--timeout", "0.15")
     assert result.exit_code == 2
-    assert "100.1.1 does not answer QueryStatus" in result.stderr
+    assert error in result.stderr
     assert "--interface" in result.stderr
     assert "firewall" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (("query", "100.1", "Time"), "'100.1' is not a JAUS address"),
+        (("query", "100.1.1", "Tim", "--timeout", "0.1"), "no message 'Tim'"),
+        (("query", "100.1.1", "Time", "{"), "the fields are no JSON"),
+        (("query", "100.1.1", "Time", '{"PresenceVectors": 1}'), "did you mean PresenceVector?"),
+        (("command", "100.1.1", "SetWrenchEffort", '{"X": 1}'), "unknown field"),
+        (("command", "100.1.1", "Resume", "--rate", "5"), "--rate needs a --duration"),
+        (("watch", "100.1.1", "Time", "--rate", "1", "--every-change"), "exclude each other"),
+        (("status", "100.1.1", "--id", "1.1.255"), "does not name one component"),
+        (("status", "100.1.1", "--model", "absent.xmi"), "absent.xmi"),
+    ],
+)
+def test_wrong_usage_exits_with_2_before_anything_is_sent(arguments, error, jausml):
+    result = jausml("ocu", *arguments)
+    assert result.exit_code == 2
+    assert error in result.stderr
+
+
+def test_options_may_stand_before_the_command(component, free_port, catalogue, monkeypatch):
+    component()
+    monkeypatch.setattr(ocu, "catalogue_from", lambda _: catalogue)
+    options = ("--port", str(free_port), "--format", "json")
+    result = CliRunner().invoke(main, ["ocu", *options, "status", "100.1.1"])
+    assert json.loads(result.stdout)["status"] == "STANDBY", result.stderr
 
 
 @pytest.mark.live

@@ -285,6 +285,20 @@ def emergency_resume(session: Session) -> None:
 
 
 @check(
+    "management.emergency-reset",
+    "Ignores Reset in Emergency",
+    "AS5710A v1.1 Management, Emergency: Reset only once the emergency is cleared",
+)
+def emergency_reset(session: Session) -> None:
+    """Nobody can get round an emergency by a Reset; Management 1.0 lets anybody do so."""
+    session.skip_unless(not session.is_v1_0("Management"), "Management 1.0 resets in Emergency")
+    _set_emergency(session, session.second)
+    for client in (session.first, session.second):
+        client.send(Reset())
+    _in(session, Status.EMERGENCY, "Reset in Emergency")
+
+
+@check(
     "management.clear-by-other",
     "Ignores ClearEmergency of those who set none",
     "AS5710A Management, Emergency: ClearEmergency, guard on the sender",
@@ -412,6 +426,7 @@ CHECKS = (
     emergency_no_control,
     emergency_release,
     emergency_resume,
+    emergency_reset,
     clear_by_other,
     clear,
     clear_after_ready,
