@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from jausml.importers.jsidl.findings import Place
     from jausml.model.model import Model
 
-MOST_ELEMENTS = 200_000
+MOST_ELEMENTS = 50_000
 DEEPEST = 50
 
 

@@ -229,11 +229,13 @@ class _Import:
 
     def _report_unused(self, fields: FieldBuilder) -> None:
         """Looks at declared types that no message uses too: what is wrong there is said."""
-        for scope, place in list(self._scopes.unused()):
-            kind = place.node.tag
-            name = place.node.get("name") or ""
+        unused = list(self._scopes.unused())
+        for scope, place in unused:
             fields.check(scope, place)
-            message = f"no message uses <{kind}> {show(name)}"
+        if self._findings.has_errors:
+            return  # what uses them may be what is wrong
+        for _, place in unused:
+            message = f"no message uses <{place.node.tag}> {show(place.node.get('name') or '')}"
             self._findings.report("JML626", place, message)
 
     # -- sets ------------------------------------------------------------------------------------
