@@ -24,7 +24,7 @@ from jausml.validation.facts.machines import (
     described,
     trigger,
 )
-from jausml.validation.facts.services import ACCESS_CONTROL, find_same, lineage
+from jausml.validation.facts.services import ACCESS_CONTROL, find_same, lineage, with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -303,6 +303,25 @@ def commands(subject: Subject) -> Iterator[Finding]:
                 yield Finding(transition, text, "guard", f"add {_CONTROLLER} to the guard")
 
 
+@rule("JML352", Severity.WARNING, "state machine that a bridge does not run")
+def bridges(subject: Subject) -> Iterator[Finding]:
+    """A bridge translates messages and runs no state machine of the services that it provides.
+
+    Services of the library are left out: a bridge does of them what its maps say.
+
+    Bad: a bridge that provides a service with a state machine
+
+    Good: a component that provides it
+    """
+    for bridge in subject.instances("bridge.Bridge"):
+        for service in with_inherited(bridge.provides):
+            is_kept = service.urn in KEPT_BY_RUNTIME or subject.model.is_library(service)
+            if service.machines and not is_kept:
+                text = f"the bridge '{bridge.name}' does not run the state machine of"
+                note = Note(service, f"'{service.name}'")
+                yield Finding(bridge, f"{text} '{service.name}'", "provides", related=(note,))
+
+
 def _element(behaviour: Behaviour, path: str) -> Any:
     """Returns an element at which to point for a state, even one that only a path implies."""
     elements = behaviour.machine.nodes[path].elements
@@ -377,4 +396,5 @@ RULES = (
     core_states,
     core_messages,
     commands,
+    bridges,
 )
