@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.generators.common.messages import MessageView
+    from jausml.generators.jaus_component.machine_views import EventView, MachineView
 
 _ARGUMENT = 8
 
@@ -184,12 +185,12 @@ class ComponentView:
         return machines.Machines(self._services, self._messages, self._methods)
 
     @property
-    def state_machines(self) -> tuple[machines.MachineView, ...]:
+    def state_machines(self) -> tuple[MachineView, ...]:
         """The state machines."""
         return self._machines.views
 
     @property
-    def events(self) -> tuple[machines.EventView, ...]:
+    def events(self) -> tuple[EventView, ...]:
         """Internal events that the component may raise."""
         return self._machines.events if self.state_machines else ()
 
