@@ -92,7 +92,7 @@ def command(
     wrong, 3 internal error.
     """
     if list_checks:
-        _list_checks()
+        _list_checks(only or _GROUPS)
         return
     if target is None:
         raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
@@ -172,8 +172,11 @@ def _write(
     click.echo(text.summary(report), err=True)
 
 
-def _list_checks() -> None:
+def _list_checks(groups: Sequence[str]) -> None:
     for check in fixed_checks():
+        if check.group not in groups:
+            continue
         mark = " (only with --destructive)" if check.destructive else ""
         click.echo(f"{check.id:44} {check.title}{mark}")
-    click.echo(f"{'codecs.SERVICE.QUERY':44} One for each query of the announced services")
+    if "codecs" in groups:
+        click.echo(f"{'codecs.SERVICE.QUERY':44} One for each query of the announced services")

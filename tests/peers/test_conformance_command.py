@@ -74,6 +74,14 @@ def test_list_names_every_check(jausml):
     assert "codecs.SERVICE.QUERY" in result.stdout
 
 
+def test_list_of_one_group(jausml):
+    result = jausml("conformance", "--list", "--only", "liveness")
+    assert [line.split()[0] for line in result.stdout.splitlines()] == [
+        "liveness.pulse",
+        "liveness.event",
+    ]
+
+
 @pytest.mark.parametrize(
     ("arguments", "error"),
     [

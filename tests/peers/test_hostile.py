@@ -1,0 +1,74 @@
+"""Whatever a target sends, the tools give a verdict and no traceback."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jausml.messages import MessageError, load_catalogue
+from jausml.peers.conformance.check import Verdict
+from jausml.peers.conformance.formats import json, junit, text
+from jausml.peers.conformance.groups import all_groups
+from jausml.peers.conformance.opening import opened
+from jausml.peers.conformance.runner import run
+from jausml.peers.describing import MAX_LENGTH, describe
+from jausml.peers.rendering import report_json, report_line
+from jausml.runtime.address import JausAddress
+
+TARGET = JausAddress(100, 1, 1)
+CATALOGUE = load_catalogue()
+CODES = [entry.code for entry in CATALOGUE.messages]
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.sampled_from(CODES), st.binary(max_size=60))
+def test_any_payload_can_be_described_and_shown(code, body):
+    payload = code.to_bytes(2, "little") + body
+    assert 0 < len(describe(payload, CATALOGUE)) <= MAX_LENGTH
+    try:
+        message = CATALOGUE.decode(payload)
+    except MessageError:
+        return
+    assert report_line(TARGET, message.entry, message.fields).isprintable()
+    assert report_json(TARGET, message.entry, message.fields).isascii()
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.binary(max_size=4))
+def test_any_short_payload_can_be_described(payload):
+    assert describe(payload, CATALOGUE)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_target_that_babbles_gets_a_report(seed, peer_module, free_port, network):
+    """Each answer has the right message code and a body that is cut, prolonged or random."""
+    chance = random.Random(seed)
+
+    class Babbler(peer_module.FaultyPeer):
+        def put(self, packet):
+            payload = packet.payload
+            choice = chance.randrange(4)
+            if choice == 1:
+                payload = payload[: chance.randrange(len(payload) + 1)]
+            elif choice == 2:
+                payload += chance.randbytes(chance.randrange(1, 40))
+            elif choice == 3:
+                payload = payload[:2] + chance.randbytes(max(0, len(payload) - 2))
+            packet = packet._replace(payload=payload)
+            data = packet.encode()
+            if not chance.randrange(8):
+                data = chance.randbytes(1) + data[1:]
+            self.socket.sendto(data, self.endpoints[packet.destination])
+
+    babbler = Babbler(TARGET, free_port)
+    try:
+        with opened(network, TARGET, CATALOGUE, timeout=0.05, quiet=0.02) as session:
+            report = run(session, all_groups(), lambda _: None)
+    finally:
+        babbler.close()
+    assert report.count(Verdict.FAIL) > 0
+    for render in (text.render, json.render, junit.render):
+        assert render(report)
