@@ -50,6 +50,7 @@ class Messenger(Generic[Origin]):
         """
         self._loop = loop
         self._transmit = transmit
+        self._packet_size = settings.fragment_size
         self._packetizer = Packetizer(settings.fragment_size)
         self._outbox = Outbox(settings, loop, transmit, suspect)
         self._send_all = self._send_out if send_all is None else send_all
@@ -84,6 +85,8 @@ class Messenger(Generic[Origin]):
         refusal = self._packetizer.refusal(destination, len(payload))
         if refusal:
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
+            if destination.is_wildcard:
+                detail += f"; a broadcast goes in one packet, of {self._packet_size} bytes at most"
             self._loop.counters.count(refusal, detail)
             report(self._loop, on_result, success=False)
             return

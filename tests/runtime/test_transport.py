@@ -127,13 +127,14 @@ class TestWildcards:
         assert {answer.source for answer in answers} == {DRIVER, SENSOR}
         wait_until(lambda: len(driver.received) == 2)
 
-    def test_a_broadcast_is_not_fragmented(self, station, wait_until):
+    def test_a_broadcast_is_not_fragmented(self, station, wait_until, caplog):
         driver = station(fragment_size=100).attach(DRIVER)
         results: list[bool] = []
         driver.transport.send(DRIVER, BROADCAST, bytes(101), on_result=results.append)
         wait_until(lambda: results)
         assert results == [False]
         assert driver.counter("judp.broadcast_too_large") == 1
+        assert "a broadcast goes in one packet, of 100 bytes at most" in caplog.text
         assert driver.counter("judp.sent") == 0
 
 
