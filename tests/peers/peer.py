@@ -127,7 +127,7 @@ class FaultyPeer:
         self.socket.sendto(data, self.endpoints[packet.destination])
 
     def send(self, message, client, extra=b""):
-        if client not in self.endpoints:
+        if client not in self.endpoints or "answers nothing" in self.faults:
             return
         if "counts nothing" not in self.faults:
             self.sequence = self.sequence + 1 & 0xFFFF
@@ -207,6 +207,8 @@ class FaultyPeer:
             self.send(core.RejectControl(response_code=reason), former)
 
     def on_query_control(self, _message, sender):
+        if "says not who controls it" in self.faults:
+            return
         client = self.controller
         parts = (client.subsystem, client.node, client.component) if client else (0, 0, 0)
         self.send(core.ReportControl(*parts, self.authority), sender)
@@ -305,7 +307,8 @@ class FaultyPeer:
             code = 4 if "rejects with another code" in self.faults else 5
             self.send(core.RejectEventRequest(message.request_id, code), sender)
             return
-        if message.event_type == 0 and not message.requested_periodic_rate:
+        silly = message.event_type > 1 and "takes any event type" not in self.faults
+        if silly or (message.event_type == 0 and not message.requested_periodic_rate):
             self.send(core.RejectEventRequest(message.request_id, 4), sender)
             return
         number = next(each for each in range(200) if each not in self.events)
@@ -350,7 +353,7 @@ class FaultyPeer:
     def on_query_events(self, message, sender):
         choice = message.query_events_var
         found = [
-            core.ReportEvents.ReportEventRec(event["type"], number, event["query"])
+            core.ReportEvents.ReportEventRec(min(event["type"], 1), number, event["query"])
             for number, event in self.events.items()
             if getattr(choice, "event_id", number) == number
             and getattr(choice, "event_type", event["type"]) == event["type"]

@@ -46,6 +46,7 @@ FAULTS = {
     "sends too often": "events.rate",
     "ignores unknown events": "events.update-unknown",
     "rejects with another code": "events.unsupported-message",
+    "takes any event type": "events.unknown-type",
     "goes on after cancel": "events.cancel",
     "lists no events": "events.query-all",
     "reports another authority": "access.uncontrolled",
@@ -103,6 +104,21 @@ def test_a_fault_is_found_by_the_check_that_names_it(fault, peer, network, catal
     with opened(network, TARGET, catalogue, **QUICK) as session:
         report = run(session, only(FAULTS[fault]), lambda _: None)
     assert verdicts(report) == {FAULTS[fault]: Verdict.FAIL}, report.results
+
+
+def test_a_group_that_cannot_begin_for_a_fault_fails(peer, network, catalogue):
+    peer("says not who controls it")
+    groups = [g for g in all_groups() if g.name == "access"]
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        report = run(session, groups, lambda _: None)
+    first, *others = report.results
+    assert first.verdict is Verdict.FAIL
+    assert first.messages == ("QueryControl is not answered with ReportControl",)
+    assert first.evidence
+    assert {each.verdict for each in others} == {Verdict.SKIPPED}
+    assert {each.messages for each in others} == {
+        ("the group could not begin; see access.uncontrolled",)
+    }
 
 
 def test_without_faults_the_same_checks_pass(peer, network, catalogue):

@@ -62,8 +62,14 @@ def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
     last: list[tuple[Check, str]] = []
     gone = False
     for group in groups:
-        obstacle = _GONE if gone else _obstacle(session, group)
-        for check in group.checks(session):
+        checks = group.checks(session)
+        obstacle = _GONE if gone else ""
+        if not gone and checks:
+            obstacle, failure = _obstacle(session, group, checks[0])
+            if failure is not None:
+                checks = checks[1:]
+                yield failure
+        for check in checks:
             if check.destructive:
                 last.append((check, obstacle))
                 continue
@@ -77,12 +83,16 @@ def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
         yield _result(session, check, _GONE if gone else reason)
 
 
-def _obstacle(session: Session, group: Group) -> str:
+def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result | None]:
+    """Returns why a group cannot run, and its first check as failed if the target is to blame."""
     session.begin()
     try:
-        return group.requires(session)
-    except (CheckFailed, CheckSkipped) as reason:
-        return str(reason)
+        return group.requires(session), None
+    except CheckSkipped as reason:
+        return str(reason), None
+    except CheckFailed as failure:
+        result = Result(first, Verdict.FAIL, (str(failure),), session.trace.lines)
+        return f"the group could not begin; see {first.id}", result
 
 
 def _result(session: Session, check: Check, obstacle: str) -> Result:

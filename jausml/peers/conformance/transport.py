@@ -6,6 +6,7 @@ import itertools
 from typing import TYPE_CHECKING
 
 from jausml.peers.conformance.check import CheckFailed, check
+from jausml.peers.conformance.session import PINGS
 from jausml.runtime.address import BROADCAST, JausAddress
 from jausml.runtime.core_messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
 from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet
@@ -24,8 +25,10 @@ _TRUNCATED_QUERIES = (b"\x00\x2b", b"\x11\x20", b"\xf0\x21", b"\x03\x2b\x01")
 
 
 def requires(session: Session) -> str:
-    """Returns why the group cannot run, or nothing."""
-    return "" if session.answers() else "the target answers no query that we could send"
+    """Returns nothing: the group runs against each target that answers anything at all."""
+    names = ", ".join(query.NAME for query, _ in PINGS)
+    session.require(session.answers(), f"the target is there, but answers none of {names}")
+    return ""
 
 
 @check(
