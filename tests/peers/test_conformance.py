@@ -121,6 +121,15 @@ def test_a_group_that_cannot_begin_for_a_fault_fails(peer, network, catalogue):
     }
 
 
+def test_a_target_that_answers_no_query_fails(peer, network, catalogue):
+    peer("answers nothing")
+    groups = [g for g in all_groups() if g.name == "transport"]
+    with opened(network, TARGET, catalogue, timeout=0.15, quiet=0.05) as session:
+        report = run(session, groups, lambda _: None)
+    assert failures(report).keys() == {"transport.ack"}
+    assert not report.passed
+
+
 def test_without_faults_the_same_checks_pass(peer, network, catalogue):
     peer()
     with opened(network, TARGET, catalogue, **QUICK) as session:
