@@ -95,7 +95,8 @@ def marked(*texts, **options):
     """
     expected = []
     plain = []
-    for number, text in enumerate(texts):
+    for number, given in enumerate(texts):
+        text = given
         while match := MARKER.search(text):
             before = text[: match.start()]
             line = before.count("\n") + 1

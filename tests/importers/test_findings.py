@@ -19,14 +19,19 @@ def one(fields, *others, types="", references=""):
     [
         ("⟦JML604⟧<record name='Empty' optional='false'/>", ""),
         ("<record ⟦JML603⟧nam='R' optional='false'>{f}</record>", "did you mean 'name'?"),
-        ("<record name='R' optional='false'>⟦JML602⟧<fixd_field/>{f}</record>",
-         "did you mean 'fixed_field'?"),
+        (
+            "<record name='R' optional='false'>⟦JML602⟧<fixd_field/>{f}</record>",
+            "did you mean 'fixed_field'?",
+        ),
         ("<record name='R' ⟦JML605⟧optional='maybe'>{f}</record>", ""),
         ("<declared_record name='R' ⟦JML608⟧declared_type_ref='Rac' optional='false'/>", ""),
         ("⟦JML604⟧<list name='L' optional='false'><record name='R'>{f}</record></list>", ""),
         ("⟦JML604⟧<list name='L' optional='false'>{count}</list>", ""),
-        ("<list name='L' optional='false'>{count}<record name='R'>{f}</record>"
-         "⟦JML602⟧<record name='S'>{f}</record></list>", ""),
+        (
+            "<list name='L' optional='false'>{count}<record name='R'>{f}</record>"
+            "⟦JML602⟧<record name='S'>{f}</record></list>",
+            "",
+        ),
     ],
 )
 def test_containers(text, hint):
@@ -38,8 +43,10 @@ def test_containers(text, hint):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('<fixed_field name="F" ⟦JML605⟧field_type="unsigned bite" field_units="one"/>',
-         "did you mean 'unsigned byte'?"),
+        (
+            '<fixed_field name="F" ⟦JML605⟧field_type="unsigned bite" field_units="one"/>',
+            "did you mean 'unsigned byte'?",
+        ),
         ('⟦JML604⟧<fixed_field field_type="byte" field_units="one"/>', "has no 'name'"),
         ('⟦JML621⟧<fixed_field name="F" field_type="byte"/>', "'one' is assumed"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="many"/>', "unknown constant"),
@@ -53,17 +60,29 @@ def test_containers(text, hint):
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="9e999"/>', "out of all bounds"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length=""/>', "is empty"),
         ('⟦JML604⟧<variable_length_string name="F"/>', "has no <count_field>"),
-        ('<variable_length_string name="F"><count_field ⟦JML605⟧field_type_unsigned="byte"/>'
-         "</variable_length_string>", "unsigned byte"),
-        ('<variable_length_string name="F"><count_field field_type_unsigned="unsigned byte"'
-         ' ⟦JML613⟧max_count="0"/></variable_length_string>', "always empty"),
+        (
+            '<variable_length_string name="F"><count_field ⟦JML605⟧field_type_unsigned="byte"/>'
+            "</variable_length_string>",
+            "unsigned byte",
+        ),
+        (
+            '<variable_length_string name="F"><count_field field_type_unsigned="unsigned byte"'
+            ' ⟦JML613⟧max_count="0"/></variable_length_string>',
+            "always empty",
+        ),
         ('⟦JML604⟧<bit_field name="F" field_type_unsigned="unsigned byte"/>', "<sub_field>"),
         ('⟦JML604⟧<variable_field name="F"/>', "<type_and_units_field>"),
-        ('<fixed_field name="F" field_type="byte" field_units="one"><value_set'
-         ' ⟦JML613⟧offset_to_lower_limit="true"><value_enum enum_index="1" enum_const="A"/>'
-         "</value_set></fixed_field>", "lower limit"),
-        ('<fixed_field name="F" field_type="byte" field_units="one">⟦JML604⟧<value_set/>'
-         "</fixed_field>", "has no value"),
+        (
+            '<fixed_field name="F" field_type="byte" field_units="one"><value_set'
+            ' ⟦JML613⟧offset_to_lower_limit="true"><value_enum enum_index="1" enum_const="A"/>'
+            "</value_set></fixed_field>",
+            "lower limit",
+        ),
+        (
+            '<fixed_field name="F" field_type="byte" field_units="one">⟦JML604⟧<value_set/>'
+            "</fixed_field>",
+            "has no value",
+        ),
     ],
 )
 def test_fields(text, said):

@@ -165,12 +165,15 @@ def test_ids_are_unique_with_several_sets(tmp_path):
 def test_versions_of_one_service_are_sets_of_their_own():
     later = service().replace('version="1.0">', 'version="2.0">', 1)
     result = run(service(), later)
-    assert [(each.name, each.version) for each in result.sets] == [("light", "1.0"), ("light", "2.0")]
+    assert [(each.name, each.version) for each in result.sets] == [
+        ("light", "1.0"),
+        ("light", "2.0"),
+    ]
 
 
-def test_a_service_set_is_a_set(tmp_path):
+def test_a_service_set_is_a_set():
     inner = service().partition("?>")[2]
-    own = type_set("").replace(' xmlns="urn:jaus:jsidl:1.0"', ' xmlns="urn:jaus:jsidl:1.0"')
+    own = type_set("")
     text = (
         '<plus:service_set xmlns:plus="urn:jaus:jsidl:plus" name="Night Lights" id="x"'
         f' version="3.1" mxGraph="0"><plus:mxCell/>{own}{inner}</plus:service_set>'

@@ -63,8 +63,11 @@ def test_a_model_is_as_itself(differences):
             'xsi:type="jaus:FixedLengthString" name="B" length="2"',
             "set/Base/Set/Rec/B: class: FixedField / FixedLengthString",
         ),
-        ("</jaus:ServiceSet>", '<services name="C" urn="u"/></jaus:ServiceSet>',
-         "set: services: nothing / C"),
+        (
+            "</jaus:ServiceSet>",
+            '<services name="C" urn="u"/></jaus:ServiceSet>',
+            "set: services: nothing / C",
+        ),
     ],
 )
 @pytest.mark.parametrize("policy", [EXACT, ON_THE_WIRE], ids=["exact", "wire"])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from reader_support import ZOO_METAMODELS
 
 from jausml.metamodel import FeatureKind, ValueKind, load_metamodels
-from jausml.metamodel.filling import count, holds, link, new_object, set_value, set_values
+from jausml.metamodel.filling import holds, link, new_object, set_value, set_values
 from jausml.model import library_root, read_models
 from jausml.model.comparison import compare
 from jausml.model.model import Model
@@ -59,43 +59,50 @@ def models(draw, metamodels):
     model = Model([], metamodels)
     made = []
     tables = [each for each in metamodels.classes.values() if not each.abstract]
-
-    def element(table, depth):
-        obj = new_object(table)
-        made.append(obj)
-        if draw(st.integers(0, 3)) == 0:
-            model.name_by_id(obj, f"_{len(made)}")
-        for feature in table.features.values():
-            if not feature.settable or draw(st.booleans()):
-                continue
-            if feature.kind is FeatureKind.ATTRIBUTE and feature.many:
-                texts = st.lists(values(feature.data_type), max_size=3, unique_by=repr)
-                set_values(obj, feature, draw(texts))
-            elif feature.kind is FeatureKind.ATTRIBUTE:
-                set_value(obj, feature, draw(values(feature.data_type)))
-            elif feature.kind is FeatureKind.CONTAINMENT and depth:
-                fitting = [each for each in feature.target.subtypes if not each.abstract]
-                fitting.sort(key=lambda each: each.qualified_name)
-                for _ in range(draw(st.integers(0, 2 if feature.many else 1))):
-                    child = element(draw(st.sampled_from(fitting)), depth - 1)
-                    link(obj, feature, child)
-        return obj
-
-    roots = [element(draw(st.sampled_from(tables)), 3) for _ in range(draw(st.integers(1, 2)))]
+    roots = [
+        element(draw, draw(st.sampled_from(tables)), 3, model, made)
+        for _ in range(draw(st.integers(1, 2)))
+    ]
     for obj in made:
-        for feature in metamodels.class_of(obj).features.values():
-            if feature.kind is not FeatureKind.CROSS_REFERENCE or draw(st.booleans()):
-                continue
-            kinds = feature.target.subtypes
-            fitting = [each for each in made if metamodels.class_of(each) in kinds]
-            chosen = draw(st.lists(st.sampled_from(fitting), max_size=2)) if fitting else []
-            for target in chosen if feature.many else chosen[:1]:
-                other = feature.opposite
-                free = feature.many or not count(obj, feature)
-                free = free and (other is None or other.many or not count(target, other))
-                if free and not holds(obj, feature, target) and feature.settable:
-                    link(obj, feature, target)
+        refer(draw, obj, made, metamodels)
     return roots, model
+
+
+def element(draw, table, depth, model, made):
+    """Draws an element with what it owns, and adds all of them to those that were made."""
+    obj = new_object(table)
+    made.append(obj)
+    if draw(st.integers(0, 3)) == 0:
+        model.name_by_id(obj, f"_{len(made)}")
+    for feature in table.features.values():
+        if not feature.settable or draw(st.booleans()):
+            continue
+        if feature.kind is FeatureKind.ATTRIBUTE and feature.many:
+            texts = st.lists(values(feature.data_type), max_size=3, unique_by=repr)
+            set_values(obj, feature, draw(texts))
+        elif feature.kind is FeatureKind.ATTRIBUTE:
+            set_value(obj, feature, draw(values(feature.data_type)))
+        elif feature.kind is FeatureKind.CONTAINMENT and depth:
+            fitting = [each for each in feature.target.subtypes if not each.abstract]
+            fitting.sort(key=lambda each: each.qualified_name)
+            for _ in range(draw(st.integers(0, 2 if feature.many else 1))):
+                child = element(draw, draw(st.sampled_from(fitting)), depth - 1, model, made)
+                link(obj, feature, child)
+    return obj
+
+
+def refer(draw, obj, made, metamodels):
+    """Draws what an element refers to; references with an opposite are left out."""
+    for feature in metamodels.class_of(obj).features.values():
+        is_plain = feature.kind is FeatureKind.CROSS_REFERENCE and feature.opposite is None
+        if not is_plain or not feature.settable or draw(st.booleans()):
+            continue
+        kinds = feature.target.subtypes
+        fitting = [each for each in made if metamodels.class_of(each) in kinds]
+        chosen = draw(st.lists(st.sampled_from(fitting), max_size=2)) if fitting else []
+        for target in chosen if feature.many else chosen[:1]:
+            if not holds(obj, feature, target):
+                link(obj, feature, target)
 
 
 @pytest.mark.parametrize("metamodels", [SHIPPED, ZOO_METAMODELS], ids=["shipped", "zoo"])

@@ -267,12 +267,12 @@ class BehaviourBuilder:
     def _guard_name(self, text: str) -> str:
         """Returns the name of the condition that stands for a text, the same for the same text."""
         if text not in self._guards:
-            name = f"guard_{snake_case(text) or 'condition'}"
+            base = name = f"guard_{snake_case(text) or 'condition'}"
             taken = set(self._guards.values())
             number = 1
             while name in taken:
                 number += 1
-                name = f"{name.rstrip('0123456789').rstrip('_')}_{number}"
+                name = f"{base}_{number}"
             self._guards[text] = name
         return self._guards[text]
 

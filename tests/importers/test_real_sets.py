@@ -1,0 +1,99 @@
+"""Service sets as other tools ship them are imported whole and agree with the library."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from jsidl_support import ROOT, SHARED
+
+from jausml.importers.jsidl import import_jsidl
+from jausml.importers.jsidl.library import library_model, services_by_urn
+from jausml.importers.jsidl.scopes import pick_version
+from jausml.model import read_models
+from jausml.model.comparison import ON_THE_WIRE, compare
+from jausml.model.writer import write_model
+from jausml.validation.engine import validate
+
+JSIDL = SHARED / "jsidl"
+SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []
+EMF_CHECK = SHARED / "tools" / "emf-check"
+
+# The library describes another edition of AS6009 than these files: in it Speed of a vector has no
+# presence bit, the list drivers inherit the ListManager of AS5710A and take waypoints, and
+# AccelerationStateSensor is of version 0.6.
+OTHER_EDITION = {
+    "GlobalVectorDriver/SetGlobalVector/GlobalVectorRec/Speed: optional: True / False",
+    "GlobalVectorDriver/ReportGlobalVector/GlobalVectorRec/Speed: optional: True / False",
+    "LocalVectorDriver/SetLocalVector/LocalVectorRec/Speed: optional: True / False",
+    "LocalVectorDriver/ReportLocalVector/LocalVectorRec/Speed: optional: True / False",
+    *(
+        f"{kind}WaypointListDriver: {difference}"
+        for kind in ("Global", "Local")
+        for difference in (
+            "inherits: urn:jaus:jss:mobility:ListManager 1.0 / urn:jaus:jss:core:ListManager 1.1",
+            f"inputs: nothing / Set{kind}Waypoint",
+        )
+    ),
+    "AccelerationStateSensor: version: 1.0 / 0.6",
+    *(
+        "AccelerationStateSensor/ReportAccelerationState/ReportAccelerationStateRec"
+        f"/{field}: optional: True / False"
+        for field in (
+            *(f"Acceleration_{axis}" for axis in "XYZ"),
+            *(f"{angle}Acceleration" for angle in ("Roll", "Pitch", "Yaw")),
+        )
+    ),
+}
+
+
+def files(name):
+    return sorted((JSIDL / name).rglob("*.xml"))
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_no_difference_from_the_library(name):
+    result = import_jsidl(files(name))
+    assert not result.has_errors
+    library = services_by_urn(library_model())
+    found = set()
+    for service in (each for root in result.sets for each in root.services):
+        versions = library[service.urn]
+        theirs = versions[pick_version(service.version, versions)]
+        found |= {str(e) for e in compare(service, theirs, result.model.metamodels, ON_THE_WIRE)}
+    assert found == (OTHER_EDITION if "mobility" in name else set())
+
+
+@pytest.mark.parametrize("name", [*SETS, ""] if SETS else [], ids=[*SETS, "both"])
+def test_the_model_is_sound(name, tmp_path):
+    result = import_jsidl(files(name))
+    path = tmp_path / "set.xmi"
+    write_model(result.sets, result.model, path)
+    assert read_models([path], project_root=tmp_path).diagnostics == []
+    assert not validate([path], project_root=tmp_path).has_errors
+    if EMF_CHECK.exists() and shutil.which("java"):
+        library = f"{ROOT / 'models' / 'library'}/"
+        command = [str(EMF_CHECK), "--map", "http://www.jausml.org/library/", library]
+        command += [str(ROOT / "metamodels" / "jaus.ecore"), str(path)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=100)
+        assert (done.returncode, done.stdout) == (0, "")
+
+
+@pytest.mark.skipif(not SETS, reason="the files are not here")
+def test_all_behaviour_is_expressed():
+    texts = [path.read_text(encoding="utf-8") for path in files("")]
+    result = import_jsidl(files(""))
+    made = [m for root in result.sets for service in root.services for m in service.machines]
+    assert len(made) == sum(len(re.findall(r"<state_machine\s", text)) for text in texts)
+    pending = [state for machine in made for state in machine.states]
+    transitions = 0
+    while pending:
+        state = pending.pop()
+        pending += state.states
+        transitions += len(state.transitions) + len(state.defaults)
+    assert transitions == sum(len(re.findall(r"<transition\s", text)) for text in texts)
+    assert {each.rule for each in result.diagnostics} == {"JML624", "JML626"}
+    assert Path(result.diagnostics[0].location.path).exists()
