@@ -48,16 +48,22 @@ class Target(JausComponent):
         return True
 
 
-def find_free_port():
+def _find_free_port():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
         return sock.getsockname()[1]
 
 
+@pytest.fixture(scope="session")
+def find_free_port():
+    """Returns a UDP port of loopback that nobody uses, another one each time."""
+    return _find_free_port
+
+
 @pytest.fixture
 def free_port():
     """A UDP port of loopback that nobody uses."""
-    return find_free_port()
+    return _find_free_port()
 
 
 @pytest.fixture

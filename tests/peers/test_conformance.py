@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
@@ -12,6 +13,7 @@ from jausml.peers.conformance.opening import TargetNotReached, opened
 from jausml.peers.conformance.runner import run
 from jausml.peers.conformance.session import Limits
 from jausml.peers.describing import describe
+from jausml.peers.network import make_network
 from jausml.runtime.address import JausAddress
 from jausml.runtime.component import JausComponent, ServiceIdentity
 from jausml.runtime.services.definitions import Status
@@ -98,12 +100,28 @@ def skipped(report):
     return {r.check.id for r in report.results if r.verdict is Verdict.SKIPPED}
 
 
+@pytest.fixture(scope="module")
+def found(peer_module, catalogue, find_free_port):
+    """The verdict of the named check on each fault; the faulty peers are tested side by side."""
+    assert catalogue.messages  # made once, not by several threads
+
+    def test(fault):
+        port = find_free_port()
+        network = make_network("65000.1.1", "127.0.0.1", port, "239.255.0.1", [])
+        peer = peer_module.FaultyPeer(TARGET, port, fault)
+        try:
+            with opened(network, TARGET, catalogue, timeout=0.8, quiet=0.15) as session:
+                return verdicts(run(session, only(FAULTS[fault]), lambda _: None))
+        finally:
+            peer.close()
+
+    with ThreadPoolExecutor(8) as pool:
+        return dict(zip(FAULTS, pool.map(test, FAULTS), strict=True))
+
+
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_fault_is_found_by_the_check_that_names_it(fault, peer, network, catalogue):
-    peer(fault)
-    with opened(network, TARGET, catalogue, **QUICK) as session:
-        report = run(session, only(FAULTS[fault]), lambda _: None)
-    assert verdicts(report) == {FAULTS[fault]: Verdict.FAIL}, report.results
+def test_a_fault_is_found_by_the_check_that_names_it(fault, found):
+    assert found[fault] == {FAULTS[fault]: Verdict.FAIL}
 
 
 def test_a_group_that_cannot_begin_for_a_fault_fails(peer, network, catalogue):
