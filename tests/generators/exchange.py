@@ -9,11 +9,10 @@ from __future__ import annotations
 import queue
 import socket
 from datetime import datetime, timezone
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import operator_jaus.operator_jaus_base as operator_base
 from jausml_runtime.component import Status
-from jausml_runtime.core_messages import ReportTime
 from jausml_runtime.process import running_transport
 from jausml_runtime.settings import TransportSettings
 from operator_jaus.messages import ReportWrenchEffort, SetWrenchEffort
@@ -22,6 +21,9 @@ from wrench_driver import wrench_driver_base
 from wrench_driver.messages import ReportLocalPose
 from wrench_driver.messages import ReportWrenchEffort as DriverReport
 from wrench_driver.wrench_driver import WrenchDriver
+
+if TYPE_CHECKING:
+    from jausml_runtime.core_messages import ReportTime
 
 LIMIT = 20.0
 events: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()
