@@ -84,3 +84,16 @@ def test_stop(clock: Clock) -> None:
     plant.stop()
     clock.time += 10.0
     assert plant.state().v == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_vehicle_that_stood_for_a_year_answers_at_once(clock: Clock) -> None:
+    plant = RealTimePlant(VehicleParameters(), clock)
+    plant.command_speed(3.0)
+    clock.time += 60.0
+    stopped = plant.state()
+    clock.time += 365 * 86400.0  # a step each millisecond would outlast the limit of the test
+    assert plant.state() == stopped
+    assert stopped.v == 0.0
+    plant.command_speed(3.0)
+    clock.time += 0.1
+    assert plant.state().v > 0.0

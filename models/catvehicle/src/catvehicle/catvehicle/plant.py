@@ -7,7 +7,7 @@ the yaw rate. ROS convention: x forward, y left, yaw counter-clockwise; metres, 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from .path import Pose
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 SUBSTEP = 0.001
 """Longest integration step, s."""
+
+REST = 1e-6
+"""Speed (m/s) and distance of the tyre angle from its command (rad) that count as rest."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,8 @@ class BicyclePlant:
     def advance(self, dt: float) -> VehicleState:
         """Integrate over exactly `dt` seconds, in equal midpoint steps of 1 ms at most.
 
+        A vehicle at rest is not integrated, so that one that stood for hours answers at once.
+
         Returns:
             The new state.
 
@@ -104,8 +109,16 @@ class BicyclePlant:
         # The tolerance keeps 0.04 / 0.001 = 40.00000000000001 from becoming 41 steps.
         count = math.ceil(dt / SUBSTEP - 1e-9)
         for _ in range(count):
+            if self._is_at_rest:
+                self._state = replace(self._state, v=0.0, delta=self._angle_command)
+                break
             self._state = self._step(self._state, dt / count)
         return self._state
+
+    @property
+    def _is_at_rest(self) -> bool:
+        gap = abs(self._angle_command - self._state.delta)
+        return self._speed_command == 0.0 and self._state.v < REST and gap < REST
 
     def _step(self, start: VehicleState, dt: float) -> VehicleState:
         rate = self._derivative(start)
