@@ -8,6 +8,7 @@ from .component_hooks import ComponentHooks
 from .dispatch import Provision, Router
 from .message import EncodeError, Message
 from .packet import Priority
+from .selection import asked_for
 from .services.access_control import AccessControlService
 from .services.definitions import (
     CORE,
@@ -364,7 +365,7 @@ class ComponentBase(ComponentHooks):
         if report is None:
             return None
         try:
-            return bytes(report.encode())
+            return bytes(asked_for(query, report).encode())
         except EncodeError as error:
             self.counters.count("component.report_not_encodable", str(error))
             return None

@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from jausml.generators.common.message_examples import example_bytes
 from jausml.runtime.message import DecodeError, EncodeError
+from jausml.runtime.selection import optional_fields
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 FEW = settings(
@@ -180,3 +181,12 @@ def encode_problem(message: Any) -> str:
     except EncodeError as error:
         return error.reason
     return ""
+
+
+@pytest.mark.parametrize("set_name", shipped_sets())
+def test_optional_fields_and_they_alone_default_to_none(set_name: str) -> None:
+    """What a query asks for is chosen by it."""
+    views, _, module = library(set_name)
+    for view in views:
+        optional = tuple(member.attribute for member in view.body.members if member.is_optional)
+        assert optional_fields(getattr(module, view.class_name)) == optional

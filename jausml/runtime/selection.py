@@ -1,0 +1,44 @@
+"""The fields of a report that a query asks for."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .message import Message, MessageT
+
+
+def asked_for(query: Message, report: MessageT) -> MessageT:
+    """Returns the report without the optional fields that its query does not ask for.
+
+    The field PresenceVector of a query names the optional fields of the report, by the bits of the
+    report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
+
+    Args:
+        query: The query.
+        report: What the component has to report; it is not changed.
+    """
+    wanted = getattr(query, "presence_vector", None)
+    if not isinstance(wanted, int):
+        return report
+    message_class: type = type(report)
+    left_out = {
+        name: None
+        for bit, name in enumerate(optional_fields(message_class))
+        if not wanted >> bit & 1 and getattr(report, name) is not None
+    }
+    return replace(report, **left_out) if left_out else report  # type: ignore[type-var]
+
+
+@cache
+def optional_fields(message_class: type) -> tuple[str, ...]:
+    """Returns the attributes of a message's optional fields in the order of their presence bits.
+
+    Args:
+        message_class: Generated codec; its optional fields, and they alone, default to None.
+    """
+    if not is_dataclass(message_class):
+        return ()
+    return tuple(field.name for field in fields(message_class) if field.default is None)
