@@ -1,8 +1,8 @@
 """Codecs: small objects that each know how one field stands on the wire (SAE AS5684).
 
-Decoding is as lenient as the layout allows: an integer that a value set does not list and a list
-that is too short are carried on, because peers send them. Encoding is strict. The fields have the
-shapes of JSON: objects, lists, numbers, strings.
+Decoding is as lenient as the layout allows: an integer that a value set does not list and a byte
+string that is too short are carried on, because peers send them. Encoding is strict, but for lists
+that are too short. The fields have the shapes of JSON: objects, lists, numbers, strings.
 """
 
 from __future__ import annotations

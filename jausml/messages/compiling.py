@@ -81,7 +81,7 @@ class _Compiler:
             "VariableField": _variable_number,
             "BitField": _bit_field,
             "FixedLengthString": _fixed_text,
-            "VariableLengthString": lambda field: Text(_counted(field)),
+            "VariableLengthString": lambda field: Text(_counted_bytes(field)),
             "VariableLengthField": self._octets,
             "VariableFormatField": self._formatted_octets,
             "Record": self._record,
@@ -124,7 +124,9 @@ class _Compiler:
         return Record(members, _unsigned(width))
 
     def _list(self, field: Any) -> List:
-        counted = _counted(field, int(field.minimumCount), int(field.maximumCount))
+        # JAUS-DEVIATION: AS5684 also states a smallest count; components made with the JAUS Tool
+        # Set send shorter lists (QueryServiceList without a subsystem), and mean them.
+        counted = _counted(field, 0, int(field.maximumCount))
         return List(self._element(field), counted)
 
     def _array(self, field: Any) -> Array:
@@ -144,13 +146,13 @@ class _Compiler:
         return Variant(_unsigned(_name(field.tagType)), options)
 
     def _octets(self, field: Any) -> Octets:
-        return Octets(_counted(field), str(field.format), self._encode_message)
+        return Octets(_counted_bytes(field), str(field.format), self._encode_message)
 
     def _formatted_octets(self, field: Any) -> FormattedOctets:
         formats = {int(each.index): str(each.name) for each in field.formats}
         if not formats or not all(0 <= index <= 255 for index in formats):
             raise DefinitionError("the indices of its formats do not lie in 0 .. 255")
-        return FormattedOctets(formats, _counted(field), self._encode_message)
+        return FormattedOctets(formats, _counted_bytes(field), self._encode_message)
 
 
 def _name(literal: Any) -> str:
@@ -181,10 +183,12 @@ def _unsigned(numeric_type: str) -> Integer:
     return Integer(_FORMATS[numeric_type], (_limits(numeric_type),))
 
 
-def _counted(field: Any, lower: int | None = None, upper: int | None = None) -> Counted:
+def _counted_bytes(field: Any) -> Counted:
+    return _counted(field, int(field.minimumLength), int(field.maximumLength))
+
+
+def _counted(field: Any, least: int, most: int) -> Counted:
     """Returns the count of a field; an upper limit of 0 means all that the count can say."""
-    least = int(field.minimumLength) if lower is None else lower
-    most = int(field.maximumLength) if upper is None else upper
     count_type = _unsigned(_name(field.countType))
     largest = count_type.ranges[0][1]
     return Counted(count_type.format, least, min(most, largest) if most > 0 else largest)

@@ -173,6 +173,13 @@ def test_values_outside_their_set_are_decoded_but_not_encoded(catalogue):
         entry.encode(fields)
 
 
+def test_a_list_below_its_smallest_count_passes_both_ways(catalogue):
+    payload = bytes.fromhex("042b0000")
+    decoded = catalogue.decode(payload)
+    assert decoded.fields == {"SubsystemList": []}
+    assert catalogue.encode(decoded.to_json()) == payload
+
+
 @pytest.mark.parametrize("rounding", ["round", "floor", "ceiling"])
 @pytest.mark.parametrize(("lower", "upper"), [(0.0, 1.0), (-math.pi, math.pi), (-10000.0, 35000.0)])
 def test_a_scaled_value_comes_back_from_every_integer(rounding, lower, upper):
