@@ -16,7 +16,8 @@ from jausml.generators.common.assignments import (
     to_jaus,
     to_ros,
 )
-from jausml.generators.common.components import address_call, query_for, with_inherited
+from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
+from jausml.generators.common.guards import condition
 from jausml.generators.common.layout import Call, signature, statement
 from jausml.generators.common.names import snake_case
 from jausml.generators.common.ros import RosType, ros_type
@@ -166,7 +167,7 @@ class ConnectionView:
         if self.to_ros and self.exchange in {"periodicEvent", "query"}:
             found.append(("rate", python_literal(float(connection.rate))))
         if self._handler_guard != "ANY":
-            found.append(("when", f"Guard.{self._handler_guard}"))
+            found.append(("when", condition(self.message_element, self._handler_guard)))
         if self.kind == "TopicsToMessage":
             found += self._sending()
         if connection.silenceTimeout > 0:
@@ -210,13 +211,11 @@ class ConnectionView:
         """Whom the receiver obeys, by what the service of a command inherits (AS5710)."""
         if not self.message.is_command:
             return "ANY"
-        service, names = self.message_element.eContainer(), set[str]()
-        while service is not None:
-            names.add(service.urn.rpartition(":")[2])
-            service = service.inherits
-        if "Management" in names:
+        # A command that a service keeps in Standby moves what listens to a topic at once.
+        service = self.message_element.eContainer()
+        if inherits(service, "Management"):
             return "READY"
-        return "CONTROLLED" if "AccessControl" in names else "ANY"
+        return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
 
     @property
     def _handler_guard(self) -> str:

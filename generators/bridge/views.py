@@ -45,8 +45,8 @@ _TAKEN_ATTRIBUTES = _names(
 # Classes of the runtime that generated modules import.
 _TAKEN_CLASSES = _names(
     """
-    AbsentFieldError Bridge BridgeSettings ComponentSettings EventToTopics Guard JausAddress
-    MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
+    AbsentFieldError Bridge BridgeSettings ComponentSettings ConversionError EventToTopics Guard
+    JausAddress MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
     TopicsToReport TransportKind TransportSettings
     """
 )

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import LINE_WIDTH, printable, python_literal, python_string
+from jausml.generators.common.guards import CURRENT_COMMAND, may_set_limits
 from jausml.generators.common.jaus_fields import (
     BITS,
     INTEGER,
@@ -187,6 +188,8 @@ def to_ros(connection: Any, message: MessageView, owner: str, class_name: str) -
         PathError: A path leads nowhere.
     """
     body, attribute_map = Body(owner, connection.outOfRange.name), connection.map
+    if may_set_limits(attribute_map.message):
+        _refuse_limits(body, attribute_map)
     for assignment in attribute_map.toRos:
         if _needs_its_sources(assignment):
             for path in _paths(assignment.source):
@@ -207,6 +210,23 @@ def to_ros(connection: Any, message: MessageView, owner: str, class_name: str) -
         else:
             _store_ros(body, target, Value("self.now()", TIME))
     return body
+
+
+def _refuse_limits(body: Body, attribute_map: Any) -> None:
+    """Adds the refusal of limits, which a topic would carry as if they were the command.
+
+    Where the map carries the CommandType as well, the ROS side can tell them apart.
+    """
+    carried = {
+        path
+        for assignment in attribute_map.toRos
+        if assignment.eClass.name == "FieldAssignment"
+        for path in _paths(assignment.source)
+    }
+    if "CommandType" not in carried:
+        error = body.use("conversions", "ConversionError")
+        body.add(f"if source.command_type != {CURRENT_COMMAND}:")
+        body.add(f'raise {error}("a limit, not the current command")', depth=1)
 
 
 def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]) -> Body:

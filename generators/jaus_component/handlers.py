@@ -8,34 +8,16 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.artifact import MethodContract
 from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.literals import python_literal
-from jausml.generators.common.components import inherits
 from jausml.generators.common.layout import Call, signature, statement
 
 if TYPE_CHECKING:
     from jausml.generators.common.messages import MessageView
 
-# Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
-STANDBY_MESSAGES = frozenset(
-    [
-        "SetGlobalWaypoint",
-        "SetLocalWaypoint",
-        "SetElement",
-        "DeleteElement",
-        "SetAccelerationLimit",
-    ]
-)
 GUARD_TEXTS = {
     "ANY": "from whoever sends it",
     "CONTROLLED": "from the controller",
     "READY": "from the controller while the component is Ready",
 }
-# Limits may be set in Standby, the current command in Ready alone (AS6009, VelocityStateDriver).
-CONDITIONS = {
-    "SetVelocityCommand": (
-        "lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED"
-    ),
-}
-_FIRST_QUERY = 0x2000
 _DEFINITION = 4
 _BODY = 8
 
@@ -102,20 +84,17 @@ class Handler:
     Attributes:
         message: The message.
         method: The method that acts on it.
-        guard: Whom it is obeyed from: ANY, CONTROLLED or READY.
+        when: Whom it is obeyed from, as an expression.
     """
 
     message: MessageView
     method: Method
-    guard: str
+    when: str
 
     @property
     def registration(self) -> str:
         """Statement of the constructor."""
-        guard = f"Guard.{self.guard}"
-        if self.guard == "READY":
-            guard = CONDITIONS.get(self.message.class_name, guard)
-        arguments = (self.message.class_name, f"self.{self.method.name}", f"when={guard}")
+        arguments = (self.message.class_name, f"self.{self.method.name}", f"when={self.when}")
         return statement(Call("self.handle", arguments), "", _BODY)
 
 
@@ -204,21 +183,6 @@ class Received:
         selectors = [m for m in self.query.body.members if m.jaus_name == "PresenceVector"]
         arguments = tuple(f"{member.attribute}=0x{wanted:X}" for member in selectors)
         return Call(self.query.class_name, arguments if wanted else ())
-
-
-def guard_of(message: Any, service: Any) -> str:
-    """Returns whom a component obeys an input message from: ANY, CONTROLLED or READY.
-
-    Args:
-        message: The `jaus.MessageDef`.
-        service: The `jaus.Service` that takes it.
-    """
-    # Codes below 2000h are of the command class; the JSIDL of ExecuteList forgets to say so.
-    if not message.isCommand and int(str(message.code), 16) >= _FIRST_QUERY:
-        return "ANY"
-    if inherits(service, "Management") and message.name not in STANDBY_MESSAGES:
-        return "READY"
-    return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
 
 
 def documented(element: Any, otherwise: str) -> str:

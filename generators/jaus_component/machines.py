@@ -9,8 +9,9 @@ from jausml.generation.docstrings import clean, sentence
 from jausml.generation.literals import python_string
 from jausml.generators.common import components, names
 from jausml.generators.common.displays import Display, call, tuple_of
+from jausml.generators.common.guards import condition, guard_of
 from jausml.generators.common.layout import Call, statement
-from jausml.generators.jaus_component.handlers import Method, documented, guard_of
+from jausml.generators.jaus_component.handlers import Method, documented
 from jausml.generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
 from jausml.generators.jaus_component.walks import walks
 from jausml.model.guards import AllOf, AnyOf, Condition, Guard, Negation, conditions, parse_guard
@@ -223,7 +224,8 @@ class Machines:
                 return statement(Call("self.provide_by_machines", (*classes, *makers)), "", _BODY)
         _, is_free = self._taken[view.code]
         guard = "ANY" if is_free else guard_of(message, service)
-        arguments = (view.class_name, *([f"when=Guard.{guard}"] if guard != "ANY" else []))
+        when = [f"when={condition(message, guard)}"] if guard != "ANY" else []
+        arguments = (view.class_name, *when)
         return statement(Call("self.handle_by_machines", arguments), "", _BODY)
 
     # -- tables ----------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generators.common import components, imports, names
+from jausml.generators.common.guards import condition, guard_of, may_set_limits
 from jausml.generators.common.layout import Call, hexadecimal, statement, text
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.message_examples import example_bytes
@@ -24,7 +25,6 @@ from jausml.generators.jaus_component.handlers import (
     Peer,
     Received,
     documented,
-    guard_of,
 )
 
 if TYPE_CHECKING:
@@ -241,14 +241,17 @@ class ComponentView:
 
     def _handler(self, message: Any, service: Any) -> Handler:
         view, guard = self._messages[message], guard_of(message, service)
+        whom = GUARD_TEXTS[guard]
+        if guard == "READY" and may_set_limits(message):
+            whom += "; limits in Standby too"
         method = Method(
             self._methods.claim(f"on_{names.snake_case(view.class_name)}"),
             (("message", view.class_name), ("sender", "JausAddress")),
             "Completion | None",
-            documented(message, f"take {clean(message.name)} {GUARD_TEXTS[guard]}"),
+            documented(message, f"take {clean(message.name)} {whom}"),
             view.code_text,
         )
-        return Handler(view, method, guard)
+        return Handler(view, method, condition(message, guard))
 
     def _answer(self, query: Any, report: Any) -> Answer:
         asked, told = self._messages[query], self._messages[report]

@@ -191,14 +191,18 @@ class Bridge:
             self.ros.subscribe(message_type, topic, lambda message: _each(takers, message))
 
     def accept(
-        self, message: type[Message], take: Callable[[Any, JausAddress], None], when: Guard
+        self,
+        message: type[Message],
+        take: Callable[[Any, JausAddress], None],
+        when: Guard | Callable[[Any], Guard],
     ) -> None:
         """Takes messages that other components send to the bridge.
 
         Args:
             message: The message.
             take: Takes each message and its sender.
-            when: Whom to obey; a command has one handler, which its connections share.
+            when: Whom to obey, or a function that tells it from the message; a command has one
+                handler, which its connections share.
         """
         if when is Guard.ANY:
             self.component.on_message(message, take)

@@ -205,7 +205,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         name: str,
         translate: Callable[[SourceT], TargetT | None],
         *,
-        when: Guard = Guard.ANY,
+        when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -213,7 +213,8 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         Args:
             name: Name of the connection in the model.
             translate: Makes the ROS message, or None to pass nothing on.
-            when: Whom to obey: commands pass only from the controller of the bridge.
+            when: Whom to obey: commands pass only from the controller of the bridge. A function
+                tells it from the message.
             options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
@@ -226,7 +227,9 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 
     def on_not_ready(self) -> None:
         """Nobody may command any more: the topics get the safe value at once."""
-        if self._when is Guard.READY and not self.is_silent:
+        # A function is for messages that may be the command itself, which ends with Ready.
+        is_command = self._when is Guard.READY or not isinstance(self._when, Guard)
+        if is_command and not self.is_silent:
             self.fall_silent()
 
     def describe_peers(self) -> list[tuple[str, str]]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from .address import JausAddress
 
+M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
@@ -81,12 +82,15 @@ class ModelledComponent(JausComponent):
         self._jaus_machines = (*self._jaus_machines, machine)
         return machine
 
-    def handle_by_machines(self, message_class: type[Message], *, when: Guard = Guard.ANY) -> None:
+    def handle_by_machines(
+        self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
+    ) -> None:
         """Let the machines take an input message.
 
         Args:
             message_class: Generated codec of the message.
-            when: Whom to obey, before any guard of the machine.
+            when: Whom to obey, before any guard of the machine; a function tells it from the
+                message.
 
         Raises:
             ValueError: The message is handled already.

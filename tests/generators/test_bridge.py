@@ -130,6 +130,17 @@ def test_same_model_gives_the_same_bytes(loop_files):
             rate=20.0,
 """,
         """
+            when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED,
+            silence_timeout=0.5,
+            safe_value=self.safe_cruise,
+            peers=[JausAddress(20, 1, 1)],
+""",
+        """
+        if source.command_type != 0:
+            raise ConversionError("a limit, not the current command")
+        if source.velocity_x is None:
+""",
+        """
             control=Guard.READY,
             priority=Priority.HIGH,
             silence_timeout=0.4,

@@ -247,10 +247,12 @@ def test_query_of_an_absent_peer_goes_on(world, setting):
     assert connection.statistics.passed >= 4
 
 
-def message_connection(**options):
+def message_connection(
+    translate=lambda message: Number(float(message.time_stamp.minutes)), **options
+):
     return MessageToTopics(
         "times",
-        lambda message: Number(float(message.time_stamp.minutes)),
+        translate,
         message=SetTime,
         type=Number,
         topics=[Topic("times")],
@@ -318,6 +320,40 @@ def test_losing_control_is_safe_without_a_timeout_too(world, setting):
     world.settle()
     assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
     assert not connection.is_silent
+
+
+def test_guard_may_depend_on_the_message(world, setting):
+    """A limit passes the guard in Standby, is no command, and does not end a silence."""
+
+    def current(source):
+        if source.time_stamp.minutes:
+            raise ConversionError("a limit, not the current command")
+        return Number(5.0)
+
+    connection = setting.open(
+        message_connection(
+            translate=current,
+            when=lambda message: Guard.CONTROLLED if message.time_stamp.minutes else Guard.READY,
+            safe_value=lambda: Number(-1.0),
+        ),
+        services=CORE,
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=200), minutes(0), minutes(7)):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == []
+    assert setting.drops(connection) == {"no_counterpart": 1}
+    assert setting.bridge.component.counters.drops()["component.command_refused"] == 1
+    for message in (Resume(), minutes(0), ReleaseControl()):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [5.0, -1.0]
+    operator.send(RequestControl(authority_code=200), OWN)
+    operator.send(minutes(7), OWN)
+    world.settle()
+    assert connection.is_silent
+    assert setting.ros.numbers("times") == [5.0, -1.0]
 
 
 # ------------------------------------------------------------------ ROS to JAUS
