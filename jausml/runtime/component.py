@@ -361,7 +361,8 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             super().start()
-            self._jaus_discovery_client.start()
+            if self._jaus_running:
+                self._jaus_discovery_client.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.

@@ -217,6 +217,8 @@ class ComponentBase(ComponentHooks):
             self._jaus_running = True
             self.core_state_changed()
             self._jaus_management.initialize()
+            if not self._jaus_running:
+                return  # a hook has stopped it
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 EMERGENCY_CODES = (0, 1)
 """Emergency codes that are taken for STOP; others are ignored."""
 
+FINAL = (Status.FAILURE, Status.SHUTDOWN)
+"""States that no message ends: an emergency on top of them leads back to them."""
+
 MAX_EMERGENCY_CLIENTS = 1024
 """Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
 
@@ -36,7 +39,8 @@ class ManagementService:
     """Keeps the state of the component (AS5710, Management, protocol behaviour).
 
     A component that provides Management v1.0 behaves as v1.0 says: after an emergency it goes on
-    where it was, Reset needs Ready, and anyone may shut down or reset it in Emergency.
+    where it was, Reset needs Ready, and anyone may shut down or reset it in Emergency. Of either
+    version, one that has failed or was shut down is so again after an emergency.
 
     Attributes:
         status: The present state.
@@ -50,7 +54,7 @@ class ManagementService:
         self._access = access
         self._emergencies: set[JausAddress] = set()
         self._is_1_0 = component.core_version("Management") < VERSION_1_1
-        self._interrupted: tuple[Status, JausAddress | None, int] | None = None
+        self._interrupted: tuple[Status, JausAddress | None, int] = (Status.STANDBY, None, 0)
         self.status = Status.INITIALIZE
         access.managed = False
         access.emergency_clients = self._emergencies
@@ -115,15 +119,21 @@ class ManagementService:
             LOGGER.info("%s is shut down by %s", self._component.address, sender)
             self.shut_down(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
 
-    def _reset(self, _message: Reset, _sender: JausAddress) -> None:
+    def _reset(self, _message: Reset, sender: JausAddress) -> None:
         if self.status is Status.STANDBY and self._is_1_0:
             return
         was_emergency = self.status is Status.EMERGENCY
+        if was_emergency and self._interrupted[0] in FINAL:
+            # JAUS-DEVIATION: AS5710 v1.0 resets from any emergency; a component that has failed or
+            # was shut down, which no Reset revives, must not be revived by way of an emergency.
+            self._component.counters.count("management.reset_ignored", f"Reset of {sender}")
+            return
         self._enter(Status.INITIALIZE)
         self._access.drop(Reject.CONTROL_RELEASED)
         if was_emergency:
             self._component.call(self._component.on_emergency, False)  # noqa: FBT003
-        self.initialize()
+        if self.status is Status.INITIALIZE:  # no hook has reported a failure meanwhile
+            self.initialize()
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES:
@@ -152,15 +162,17 @@ class ManagementService:
 
     def _leave_emergency(self) -> None:
         """Go to Standby without a controller; in v1.0, back to what the emergency interrupted."""
+        status, controller, authority = self._interrupted
         # JAUS-DEVIATION: some definitions of v1.1 go back too, with the same controller; to stand
-        # still is what those of the IOP say, and what is safe.
-        if not self._is_1_0 or self._interrupted is None:
+        # still is what those of the IOP say, and what is safe. For the same reason a component
+        # that has failed or was shut down goes back: nobody shall revive it by an emergency.
+        if not self._is_1_0 and status not in FINAL:
             self._enter(Status.STANDBY)
             return
-        status, controller, authority = self._interrupted
         if controller is not None:
             self._access.restore(controller, authority)
-        self._enter(status)
+        if self.status is Status.EMERGENCY:  # no hook has reported a failure meanwhile
+            self._enter(status)
 
     def _control_lost(self) -> None:
         if self.status is Status.READY:

@@ -270,3 +270,29 @@ def test_initialization_that_fails_stays_in_failure(world):
     robot = world.component("1.1.1", kind=Broken)
     robot.start()
     assert robot.status is Status.FAILURE
+
+
+@pytest.mark.parametrize("hook", ["on_not_ready", "on_controller_changed"])
+def test_reset_does_not_hide_a_failure_that_a_hook_reports(world, client, hook):
+    robot = world.component("1.1.1", kind=Robot)
+    robot.start()
+    client.ask(RequestControl(authority_code=1), robot)
+    client.ask(Resume(), robot)
+    setattr(robot, hook, lambda *_: robot.fail("a brake is stuck"))
+    client.ask(Reset(), robot)
+    assert robot.status is Status.FAILURE
+
+
+def test_hook_that_stops_the_component_at_its_start_leaves_nothing_behind(world):
+    class Unwilling(Robot):
+        def on_initialize(self):
+            self.stop()
+
+    robot = world.component("1.1.1", kind=Unwilling, heartbeat_rate=10.0, register_services=True)
+    robot.discover("urn:jaus:jss:core:Time", lambda _found: None)
+    robot.start()
+    world.settle()
+    sent = len(world.log)
+    world.run(60.0, step=1.0)
+    assert not robot.running
+    assert len(world.log) == sent
