@@ -55,9 +55,13 @@ class PendingCommand:
         self._timer: Timer | None = None
 
     def cancel(self) -> None:
-        """Await the end no longer; neither callback is called. The command itself goes on."""
+        """Await the end no longer; neither callback is called.
+
+        The target is told; whether it goes on with the command is left to it.
+        """
         with self._client.component.loop.lock:
-            self._client.forget(self)
+            if not self._client.forget(self):
+                return
             if self.event_id is not None:
                 cancel = CancelEvent(request_id=self.request_id, event_id=self.event_id)
                 self._client.component.send(cancel, self.target)
@@ -147,10 +151,14 @@ class CommandClient:
         self.component.when_started(lambda: self._start(pending, payload, timeout))
         return pending
 
-    def forget(self, pending: PendingCommand) -> None:
-        """Drop a command that has ended or is awaited no longer."""
+    def forget(self, pending: PendingCommand) -> bool:
+        """Drop a command that has ended or is awaited no longer; return whether it was."""
         pending.stop_waiting()
-        self._pending.pop((pending.target, pending.request_id), None)
+        key = (pending.target, pending.request_id)
+        if self._pending.get(key) is not pending:
+            return False
+        del self._pending[key]
+        return True
 
     def stop(self) -> None:
         """Await no end any more."""

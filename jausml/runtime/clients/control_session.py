@@ -77,8 +77,8 @@ class ControlSession:
             self._control.leave(self)
 
     def changed(self) -> None:
-        """Tell the user the present state."""
-        if self._on_change is not None:
+        """Tell the user the present state, unless the session was released."""
+        if self._on_change is not None and self._control.has(self):
             self._control.component.call(self._on_change, self._control.state)
 
 
@@ -182,6 +182,9 @@ class _Control:
         if self.state is not ControlState.SEEKING:
             self._loop.call_soon(session.changed)
 
+    def has(self, session: ControlSession) -> bool:
+        return session in self._sessions
+
     def leave(self, session: ControlSession) -> None:
         if session in self._sessions:
             self._sessions.remove(session)
@@ -204,22 +207,22 @@ class _Control:
     def confirmed(self, code: int) -> None:
         if code != ConfirmControl.ResponseCode.CONTROL_ACCEPTED:
             self.component.counters.add("control_client.refused")
-            self._change(ControlState.REFUSED)
-            self._check_in(self._settings.refused_retry)
+            if self._change(ControlState.REFUSED):
+                self._check_in(self._settings.refused_retry)
             return
         self._missed = 0
         if not self._holds:
             self._delay = self._settings.retry_min
-            self._change(ControlState.CONTROLLED)
-            self._send(QueryTimeout())
-            self._send(QueryStatus())
-            self._check_in(self._interval())
+            if self._change(ControlState.CONTROLLED):
+                self._send(QueryTimeout())
+                self._send(QueryStatus())
+                self._check_in(self._interval())
 
     def rejected(self) -> None:
         if self._holds:
             self.component.counters.add("control_client.lost")
-            self._change(ControlState.SEEKING)
-            self._check_in(self._settings.retry_min)
+            if self._change(ControlState.SEEKING):
+                self._check_in(self._settings.retry_min)
 
     def timeout_reported(self, seconds: int) -> None:
         self._timeout = seconds
@@ -252,7 +255,8 @@ class _Control:
         self._missed += 1
         if self._missed > MISSED_CHECKS:
             self.component.counters.add("control_client.lost")
-            self._change(ControlState.SEEKING)
+            if not self._change(ControlState.SEEKING):
+                return
         if self._timeout is None:
             self._send(QueryTimeout())
         self._send(QueryStatus())
@@ -279,8 +283,10 @@ class _Control:
     def _send(self, message: Message) -> None:
         self.component.send(message, self.target)
 
-    def _change(self, state: ControlState) -> None:
+    def _change(self, state: ControlState) -> bool:
+        """Tell the sessions a new state; return whether control is wanted any longer then."""
         if state is not self.state:
             self.state = state
             for session in tuple(self._sessions):
                 session.changed()
+        return bool(self._sessions)

@@ -111,7 +111,7 @@ class EventStream:
                     del self._groups[report_class]
         if self._groups:
             self._agree_on_rate()
-        else:
+        elif self._client.has(self):
             self.stop()
 
     def stop(self) -> None:
@@ -286,7 +286,8 @@ class EventStream:
             report = self._decode(report_class, payload)
             if report is not None:
                 for subscription in tuple(subscriptions):
-                    subscription.deliver(report, now)
+                    if subscription in subscriptions:  # not cancelled by one before it
+                        subscription.deliver(report, now)
 
     def _deliver_to(
         self, subscription: EventSubscription, report_class: type[Message], payload: bytes

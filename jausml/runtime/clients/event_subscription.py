@@ -186,6 +186,10 @@ class EventClient:
             if stream.provider == provider:
                 stream.verify()
 
+    def has(self, stream: EventStream) -> bool:
+        """Return whether a stream is among those with subscribers."""
+        return self._streams.get((stream.provider, stream.payload)) is stream
+
     def forget(self, stream: EventStream) -> None:
         """Drop a stream without subscribers."""
         self.unbind(stream)

@@ -177,6 +177,23 @@ def test_no_answer(world, client, outcome):
     assert world.count(CreateCommandEvent.CODE) == 1
 
 
+@pytest.mark.usefixtures("session")
+def test_cancel_after_the_end_does_no_harm_to_the_next_command(world, robot, client, outcome):
+    first = client.command(robot.address, Drive())
+    world.settle()
+    robot.drives[0].succeed()
+    world.settle()
+    client.command(robot.address, Drive(), **outcome.callbacks())
+    world.settle()
+    first.cancel()
+    world.settle()
+    assert world.count(CancelEvent.CODE) == 0
+    assert robot.drives[1].active
+    robot.drives[1].succeed()
+    world.settle()
+    assert outcome.done == [True]
+
+
 def test_command_before_the_start(world, robot, outcome):
     late = world.component("2.1.1", services=())
     late.command(robot.address, Resume(), **outcome.callbacks())

@@ -365,3 +365,35 @@ class TestQuery:
         late.start()
         world.settle()
         assert answers == [1]
+
+
+@pytest.mark.parametrize("moment", [CONTROLLED, READY, REFUSED])
+def test_session_that_is_released_in_its_callback_is_over(world, client, moment):
+    tested = target(world, default_authority=200 if moment is REFUSED else 0)
+    states = []
+
+    def on_change(state):
+        states.append(state)
+        if state is moment:
+            session.release()
+
+    session = client.control(TARGET, authority=127, on_change=on_change)
+    world.run(1.0)
+    sent, told = world.count(RequestControl.CODE), list(states)
+    world.run(30.0, step=0.1)
+    assert world.count(RequestControl.CODE) == sent
+    assert states == told
+    assert tested.controller is None
+    assert "loop.callback_failed" not in world.counters.snapshot()
+
+
+def test_released_session_hears_nothing_more(world, client):
+    target(world)
+    first = client.control(TARGET, authority=127)
+    world.settle()
+    states = []
+    second = client.control(TARGET, authority=127, on_change=states.append)
+    second.release()
+    world.settle()
+    assert first.state is READY
+    assert states == []

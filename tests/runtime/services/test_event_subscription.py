@@ -556,3 +556,28 @@ def kill(world, component):
     component._jaus_event_client._component = world.component("77.7.7")
     for stream in list(component._jaus_event_client._streams.values()):
         stream._cancel_timers()
+
+
+def test_second_cancel_does_no_harm_to_a_new_subscription(world, client):
+    provider(world)
+    old, new = Inbox(), Inbox()
+    subscription = pulses(client, old, rate=10.0)
+    world.run(1.0)
+    subscription.cancel()
+    pulses(client, new, rate=10.0)
+    subscription.cancel()
+    world.run(1.0)
+    assert len(new) >= 9
+    count = len(old)
+    world.run(1.0)
+    assert len(old) == count
+
+
+def test_subscriber_that_another_one_cancels_hears_nothing_more(world, client):
+    provider(world)
+    heard = Inbox()
+    pulses(client, lambda *_: second.cancel(), rate=10.0)
+    second = pulses(client, heard, rate=10.0, silence_timeout=0.5)
+    world.run(3.0)
+    assert heard == []
+    assert "event_client.silent" not in world.counters.snapshot()
