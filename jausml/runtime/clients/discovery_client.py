@@ -41,6 +41,9 @@ STEADY_INTERVAL = 15.0
 IOP asks every component to look around at least once in 5 minutes.
 """
 
+MAX_FOUND = 4096
+"""Components that a search remembers; inventions of a peer must not fill the memory."""
+
 OCU_TYPES = range(20001, 30001)
 """Component types of operator control units, which also look for the system's Discovery."""
 
@@ -154,6 +157,10 @@ class DiscoveryClient:
         for address, services in found if self._searches else ():
             for search in tuple(self._searches):
                 offered = any(service.urn == search.urn for service in services)
-                if offered and address not in search.found:
+                if not offered or address in search.found:
+                    continue
+                if len(search.found) >= MAX_FOUND:
+                    self._component.counters.count("discovery_client.too_many_found", str(address))
+                else:
                     search.found.add(address)
                     self._component.call(search.on_found, FoundComponent(address, services))

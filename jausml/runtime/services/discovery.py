@@ -19,6 +19,7 @@ from ..core_messages import (
 )
 from .definitions import VERSION_1_1, Scope, ServiceIdentity
 from .discovery_messages import (
+    MAX_LIST,
     registered_services,
     report_configuration,
     report_service_list,
@@ -38,8 +39,8 @@ Type = ReportIdentification.Type
 MAX_REGISTRATIONS = 1024
 """Components that are remembered; a flood of registrations must not fill the memory."""
 
-MAX_SUBSYSTEMS = 255
-"""Subsystems that fit a ReportSubsystemList."""
+MAX_SUBSYSTEMS = MAX_LIST - 1
+"""Other subsystems that fit a ReportSubsystemList."""
 
 
 class DiscoveryService:
@@ -102,12 +103,8 @@ class DiscoveryService:
     def _subsystem_list(self, _query: Message, _sender: JausAddress) -> ReportSubsystemList | None:
         if self._scope > Scope.SUBSYSTEM:
             return None
-        own, limit = self._component.address, self._oldest()
-        self._servers = {
-            subsystem: (server, heard)
-            for subsystem, (server, heard) in self._servers.items()
-            if heard >= limit
-        }
+        own = self._component.address
+        self._forget_servers()
         others = {subsystem: server for subsystem, (server, _) in self._servers.items()}
         return report_subsystem_list({**others, own.subsystem: own}.values())
 
@@ -125,6 +122,8 @@ class DiscoveryService:
 
     def _register(self, message: RegisterServices, sender: JausAddress) -> None:
         counters = self._component.counters
+        if len(self._registered) >= MAX_REGISTRATIONS:
+            self._forget_registrations()
         if not self._answers_for(sender):
             counters.add("discovery.registration_ignored")
         elif sender not in self._registered and len(self._registered) >= MAX_REGISTRATIONS:
@@ -134,8 +133,14 @@ class DiscoveryService:
             self._heard[sender] = self._component.loop.now()
 
     def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:
-        if report.query_type == Scope.SUBSYSTEM and len(self._servers) < MAX_SUBSYSTEMS:
+        if report.query_type != Scope.SUBSYSTEM:
+            return
+        if len(self._servers) >= MAX_SUBSYSTEMS:
+            self._forget_servers()
+        if sender.subsystem in self._servers or len(self._servers) < MAX_SUBSYSTEMS:
             self._servers[sender.subsystem] = sender, self._component.loop.now()
+        else:
+            self._component.counters.count("discovery.too_many_subsystems", str(sender))
 
     def _answers_for(self, other: JausAddress) -> bool:
         own = self._component.address
@@ -153,11 +158,19 @@ class DiscoveryService:
 
     def _catalog(self) -> dict[JausAddress, Sequence[ServiceIdentity]]:
         """Return the component and those that registered and were heard of lately."""
+        self._forget_registrations()
+        return {**self._registered, self._component.address: self._component.services}
+
+    def _forget_registrations(self) -> None:
         limit = self._oldest()
         for address in [each for each, heard in self._heard.items() if heard < limit]:
             del self._heard[address]
             del self._registered[address]
-        return {**self._registered, self._component.address: self._component.services}
+
+    def _forget_servers(self) -> None:
+        limit = self._oldest()
+        for subsystem in [each for each, (_, heard) in self._servers.items() if heard < limit]:
+            del self._servers[subsystem]
 
 
 def _latin(name: str) -> str:

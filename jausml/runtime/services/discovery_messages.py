@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
+MAX_LIST = 255
+"""Entries that a list of a report holds."""
+
 INSTANCE_ID = 0
 """Instance ids tell components of one kind apart in old systems; addresses do here."""
 
@@ -250,8 +253,8 @@ def _names(address: JausAddress) -> list[JausAddress]:
 def _by(
     addresses: Iterable[JausAddress], part: Callable[[JausAddress], int]
 ) -> list[tuple[int, list[JausAddress]]]:
-    """Group addresses by one of their parts; a list on the wire holds 255 at most."""
+    """Group addresses by one of their parts, into as many groups as a list on the wire holds."""
     groups: dict[int, list[JausAddress]] = {}
     for address in sorted(addresses):
         groups.setdefault(part(address), []).append(address)
-    return list(groups.items())
+    return list(groups.items())[:MAX_LIST]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.address import BROADCAST, JausAddress
+from jausml.runtime.clients.discovery_client import MAX_FOUND
 from jausml.runtime.component import Scope, ServiceIdentity
 from jausml.runtime.core_messages import (
     QueryConfiguration,
@@ -18,6 +19,11 @@ from jausml.runtime.core_messages import (
     ReportServiceList,
     ReportServices,
     ReportSubsystemList,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    report_services,
 )
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
@@ -349,3 +355,73 @@ def test_search_asks_everyone(world):
     searcher.start()
     searcher.discover(SENSOR.urn, lambda _hit: None)
     assert (searcher.address, BROADCAST, QueryServices.CODE) in world.log
+
+
+def identify(world, tested, *addresses):
+    report = ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="peer")
+    for address in addresses:
+        world.send(address, tested.address, report.encode())
+    world.settle()
+
+
+def test_as_many_subsystems_as_a_report_holds(world, client):
+    tested = server(world)
+    identify(world, tested, *(JausAddress(number, 1, 1) for number in range(2, 302)))
+    (report,) = client.ask(QuerySubsystemList(), tested)
+    listed = {each.subsystem_id for each in report.subsystem_list}
+    assert len(listed) == 255
+    assert 1 in listed
+
+
+def test_flood_of_subsystems_forgets_none_that_is_alive(world, client):
+    tested = server(world, registration_lifetime=10.0)
+    identify(world, tested, *(JausAddress(number, 1, 1) for number in range(2, 302)))
+    for _ in range(4):
+        world.run(5.0, step=5.0)
+        identify(world, tested, JausAddress(2, 1, 1))
+    identify(world, tested, JausAddress(999, 1, 1))
+    (report,) = client.ask(QuerySubsystemList(), tested)
+    assert {each.subsystem_id for each in report.subsystem_list} == {1, 2, 999}
+
+
+def test_stale_registrations_make_room(world, client):
+    tested = server(world, registration_lifetime=10.0)
+    payload = registration(SENSOR).encode()
+    everyone = [JausAddress(1, node, number) for node in range(2, 8) for number in range(1, 201)]
+    for address in everyone:
+        world.send(address, tested.address, payload)
+    world.settle()
+    assert world.counters.snapshot()["discovery.too_many_registrations"] == len(everyone) - 1024
+    world.run(20.0, step=5.0)
+    world.send(JausAddress(1, 9, 9), tested.address, payload)
+    world.settle()
+    (report,) = client.ask(query_services((255, 255)), tested)
+    assert set(found(report)) == {(1, 1), (9, 9)}
+
+
+def test_list_of_more_subsystems_than_a_report_holds(world, client):
+    tested = server(world, scope=Scope.SYSTEM)
+    payload = registration(SENSOR).encode()
+    for number in range(2, 302):
+        world.send(JausAddress(number, 1, 1), tested.address, payload)
+    world.settle()
+    (report,) = client.ask(query_all_service_lists(), tested)
+    assert len(report.subsystem_list) == 255
+
+
+def test_search_is_not_filled_by_inventions(world):
+    seeker = world.component("2.1.1", services=())
+    seeker.start()
+    told = []
+    seeker.discover(SENSOR.urn, told.append)
+    for subsystem in range(100, 110):
+        catalog = {
+            JausAddress(subsystem, node, number): (SENSOR,)
+            for node in range(1, 11)
+            for number in range(1, 101)
+        }
+        report = report_services(query_all_services(), catalog, subsystem)
+        world.send(JausAddress(subsystem, 1, 1), seeker.address, report.encode())
+    world.settle()
+    assert len(told) == MAX_FOUND
+    assert world.counters.snapshot()["discovery_client.too_many_found"] == 10000 - MAX_FOUND
