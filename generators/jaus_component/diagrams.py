@@ -22,7 +22,10 @@ def diagram(machine: Machine) -> str:
         machine: A machine of a valid model, whose names are identifiers.
     """
     keys = {path: f"s{number}" for number, path in enumerate(_shown(machine), 1)}
-    lines = ["stateDiagram-v2", *_states(machine, keys, "", 1)]
+    inside: dict[str, list[str]] = {}
+    for path in keys:
+        inside.setdefault(path.rpartition(".")[0], []).append(path)
+    lines = ["stateDiagram-v2", *_states(machine, keys, inside, "", 1)]
     for path, node in machine.nodes.items():
         for state in node.elements:
             for transition in [*state.transitions, *state.defaults]:
@@ -63,18 +66,19 @@ def _shown(machine: Machine) -> list[str]:
     return list(paths)
 
 
-def _states(machine: Machine, keys: dict[str, str], outer: str, depth: int) -> Iterator[str]:
+def _states(
+    machine: Machine, keys: dict[str, str], inside: dict[str, list[str]], outer: str, depth: int
+) -> Iterator[str]:
     margin = _INDENT * depth
-    inside = [path for path in keys if path.rpartition(".")[0] == outer]
     initial = machine.initial(outer)
     # Which core state is entered first is not for this machine to say.
-    if initial in inside and not (machine.extends_core and initial in CORE_STATES):
+    if initial in keys and not (machine.extends_core and initial in CORE_STATES):
         yield f"{margin}[*] --> {keys[initial]}"
-    for path in inside:
+    for path in inside[outer]:
         name = path.rpartition(".")[2]
-        if any(other.startswith(f"{path}.") for other in keys):
+        if path in inside:
             yield f'{margin}state "{name}" as {keys[path]} {{'
-            yield from _states(machine, keys, path, depth + 1)
+            yield from _states(machine, keys, inside, path, depth + 1)
             yield f"{margin}}}"
         else:
             yield f'{margin}state "{name}" as {keys[path]}'

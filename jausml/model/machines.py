@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 CORE_MACHINE = "ReceiveFSM"
 """Machine of the core services, which a machine of this name extends (AS5710, Transport)."""
 
+DEEPEST = 20
+"""States around each other; more is no machine that a person wrote."""
+
 CORE_EVENTS = frozenset(["Timedout", "Initialized", "Failure"])
 """Internal events of AccessControl and Management (AS5710)."""
 
@@ -90,6 +93,12 @@ class Machine:
     name: str
     elements: list[Any] = field(default_factory=list)
     nodes: dict[str, Node] = field(default_factory=dict)
+    _inside: dict[str, dict[str, None]] = field(default_factory=dict, init=False, repr=False)
+    _initial: dict[str, str | None] = field(default_factory=dict, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for path in CORE_STATES if self.extends_core else ():
+            self._enclose(path)
 
     @property
     def extends_core(self) -> bool:
@@ -103,11 +112,14 @@ class Machine:
             element: The `jaus.StateMachine`.
         """
         self.elements.append(element)
+        self._initial.clear()
         for path, state in states_of(element):
             names = path.split(".")
             for length in range(1, len(names) + 1):
                 enclosing = ".".join(names[:length])
-                self.nodes.setdefault(enclosing, Node(enclosing))
+                if enclosing not in self.nodes:
+                    self.nodes[enclosing] = Node(enclosing)
+                    self._enclose(enclosing)
             self.nodes[path].elements.insert(0, state)
 
     def children(self, path: str) -> list[str]:
@@ -116,8 +128,7 @@ class Machine:
         Args:
             path: The enclosing state.
         """
-        paths = dict.fromkeys([*(CORE_STATES if self.extends_core else ()), *self.nodes])
-        return [each for each in paths if each and each.rpartition(".")[0] == path]
+        return list(self._inside.get(path, ()))
 
     def initial(self, path: str) -> str | None:
         """Returns the state that entering a state enters, None without one.
@@ -125,6 +136,11 @@ class Machine:
         Args:
             path: The enclosing state; empty for the machine.
         """
+        if path not in self._initial:
+            self._initial[path] = self._find_initial(path)
+        return self._initial[path]
+
+    def _find_initial(self, path: str) -> str | None:
         inside = self.children(path)
         if self.extends_core and inside and inside[0] in CORE_STATES:
             return inside[0]
@@ -163,6 +179,10 @@ class Machine:
                 return f"{outer}.{target}"
             outer = outer.rpartition(".")[0]
         return None
+
+    def _enclose(self, path: str) -> None:
+        if path:
+            self._inside.setdefault(path.rpartition(".")[0], {})[path] = None
 
     def _has(self, path: str) -> bool:
         return path in self.nodes or (self.extends_core and path in CORE_STATES)
@@ -203,6 +223,22 @@ def states_of(machine: Any) -> Iterator[tuple[str, Any]]:
         path = f"{outer}.{state.name}" if outer else str(state.name)
         yield (canonical(path) if aliased else path), state
         pending += [(path, inner) for inner in reversed(state.states)]
+
+
+def too_deep(machine: Any) -> Iterator[Any]:
+    """Yields the states that lie more than `DEEPEST` states deep, the outermost of each branch.
+
+    Args:
+        machine: The `jaus.StateMachine`.
+    """
+    pending = [(0, state) for state in reversed(machine.states)]
+    while pending:
+        outer, state = pending.pop()
+        depth = outer + str(state.name).count(".") + 1
+        if depth > DEEPEST:
+            yield state
+        else:
+            pending += [(depth, inner) for inner in reversed(state.states)]
 
 
 def canonical(path: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -10,11 +11,13 @@ from jausml.model import read_models
 from jausml.model.machines import (
     CORE_LEAVES,
     CORE_STATES,
+    DEEPEST,
     ENTERED_BY_SERVICES,
     canonical,
     core_leaf,
     event_name,
     machines_of,
+    too_deep,
 )
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,3 +115,16 @@ def test_core_states():
     assert core_leaf("Receiving.Ready") is None
     assert event_name("management.accessControl.Timedout") == "Timedout"
     assert event_name(None) == ""
+
+
+def test_states_too_deep_are_found_by_branch_without_their_paths():
+    """A name of thousands of parts once took minutes to refuse."""
+
+    def state(name, *inner):
+        return SimpleNamespace(name=name, states=list(inner))
+
+    shallow = state(".".join("a" * DEEPEST))
+    long = state(".".join("b" * 100_000), state("inside"))
+    edge = state(".".join("c" * DEEPEST), state("first", state("further")), state("second"))
+    machine = SimpleNamespace(states=[shallow, long, edge])
+    assert [each.name for each in too_deep(machine)] == [long.name, "first", "second"]

@@ -12,6 +12,7 @@ from jausml.model.machines import (
     event_name,
     machines_of,
     states_of,
+    too_deep,
 )
 from jausml.validation.facts.services import lineage
 
@@ -127,6 +128,8 @@ class Behaviour:
 def behaviours(subject: Subject) -> Iterator[Behaviour]:
     """Yields the machines of services that could be read, those of the core services left out.
 
+    Machines whose states lie too deep are left out too: JML506 names them.
+
     Args:
         subject: The model.
     """
@@ -135,6 +138,8 @@ def behaviours(subject: Subject) -> Iterator[Behaviour]:
             continue
         chain = [each for each in reversed(lineage(service)) if each.urn not in KEPT_BY_RUNTIME]
         if not all(subject.is_intact(each) for each in chain):
+            continue
+        if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):
             continue
         machines = machines_of(chain)
         for element in service.machines:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
 from jausml.model.guards import GuardError, conditions, parse_guard
+from jausml.model.machines import DEEPEST, too_deep
 from jausml.model.words import snake_case
 from jausml.validation.facts.machines import behaviours
 from jausml.validation.facts.names import is_identifier, package_key, taken
@@ -35,7 +36,6 @@ _IDENTIFIERS = (
     "system.System",
     "system.Host",
 )
-_DEEPEST_STATE = 20
 # Features whose elements become names in one scope of the code.
 _SIBLINGS = (
     ("jaus.Record", ("fields",)),
@@ -202,11 +202,10 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
         yield from _dotted(state, "state")
     for action in subject.instances("jaus.Action"):
         yield from _dotted(action, "action")
+    for machine in subject.instances("jaus.StateMachine"):
+        for state in too_deep(machine):
+            yield Finding(state, f"a state lies more than {DEEPEST} states deep", "name")
     for behaviour in behaviours(subject):
-        for path, state in behaviour.states():
-            if path.count(".") >= _DEEPEST_STATE:
-                text = f"a state lies more than {_DEEPEST_STATE} states deep"
-                yield Finding(state, text, "name")
         holders: dict[str, tuple[str, Any, str]] = {}
         for kind, name, element, feature in _methods(behaviour):
             first_kind, first, written = holders.setdefault(snake_case(name), (kind, element, name))
