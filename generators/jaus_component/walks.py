@@ -35,49 +35,57 @@ class Step:
 Walk = tuple[Step, ...]
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Where a way has led: a state, and the states that pushes have remembered, the last last."""
+
+    state: str
+    remembered: tuple[str, ...] = ()
+
+
 def walks(machine: Machine, transitions: dict[str, list[tuple[str, Any]]]) -> list[Walk]:
     """Returns the ways from the start of a machine over each transition from each state.
 
-    Pushes and pops are left out: where a pop leads depends on the whole way.
+    The way to a state tells what its pushes have remembered, and so where a pop leads.
 
     Args:
         machine: The machine.
         transitions: Transitions to look at by the path of their state, as (feature, transition).
     """
     found: list[Walk] = []
-    reached: dict[str, Walk] = {}
-    pending: deque[tuple[str, Walk]] = deque()
+    reached: set[str] = set()
+    pending: deque[tuple[Walk, _Place]] = deque()
     if machine.extends_core:
         for leaf in (path for path in CORE_STATES if path in CORE_LEAVES):
             state = machine.innermost(leaf)
-            pending.append((state, (Step(leaf, 0, state),)))
-            found.append(pending[-1][1])
+            pending.append(((Step(leaf, 0, state),), _Place(state)))
+            found.append(pending[-1][0])
     else:
-        pending.append((machine.innermost(""), ()))
-    while pending:
-        state, way = pending.popleft()
-        if state in reached:
+        pending.append(((), _Place(machine.innermost(""))))
+    while pending and len(found) < LONGEST:
+        way, place = pending.popleft()
+        if place.state in reached:
             continue
-        reached[state] = way
-        for step in _steps(machine, state, transitions):
+        reached.add(place.state)
+        for step, after in _steps(machine, place, transitions):
             found.append((*way, step))
-            pending.append((step.state, (*way, step)))
+            pending.append((found[-1], after))
     return found[:LONGEST]
 
 
 def _steps(
-    machine: Machine, state: str, transitions: dict[str, list[tuple[str, Any]]]
-) -> Iterator[Step]:
-    listed = list(_listed(state, transitions))
+    machine: Machine, place: _Place, transitions: dict[str, list[tuple[str, Any]]]
+) -> Iterator[tuple[Step, _Place]]:
+    listed = list(_listed(place.state, transitions))
     triggers = {_trigger(transition): None for _, transition in listed}
     for trigger in triggers:
         refused = 0
         for path, transition in listed:
             if trigger is None or _trigger(transition) != trigger:
                 continue
-            target = _target(machine, state, path, transition)
-            if target is not None:
-                yield Step(trigger, refused, target)
+            after = _after(machine, place, path, transition)
+            if after is not None:
+                yield Step(trigger, refused, after.state), after
             if parse_guard(transition.guard) is None:
                 break
             refused += 1
@@ -99,15 +107,22 @@ def _trigger(transition: Any) -> Any:
     return transition.message or event_name(transition.event) or None
 
 
-def _target(machine: Machine, state: str, path: str, transition: Any) -> str | None:
-    """Returns the state after a transition, None when it depends on more than the state."""
+def _after(machine: Machine, place: _Place, path: str, transition: Any) -> _Place | None:
+    """Returns where a transition leads, None when the core services have a say in it."""
     kind = transition.kind.name
-    if kind in ("push", "pop"):
-        return None
+    if kind == "pop":
+        # The runtime ignores a pop without a push.
+        *rest, last = place.remembered or (None,)
+        return None if last is None else _Place(last, tuple(rest))
     if kind == "internal" or not transition.target:
-        return state
+        return place
     target = machine.resolve(path, transition.target)
     if target is None:
         return None
     entered = machine.innermost(target)
-    return entered if not machine.extends_core or core_leaf(entered) else None
+    if machine.extends_core and not core_leaf(entered):
+        return None
+    if core_leaf(entered) != core_leaf(place.state):
+        return _Place(entered)
+    remembered = (*place.remembered, place.state) if kind == "push" else place.remembered
+    return _Place(entered, remembered)

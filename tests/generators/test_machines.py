@@ -101,17 +101,24 @@ def test_generated_tests_drive_the_machines(workspace):
     assert "def test_lamp_fsm_goes_as_modelled" in (folder / "test/test_spot.py").read_text("utf-8")
 
 
-def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path):
+@pytest.mark.parametrize(
+    ("right", "wrong", "failure"),
+    [
+        ('target="On.Bright"', 'target="On.Dim"', "'On.Dim' == 'On.Bright'"),
+        ("kind=Kind.PUSH", "kind=Kind.SIMPLE", "== 'On.Dim'"),
+    ],
+)
+def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wrong, failure):
     """The ways are worked out from the model, not from the table that they test."""
     folder = tmp_path / "spot"
     for name in ("spot/spot_base.py", "spot/spot.py", "spot/messages.py", "spot/__init__.py"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         text = (workspace / "spot" / name).read_text("utf-8")
-        (folder / name).write_text(text.replace('target="On.Bright"', 'target="On.Dim"'), "utf-8")
+        (folder / name).write_text(text.replace(right, wrong), "utf-8")
     test = (workspace / "spot/test/test_spot.py").read_text("utf-8")
     (folder / "test_spot.py").write_text(test, "utf-8")
     (tmp_path / "jausml_runtime").symlink_to(workspace / "jausml_runtime")
-    with pytest.raises(AssertionError, match=r"'On.Dim' == 'On.Bright'"):
+    with pytest.raises(AssertionError, match=failure):
         run("-m", "pytest", "-q", "test_spot.py", cwd=folder, workspace=tmp_path)
 
 
