@@ -13,7 +13,7 @@ from jausml.runtime.counters import Counters
 from jausml.runtime.judp import JudpTransport
 from jausml.runtime.loop import Loop
 from jausml.runtime.packet import AckNak, DataFlags, Packet, parse_datagram
-from jausml.runtime.settings import TransportSettings
+from jausml.runtime.settings import MAX_FRAGMENT_SIZE, TransportSettings
 from jausml.runtime.shared_port import present_frame, read_forwarded, read_present
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)
 OWN = (JausAddress(100, 1, 1), JausAddress(100, 1, 2))
 PEER = JausAddress(200, 1, 1)
 STEP_S = 0.005
+FLAGS = 4
 TURN_EVERY = 64
 
 ORIGINS: tuple[tuple[Endpoint, bool], ...] = (
@@ -136,6 +137,13 @@ def one_input(data: bytes) -> None:
     path().feed(data)
 
 
+def all_flags(packet: Packet) -> bytes:
+    """Returns a datagram with all flags set, as Junior sends for its priority 0."""
+    datagram = bytearray(packet.encode())
+    datagram[FLAGS] = 0xFF
+    return bytes(datagram)
+
+
 def seeds() -> list[bytes]:
     """Returns one datagram of each kind."""
     status = b"\x02\x40" + bytes(5)
@@ -158,6 +166,8 @@ def seeds() -> list[bytes]:
         datagrams[0] + datagrams[1][1:],
         datagrams[0] + b"garbage",
         b"\x02\x40" + datagrams[0][2:4] + b"\x01\x0c" + datagrams[0][4:],
+        all_flags(plain._replace(sequence=11)),
+        all_flags(plain._replace(payload=bytes(MAX_FRAGMENT_SIZE), sequence=12)),
         b"\x01" + bytes(20),
         b"JAUS01.0" + bytes(16),
         present_frame([PEER]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .duplicates import DuplicateWindow
+from .flagless import FlaglessMessages
 from .packet import AckNak, DataFlags, Packet
 from .reassembly import Reassembly
 from .transport import MESSAGE_CODE_SIZE, ReceivedMessage
@@ -54,6 +55,7 @@ class Inbox(Generic[Origin]):
         self._reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
+        self._flagless = FlaglessMessages(settings.reassembly_timeout)
         self._expiry: Timer | None = None
         self.receivers: dict[JausAddress, Receive] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
@@ -118,7 +120,7 @@ class Inbox(Generic[Origin]):
         if not receivers:
             return False
         if packet.acknowledge >= AckNak.NAK:
-            self._on_acknowledgement(packet, origin)
+            self._on_acknowledgement(packet, receivers, origin, now)
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
             self._counters.count("judp.no_message_code", f"{packet.source} at {origin}")
         else:
@@ -169,20 +171,32 @@ class Inbox(Generic[Origin]):
             answer = Packet(packet.source, address, b"", packet.sequence, packet.priority)
             self._answer(answer._replace(acknowledge=AckNak.ACK), origin)
 
-    def _on_acknowledgement(self, packet: Packet, origin: Origin) -> None:
+    def _on_acknowledgement(
+        self, packet: Packet, receivers: Receivers, origin: Origin, now: float
+    ) -> None:
         if packet.acknowledge is AckNak.NAK:
             self._counters.add("judp.nak")  # nobody sends it; the repetition goes on
         elif packet.payload:
-            # Seen of Junior when its API is called with priority 0: all flags are set.
-            self._counters.count(
-                "judp.bad_acknowledgement",
-                f"{packet.source} at {origin} sends a payload marked as acknowledgement; "
-                "if it is Junior, it must send with a priority above 0",
-            )
+            self._on_marked_payload(packet, receivers, origin, now)
         elif self._acknowledged(packet):
             self._counters.add("judp.acknowledgement")
         else:
             self._counters.add("judp.unmatched_acknowledgement")
+
+    def _on_marked_payload(
+        self, packet: Packet, receivers: Receivers, origin: Origin, now: float
+    ) -> None:
+        """Take what is marked as an acknowledgement and yet must be a message of Junior."""
+        message = None
+        if len(packet.payload) >= MESSAGE_CODE_SIZE:
+            message = self._flagless.whole(packet, now)
+        self._counters.count(
+            "judp.bad_acknowledgement" if message is None else "judp.flagless",
+            f"{packet.source} at {origin} sends a payload marked as acknowledgement; "
+            "if it is Junior, it must send with a priority above 0",
+        )
+        if message is not None:
+            self._accept(message, receivers, now)
 
     def _plan_expiry(self) -> None:
         if self._reassembly.size and self._expiry is None:

@@ -278,7 +278,8 @@ class JtcpTransport:
         if self._inbox.refuses(packet, connection):
             return
         self._learn(packet, connection)
-        if packet.destination.is_wildcard and packet.acknowledge is AckNak.ACK:
+        is_announced = packet.acknowledge is AckNak.ACK and not packet.payload
+        if is_announced and packet.destination.is_wildcard:
             self.counters.add("jtcp.present")
             connection.is_neighbour = connection.peer[0] == self._settings.interface
             return

@@ -42,8 +42,8 @@ def with_compression(kind: int, fields: bytes) -> bytes:
     )
 
 
-def with_flags(flags: int, payload: bytes = STATUS) -> bytes:
-    data = bytearray(packet(payload).encode())
+def with_flags(flags: int, payload: bytes = STATUS, sequence: int = 1) -> bytes:
+    data = bytearray(packet(payload, sequence).encode())
     data[4] = flags
     return bytes(data)
 
@@ -212,9 +212,38 @@ RECEIVED = [
         "flags: all set, as Junior sends for its priority 0",
         "dropped as an acknowledgement",
         [with_flags(0xFF)],
+        [STATUS],
+        counted={"judp.flagless": 1},
+        remark="nothing else has these flags; the log says what to change at the sender",
+    ),
+    Row(
+        "flags: all set, twice the same number",
+        "dropped as an acknowledgement",
+        [with_flags(0xFF), with_flags(0xFF)],
+        [STATUS],
+        counted={"judp.flagless": 2, "judp.duplicate": 1},
+    ),
+    Row(
+        "flags: all set, the fragments of a long message",
+        "dropped as an acknowledgement",
+        [with_flags(0xFF, STATUS.ljust(4079), 7), with_flags(0xFF, STATUS, 8)],
+        [],
+        counted={"judp.bad_acknowledgement": 2},
+        remark="nothing tells where a message begins and ends",
+    ),
+    Row(
+        "flags: all set, no payload",
+        "dropped in silence",
+        [with_flags(0xFF, b"")],
+        [],
+        counted={"judp.unmatched_acknowledgement": 1},
+    ),
+    Row(
+        "flags: all set, half a message code",
+        "dropped as an acknowledgement",
+        [with_flags(0xFF, b"\x02")],
         [],
         counted={"judp.bad_acknowledgement": 1},
-        remark="whether it is a fragment can no longer be told; the log says what to change",
     ),
     Row(
         "broadcast flag 0 with a wildcard destination",

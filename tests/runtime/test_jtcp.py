@@ -147,6 +147,16 @@ class TestStream:
         assert stream.read(1) == b"\x02"
         assert stream.receive().source == SENSOR
 
+    def test_a_broadcast_with_all_flags_set_is_no_announcement(self, tcp, host, wait_until):
+        here = tcp().attach(DRIVER)
+        stream = host.connect(here.transport.endpoint)
+        data = bytearray(from_peer(destination=BROADCAST))
+        data[3] = 0xFF
+        stream.send(b"\x02" + data)
+        wait_until(lambda: here.received)
+        assert here.counter("judp.flagless") == 1
+        assert here.counter("jtcp.present") == 0
+
     def test_messages_are_found_however_the_stream_is_cut(self, tcp, host, wait_until):
         here = tcp().attach(DRIVER)
         stream = host.connect(here.transport.endpoint)
