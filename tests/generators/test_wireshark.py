@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from lupa import lua52, lua54
 
 from jausml.generation.engine import Renderer
 from jausml.generation.errors import GenerationError
@@ -176,3 +177,13 @@ def test_the_file_is_lua_with_a_header_and_the_same_each_time(example):
     assert artifact.text == render(example).text
     assert artifact.text.isascii()
     assert "local PORTS = { 3794 }" in artifact.text
+
+
+@pytest.mark.parametrize("lua", [lua52, lua54], ids=["5.2", "5.4"])
+@pytest.mark.parametrize("whole_library", [False, True], ids=["used", "all"])
+def test_the_languages_of_old_and_new_wireshark_read_it(example, lua, whole_library):
+    artifact = render(example, TARGET.for_whole_library() if whole_library else TARGET)
+    load = lua.LuaRuntime(unpack_returned_tuples=True).globals().load
+
+    assert isinstance(load("local x = "), tuple)  # what is no Lua is told with an error
+    assert not isinstance(load(artifact.text), tuple)
