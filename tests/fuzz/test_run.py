@@ -59,6 +59,13 @@ def test_streams_are_read_the_same_however_they_are_cut():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopped():
+    done = run(ROOT / "fuzz", "components", "--plain", "--runs", "2000", "--seed", "3")
+    assert done.returncode == 0, done.stdout + done.stderr
+    for name in ("messages sent", "access_control.timed_out=", "management.clear_ignored="):
+        assert name in done.stdout
+
+
 def test_a_run_can_be_repeated():
     reports = [
         run(

@@ -29,6 +29,9 @@ LIST_MANAGERS = frozenset(
 )
 """The service was part of the mobility and manipulator sets before core v1.1 took it over."""
 
+DATA_FORMATS = (0, 1)
+"""Formats of ElementData: a JAUS message, or one of the user; a report can hold no other."""
+
 ELEMENTS_OF_DRIVERS = {
     "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
     "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,
@@ -92,7 +95,8 @@ class ListManagerService:
         if not requested:
             raise ListError(Reason.UNSPECIFIED_ERROR, "the request holds no element")
         for element in requested:
-            if not self._component.call(self._component.supports_element, element):
+            is_known = element.data_format in DATA_FORMATS
+            if not (is_known and self._component.call(self._component.supports_element, element)):
                 raise ListError(
                     Reason.UNSUPPORTED_ELEMENT_TYPE, f"element {element.uid} is not supported"
                 )

@@ -564,6 +564,21 @@ def test_list_manager_alone_takes_nothing(world):
     play(world, Row("alone", controlled(), ABC, then, services=(LIST_MANAGER,)))
 
 
+def test_element_of_an_unknown_format_is_refused_whatever_the_component_says(world):
+    class Taker(Robot):
+        def supports_element(self, _element):
+            return True
+
+    then = {"client": [RejectElementRequest(request_id=1, response_code=4)]}
+    payload = bytearray(sets(element(1, 0, 0, b"x", data_format=1))[1].encode())
+    payload[10] = 255
+
+    def when(stage):
+        stage.peers["client"].send_bytes(bytes(payload), stage.component)
+
+    play(world, Row("format 255", controlled(), when, then, services=(LIST_MANAGER,)), Taker)
+
+
 def test_chain_links_elements():
     assert chain([(1, b"a", 0), (2, b"b", 1)], circular=True) == [
         ListElement(1, 0, 2, b"a", 0),
