@@ -198,7 +198,8 @@ def signature(
     if len(line) + column <= LINE_WIDTH:
         return line + remark
     lines = [f"{_INDENT}{', '.join(parameters)}"]
-    if len(lines[0]) + column > LINE_WIDTH:
+    # The formatter gives a lone parameter a comma too.
+    if len(parameters) == 1 or len(lines[0]) + column > LINE_WIDTH:
         lines = [f"{_INDENT}{parameter}," for parameter in parameters]
     return "\n".join([f"{head}({remark}", *lines, f") -> {result}:"])
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.docstrings import clean, docstring
 from jausml.generation.literals import python_string
 from jausml.generators.common.displays import Display, lines, tuple_of
-from jausml.generators.common.layout import Call, statement
+from jausml.generators.common.layout import Call, signature, statement
 from jausml.generators.jaus_component.diagrams import diagram
 from jausml.generators.jaus_component.handlers import Method
 
@@ -117,6 +117,14 @@ class MachineView:
     def ways_text(self) -> str:
         """Assignment of the ways in the generated test."""
         return "\n".join(lines(tuple_of("", *self.ways), 0, f"{self.ways_constant}: _Ways = "))
+
+    @property
+    def test_signature(self) -> str:
+        """First lines of the generated test of the ways."""
+        marked = Call("pytest.mark.parametrize", ('"way"', self.ways_constant))
+        name = f"def test_{self.attribute}_goes_as_modelled"
+        first_line = signature(name, ["way: tuple[tuple[str, int, str], ...]"], "None")
+        return f"{statement(marked, '@', 0)}\n{first_line}"
 
     @property
     def states(self) -> str:

@@ -11,6 +11,7 @@ from codec_support import library, load, read_messages, render
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.generators.common.layout import signature
 from jausml.runtime import core_messages as core
 from jausml.runtime.codec import scaled
 from jausml.runtime.message import DecodeError, EncodeError, read_code
@@ -454,3 +455,9 @@ def test_steps_next_to_the_ends_and_the_middle_come_back(
     step = (upper - lower) / largest
     for raw in (0, 1, largest // 2, largest // 2 + 1, largest - 1, largest):
         assert scaled(raw * step + lower, lower, step, largest, "") == raw
+
+
+def test_a_lone_parameter_that_does_not_fit_has_a_comma() -> None:
+    """A generated test of a machine with a long name once was longer than a line."""
+    head, kind = "def test_" + "x" * 60, "way: tuple[tuple[str, int, str], ...]"
+    assert signature(head, [kind], "None") == f"{head}(\n    {kind},\n) -> None:"

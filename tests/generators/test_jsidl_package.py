@@ -1,0 +1,66 @@
+"""A service in JSIDL, all the way: imported, generated, clean, and the package's own tests pass."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from codec_support import ROOT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+JSIDL = ROOT / "tests" / "importers" / "winch"
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:system="http://www.jausml.org/system/1.0" name="imported">
+  <components name="hoist" address="1.1.1">
+    <provides href="services.xmi#Winch"/>
+  </components>
+</system:System>
+"""
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    path = os.pathsep.join(str(cwd / name) for name in ("hoist", "jausml_runtime"))
+    done = subprocess.run(
+        [sys.executable, "-m", *map(str, command)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("imported")
+    run("jausml", "import", "jsidl", JSIDL, "-o", "services.xmi", cwd=folder)
+    (folder / "system.xmi").write_text(SYSTEM, encoding="utf-8")
+    run("jausml", "generate", "system.xmi", "-o", ".", "--quiet", cwd=folder)
+    return folder
+
+
+def test_the_machine_of_the_service_is_generated(workspace: Path) -> None:
+    base = (workspace / "hoist/hoist/hoist_base.py").read_text(encoding="utf-8")
+    assert "self.add_machine(" in base
+    assert "self.handle_by_machines(" in base
+
+
+def test_the_package_is_clean(workspace: Path) -> None:
+    config = ["--config", ROOT / "pyproject.toml", "--no-cache"]
+    run("ruff", "format", "--check", *config, "hoist", cwd=workspace)
+    # A skeleton imports what its user will need, and tests assert.
+    run("ruff", "check", *config, "--ignore", "S101,TC001,TC002,TC003", "hoist", cwd=workspace)
+    run("mypy", "--strict", "-p", "hoist", cwd=workspace)
+
+
+def test_the_tests_of_the_package_pass(workspace: Path) -> None:
+    done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
+    assert " passed" in done
