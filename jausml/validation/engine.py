@@ -87,7 +87,7 @@ def _diagnostic(rule: Rule, finding: Finding, subject: Subject) -> Diagnostic:
     model = subject.model
     return Diagnostic(
         rule=rule.id,
-        severity=rule.severity,
+        severity=finding.severity or rule.severity,
         location=model.location(finding.element, finding.feature),
         message=finding.message,
         hint=finding.hint,

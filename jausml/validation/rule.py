@@ -37,6 +37,8 @@ class Finding:
         feature: Feature of the element at which to point, or None for the element itself.
         hint: What to do about it, or empty.
         related: Elements that explain the finding.
+        severity: How grave it is where that is not what the rule says of its findings: a fault of
+            a published service set is one that whoever uses the set cannot mend.
     """
 
     element: Any
@@ -44,6 +46,7 @@ class Finding:
     feature: str | None = None
     hint: str = ""
     related: tuple[Note, ...] = ()
+    severity: Severity | None = None
 
 
 Check = Callable[["Subject"], Iterator[Finding]]

@@ -84,6 +84,17 @@ class Subject:
         """Tells whether elements are there and were read without an error, contents included."""
         return all(each is not None and each not in self._damaged for each in elements)
 
+    def severity(self, element: Any) -> Severity | None:
+        """Returns how grave a fault of an element's definition is: a warning in the library.
+
+        The library has the published services as they are. Whoever uses them cannot mend them,
+        and the other messages of the service are as good as any.
+
+        Returns:
+            Warning, or None where the rule decides.
+        """
+        return Severity.WARNING if self.model.is_library(element) else None
+
     def path(self, element: Any) -> str:
         """Returns how messages name an element that stands elsewhere."""
         return self.model.element_path(element)

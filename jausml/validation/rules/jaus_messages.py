@@ -75,7 +75,9 @@ def member_kinds(subject: Subject) -> Iterator[Finding]:
 def presence_vector(subject: Subject) -> Iterator[Finding]:
     """The presence vector of a record or sequence has a bit for each optional member.
 
-    Bit i stands for the i-th optional member (AS5684, presence_vector).
+    Bit i stands for the i-th optional member (AS5684, presence_vector). For services of the
+    library, which are as they were published, this is a warning: members without a bit
+    cannot be sent.
 
     Bad: `<body xsi:type="jaus:Record" name="rec">` with a member that is `optional="true"`
 
@@ -90,7 +92,8 @@ def presence_vector(subject: Subject) -> Iterator[Finding]:
                 have = f"a presence vector of {bits} bits" if bits else "no presence vector"
                 message = f"{len(optional)} optional members in '{group.name}', which has {have}"
                 note = Note(group, f"'{group.name}'", "presenceVector")
-                yield Finding(field, message, "optional", _vector_hint(len(optional)), (note,))
+                hint, severity = _vector_hint(len(optional)), subject.severity(field)
+                yield Finding(field, message, "optional", hint, (note,), severity)
 
 
 @rule("JML324", Severity.WARNING, "optional without effect")

@@ -44,7 +44,8 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
 def code_unique(subject: Subject) -> Iterator[Finding]:
     """A message code means one message within a service and those that it inherits.
 
-    The code alone says how a message is to be read. One message may be input and output.
+    The code alone says how a message is to be read. One message may be input and output. For
+    services of the library, which are as they were published, this is a warning.
 
     Bad: inputs SetSpeed and SetSteering, both with `code="0x0415"`
 
@@ -64,7 +65,8 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
             elif service in judged and _differ(first, message):
                 note = Note(first, f"{first.name} of {subject.path(first.eContainer())}", "code")
                 text = f"code {message.code} of {message.name} is that of {first.name}"
-                yield Finding(message, text, "code", related=(note,))
+                severity = subject.severity(message)
+                yield Finding(message, text, "code", related=(note,), severity=severity)
 
 
 @rule("JML313", Severity.ERROR, "messages of one code in one process")
@@ -72,7 +74,8 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
     """Messages with one code that meet in a process have one layout and one name.
 
     A process finds the codec of a message by its code. The messages of a component are those
-    of its services, of the services that it uses, of its connections and of its maps.
+    of its services, of the services that it uses, of its connections and of its maps. Two of one
+    service of the library are a warning: it was published so, and CBRNSensor has such a pair.
 
     Bad: a component that provides a service of core-1.0 and uses one of core-1.1 whose message
     of the same code has another field
@@ -117,6 +120,7 @@ def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Find
         f"'{component.name}' has two messages of the code {first.code}: {first.name} and"
         f" {other.name} with {how}",
         related=tuple(Note(each, subject.path(each), "code") for each in (first, other)),
+        severity=subject.severity(first) if first.eContainer() is other.eContainer() else None,
     )
 
 
