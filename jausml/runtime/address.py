@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 WILDCARD_SUBSYSTEM = 65535
@@ -25,6 +25,7 @@ class JausAddress:
         subsystem: 1 to 65534; 65535 means every subsystem.
         node: 1 to 254; 255 means every node.
         component: 1 to 254; 255 means every component.
+        packed: The address as one unsigned 32-bit number, subsystem in the upper half.
 
     Raises:
         ValueError: A part does not fit its width on the wire.
@@ -33,9 +34,10 @@ class JausAddress:
     subsystem: int
     node: int
     component: int
+    packed: int = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Refuse parts that the wire cannot carry."""
+        """Refuse parts that the wire cannot carry, and pack the others."""
         if not (
             0 <= self.subsystem <= WILDCARD_SUBSYSTEM
             and 0 <= self.node <= WILDCARD_NODE
@@ -45,10 +47,12 @@ class JausAddress:
                 f"JAUS address {self.subsystem}.{self.node}.{self.component} is out of range "
                 "(subsystem 0..65535, node 0..255, component 0..255)"
             )
+        packed = self.subsystem << 16 | self.node << 8 | self.component
+        object.__setattr__(self, "packed", packed)
 
     def __hash__(self) -> int:
         """Hash of the packed form: addresses are dictionary keys of every datagram."""
-        return self.subsystem << 16 | self.node << 8 | self.component
+        return self.packed
 
     def __str__(self) -> str:
         """Return the dotted form, e.g. ``100.1.2``."""
@@ -80,11 +84,6 @@ class JausAddress:
     def to_bytes(self) -> bytes:
         """Return the four bytes component, node, subsystem low, subsystem high."""
         return _WIRE.pack(self.packed)
-
-    @property
-    def packed(self) -> int:
-        """The address as one unsigned 32-bit number, subsystem in the upper half."""
-        return self.subsystem << 16 | self.node << 8 | self.component
 
     @property
     def is_wildcard(self) -> bool:
