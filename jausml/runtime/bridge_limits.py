@@ -24,6 +24,8 @@ DROP_MESSAGE = "drop_message"
 ERROR = "error"
 
 _LARGEST_SINGLE = 3.4028234663852886e38
+# A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
+_ROUNDING = 2.0**-40
 
 Absent = TypeVar("Absent")
 T = TypeVar("T")
@@ -71,11 +73,17 @@ class Limit(Generic[Absent]):
         if minimum <= value <= maximum:
             return value
         nearest = _nearest(value, minimum, maximum)
+        slack = _ROUNDING * max(abs(minimum), abs(maximum))
+        if nearest is not None and minimum - slack <= value <= maximum + slack:
+            return nearest
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def integer(self, field: str, value: float, minimum: int, maximum: int) -> int | Absent:
-        """Returns the nearest integer within minimum .. maximum, as the call itself does."""
-        if minimum <= value <= maximum:
+        """Returns the nearest integer within minimum .. maximum, as the call itself does.
+
+        A value that is rounded to an end is within.
+        """
+        if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
             return round(value)
         nearest = _nearest(value, minimum, maximum)
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
@@ -180,6 +188,6 @@ class Error(DropMessage):
 
 def _nearest(value: float, minimum: Number, maximum: Number) -> Number | None:
     """Returns the end beyond which a value lies; not a number lies beyond none."""
-    if math.isnan(value):
-        return None
-    return minimum if value < minimum else maximum
+    if value < minimum:
+        return minimum
+    return maximum if value > maximum else None

@@ -523,7 +523,14 @@ def test_middleware_that_refuses_does_not_end_the_loop(world, setting):
 NAN, INFINITE = float("nan"), float("inf")
 FITTING = [
     (lambda limit: limit("F", 2.0, -1.0, 2.0), 2.0),
+    # A tyre angle of 0.5297 rad is full effort, but for the last bits of the factor.
+    (lambda limit: limit("F", 0.5297 * 188.786105342647, -100.0, 100.0), 100.0),
+    (lambda limit: limit("F", -1e-13, 0.0, 100.0), 0.0),
     (lambda limit: limit.integer("F", 2.6, 0, 3), 3),
+    (lambda limit: limit.integer("F", 255.4, 0, 255), 255),
+    (lambda limit: limit.integer("F", -1e-17, 0, 255), 0),
+    (lambda limit: limit.integer("F", 2**64 - 1, 0, 2**64 - 1), 2**64 - 1),
+    (lambda limit: limit.integer("F", -(2.0**63), -(2**63), 2**63 - 1), -(2**63)),
     (lambda limit: limit.listed("F", 4.2, ((0, 1), (4, 5))), 4),
     (lambda limit: limit.finite("F", 1e300), 1e300),
     (lambda limit: limit.single("F", 3e38), 3e38),
@@ -533,6 +540,12 @@ FITTING = [
 # With the nearest legal value, None where nothing is nearest.
 OUTSIDE = [
     (lambda limit: limit("F", 2.1, -1.0, 2.0), 2.0),
+    (lambda limit: limit("F", 2.0000001, -1.0, 2.0), 2.0),
+    (lambda limit: limit("F", 10**400, -1.0, 2.0), 2.0),
+    (lambda limit: limit.integer("F", 255.5, 0, 255), 255),
+    (lambda limit: limit.integer("F", 2.0**64, 0, 2**64 - 1), 2**64 - 1),
+    (lambda limit: limit.integer("F", 10**400, 0, 255), 255),
+    (lambda limit: limit.finite("F", -INFINITE), None),
     (lambda limit: limit("F", -INFINITE, -1.0, 2.0), -1.0),
     (lambda limit: limit("F", NAN, -1.0, 2.0), None),
     (lambda limit: limit.integer("F", INFINITE, 0, 255), 255),
