@@ -112,7 +112,9 @@ class Limit(Generic[Absent]):
         return self._outside(field, f"{value} is no finite number", None)
 
     def single(self, field: str, value: float) -> float | Absent:
-        """Returns a number that fits into single precision."""
+        """Returns a number that fits into single precision; the infinite have no nearest."""
+        if math.isinf(value):
+            return self._outside(field, f"{value} is no finite number", None)
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:

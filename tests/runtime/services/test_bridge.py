@@ -558,6 +558,8 @@ OUTSIDE = [
     (lambda limit: limit.finite("F", INFINITE), None),
     (lambda limit: limit.single("F", 1e39), 3.4028234663852886e38),
     (lambda limit: limit.single("F", NAN), None),
+    (lambda limit: limit.single("F", INFINITE), None),
+    (lambda limit: limit.single("F", -INFINITE), None),
     (lambda limit: limit.text("F", "abcde", 0, 4), None),
     (lambda limit: limit.text("F", "\u20ac", 0, 4), None),
     (lambda limit: limit.octets("F", b"ab", 3, 3), None),
