@@ -82,7 +82,7 @@ class Outbox:
             return
         with self._lock:
             self._wait_for(waiting)
-        self._transmit(waiting.packet)
+        self._transmit(packets[0])  # the loop may have gone on to a later one meanwhile
 
     def acknowledged(self, packet: Packet) -> bool:
         """Take an acknowledgement; return whether a packet waited for it."""

@@ -11,8 +11,11 @@ if TYPE_CHECKING:
     from .address import JausAddress
     from .counters import Counters
 
+    Way = tuple[JausAddress, JausAddress]
+    """Source and destination."""
+
 _FRAGMENT_OVERHEAD = 400
-_MAX_SOURCES = 256
+_MAX_STREAMS = 256
 _MAX_FRAGMENTS = 32768
 _TOTAL_FACTOR = 4
 
@@ -28,8 +31,8 @@ class _Run:
         self.updated = updated
 
 
-class _Source:
-    """Fragments of one source and the runs that they form."""
+class _Stream:
+    """Fragments of one source to one destination, and the runs that they form."""
 
     __slots__ = ("by_end", "by_start", "fragments", "size")
 
@@ -77,7 +80,7 @@ class _Source:
 
 
 class Reassembly:
-    """Collects fragments per source until a message is whole (AS5669A, data flags).
+    """Collects the fragments of each way until a message is whole (AS5669A, data flags).
 
     Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
     numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
@@ -90,13 +93,13 @@ class Reassembly:
 
         Args:
             timeout: Seconds without progress after which fragments are discarded.
-            limit: Bytes kept for one source (with bookkeeping); four times as many in total.
+            limit: Bytes kept for one way (with bookkeeping); four times as many in total.
             counters: Where discarded fragments are counted.
         """
         self._timeout = timeout
         self._limit = limit
         self._counters = counters
-        self._sources: OrderedDict[JausAddress, _Source] = OrderedDict()
+        self._streams: OrderedDict[Way, _Stream] = OrderedDict()
         self._size = 0
 
     @property
@@ -106,65 +109,66 @@ class Reassembly:
 
     def __len__(self) -> int:
         """Return how many fragments are held."""
-        return sum(len(source.fragments) for source in self._sources.values())
+        return sum(len(stream.fragments) for stream in self._streams.values())
 
     def add(self, packet: Packet, now: float) -> Packet | None:
         """Take a fragment and return the whole message that it completes, if it does.
 
         The message has the sequence number, priority and destination of its first packet.
         """
-        source = self._sources.get(packet.source)
-        if source is None:
-            source = self._sources[packet.source] = _Source()
-        elif packet.sequence in source.fragments:
+        way = (packet.source, packet.destination)
+        stream = self._streams.get(way)
+        if stream is None:
+            stream = self._streams[way] = _Stream()
+        elif packet.sequence in stream.fragments:
             self._counters.add("judp.duplicate")
             return None
         self._counters.add("judp.fragments")
-        self._sources.move_to_end(packet.source)
+        self._streams.move_to_end(way)
         self._size += _cost(packet)
-        run = source.add(packet, now)
-        if source.is_complete(run):
-            return self._finish(packet.source, source, run)
-        self._enforce_limits(packet.source, source)
+        run = stream.add(packet, now)
+        if stream.is_complete(run):
+            return self._finish(way, stream, run)
+        self._enforce_limits(way, stream)
         return None
 
     def expire(self, now: float) -> None:
         """Discard what has not grown for the timeout."""
-        for address, source in list(self._sources.items()):
-            runs = source.by_start.values()
+        for way, stream in list(self._streams.items()):
+            runs = stream.by_start.values()
             for run in [run for run in runs if now - run.updated >= self._timeout]:
-                count = len(self._remove(source, run))
+                count = len(self._remove(stream, run))
                 self._counters.add("judp.fragments_discarded", count)
-                self._counters.count("judp.reassembly_timeout", f"{count} fragments of {address}")
-            if not source.fragments:
-                del self._sources[address]
+                self._counters.count("judp.reassembly_timeout", f"{count} fragments of {way[0]}")
+            if not stream.fragments:
+                del self._streams[way]
 
-    def _finish(self, address: JausAddress, source: _Source, run: _Run) -> Packet:
-        packets = self._remove(source, run)
-        if not source.fragments:
-            del self._sources[address]
+    def _finish(self, way: Way, stream: _Stream, run: _Run) -> Packet:
+        packets = self._remove(stream, run)
+        if not stream.fragments:
+            del self._streams[way]
         self._counters.add("judp.fragments_assembled", len(packets))
         self._counters.add("judp.reassembled")
         payload = b"".join([packet.payload for packet in packets])
         return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
 
-    def _remove(self, source: _Source, run: _Run) -> list[Packet]:
-        before = source.size
-        packets = source.remove(run)
-        self._size -= before - source.size
+    def _remove(self, stream: _Stream, run: _Run) -> list[Packet]:
+        before = stream.size
+        packets = stream.remove(run)
+        self._size -= before - stream.size
         return packets
 
-    def _enforce_limits(self, address: JausAddress, source: _Source) -> None:
-        if source.size > self._limit or len(source.fragments) > _MAX_FRAGMENTS:
-            self._discard(address)
-        while self._size > self._limit * _TOTAL_FACTOR or len(self._sources) > _MAX_SOURCES:
-            self._discard(next(iter(self._sources)))
+    def _enforce_limits(self, way: Way, stream: _Stream) -> None:
+        if stream.size > self._limit or len(stream.fragments) > _MAX_FRAGMENTS:
+            self._discard(way)
+        while self._size > self._limit * _TOTAL_FACTOR or len(self._streams) > _MAX_STREAMS:
+            self._discard(next(iter(self._streams)))
 
-    def _discard(self, address: JausAddress) -> None:
-        source = self._sources.pop(address)
-        self._size -= source.size
-        self._counters.add("judp.fragments_discarded", len(source.fragments))
-        self._counters.count("judp.reassembly_overflow", f"{source.size} bytes of {address}")
+    def _discard(self, way: Way) -> None:
+        stream = self._streams.pop(way)
+        self._size -= stream.size
+        self._counters.add("judp.fragments_discarded", len(stream.fragments))
+        self._counters.count("judp.reassembly_overflow", f"{stream.size} bytes of {way[0]}")
 
 
 def _cost(packet: Packet) -> int:

@@ -54,8 +54,8 @@ class TransportSettings:
         duplicate_window: Seconds in which a sequence number must not come back.
         duplicate_history: Sequence numbers remembered for each source.
         reassembly_timeout: Seconds without progress after which fragments are discarded.
-        reassembly_limit: Bytes of incomplete fragments kept for one source; four times as
-            many are kept in total.
+        reassembly_limit: Bytes of incomplete fragments kept of one source for one destination;
+            four times as many are kept in total.
         address_lifetime: Seconds of silence after which a learnt address is doubted: the next
             message also asks for the peer by multicast.
         takeover_interval: Seconds between two attempts to own the shared port.

@@ -163,6 +163,16 @@ RECEIVED = [
     ),
     Row("fragments: numbers 65535, 0", "reassembled", FRAGMENTS, [b"\x02\x40abcd"]),
     Row(
+        "fragments: of two destinations with consecutive numbers",
+        "not tried",
+        [
+            packet(b"\x02\x40ab", 7, destination=SENSOR, data_flags=DataFlags.FIRST).encode(),
+            packet(b"cd", 8, data_flags=DataFlags.LAST).encode(),
+        ],
+        [],
+        remark="a message has one destination; what misses its other fragments is discarded",
+    ),
+    Row(
         "fragments: each with a request for acknowledgement",
         "each acknowledged",
         [

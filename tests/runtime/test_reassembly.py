@@ -142,7 +142,7 @@ def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
         source = JausAddress(subsystem, 1, 1)
         reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
         assert reassembly.size <= 4 << 16
-        assert len(reassembly._sources) <= 256
+        assert len(reassembly._streams) <= 256
     assert counters.snapshot()["judp.reassembly_overflow"] > 1900
 
 
@@ -169,7 +169,7 @@ def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
             reassembly.expire(index * 0.2)
     reassembly.expire(1000.0)
     assert reassembly.size == 0
-    assert not reassembly._sources
+    assert not reassembly._streams
 
 
 def test_a_full_circle_of_numbers_does_not_close(counters: Counters) -> None:
