@@ -7,6 +7,7 @@ Exit status of all verbs: 0 done and no errors, 1 problems of the models or of g
 from __future__ import annotations
 
 import errno
+import os
 import sys
 import traceback
 from importlib import import_module
@@ -32,7 +33,10 @@ VERBS = {
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
+ENVIRONMENT_FAULT = 2
 INTERNAL_ERROR = 3
+
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class Verbs(click.Group):
@@ -65,12 +69,20 @@ class Verbs(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Runs a verb; whatever it does not expect is an internal error."""
         try:
-            return super().invoke(ctx)
+            try:
+                return super().invoke(ctx)
+            finally:
+                sys.stdout.flush()
         except (click.exceptions.Exit, click.ClickException, click.Abort):
             raise
         except Exception as error:
             if isinstance(error, OSError) and error.errno == errno.EPIPE:
                 raise  # the reader of our output has gone, which click knows
+            if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:
+                # What is left in the buffer goes nowhere, lest it fails again at the end.
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+                click.echo(f"Error: cannot write the output: {error.strerror}", err=True)
+                ctx.exit(ENVIRONMENT_FAULT)
             if ctx.params["debug"]:
                 traceback.print_exc()
             hint = "" if ctx.params["debug"] else " (jausml --debug shows where)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from contextlib import ExitStack
@@ -33,8 +34,17 @@ if TYPE_CHECKING:
 
 _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
 
+_ARGUMENT = "argument "
+
 Line = tuple[str, str]
 """Where a line stands, and its text."""
+
+
+def _finite(_context: click.Context, _option: click.Parameter, value: float | None) -> float | None:
+    """Returns a duration; Click takes "nan" and "inf" for numbers."""
+    if value is not None and not math.isfinite(value):
+        raise click.BadParameter(f"{value} is no number of seconds; without it there is no end")
+    return value
 
 
 @click.command("decode")
@@ -59,7 +69,13 @@ Line = tuple[str, str]
 @click.option("--interface", default="127.0.0.1", show_default=True, help="For --listen: IPv4.")
 @click.option("--multicast-group", default="239.255.0.1", show_default=True, help="For --listen.")
 @click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
-@click.option("--duration", type=click.FloatRange(0), metavar="S", help="Listen so many seconds.")
+@click.option(
+    "--duration",
+    type=click.FloatRange(0),
+    callback=_finite,
+    metavar="S",
+    help="Listen so many seconds.",
+)
 def command(
     inputs: tuple[str, ...],
     datagram: bool,
@@ -103,10 +119,11 @@ def _lines(inputs: tuple[str, ...]) -> Iterator[Line]:
         return
     for number, text in enumerate(inputs or (STDIN,), 1):
         if text == STDIN or _is_file(text):
+            _refuse_capture(text)
             for line_number, line in enumerate(read_lines(text), 1):
                 yield f"{shown_path(text)}:{line_number}", line
         else:
-            yield f"argument {number}", text
+            yield f"{_ARGUMENT}{number}", text
 
 
 def _is_file(text: str) -> bool:
@@ -114,6 +131,21 @@ def _is_file(text: str) -> bool:
         return bool(text) and Path(text).exists()
     except (OSError, ValueError):
         return False
+
+
+def _refuse_capture(path: str) -> None:
+    """Refuses a capture where hex is wanted."""
+    from jausml.traffic.captures import is_capture  # noqa: PLC0415 - `--help` is quick
+
+    # What is no plain file, such as a pipe, gives its bytes only once.
+    if path != STDIN and Path(path).is_file():
+        try:
+            with Path(path).open("rb") as stream:
+                beginning = stream.read(4)
+        except OSError as error:
+            raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+        if is_capture(beginning):
+            raise click.UsageError(f"{shown_path(path)} is a capture, no hex: use --pcap")
 
 
 class _Output:
@@ -138,11 +170,19 @@ class _Output:
         for line in text.lines(decoded):
             write(f"  {line}")
 
-    def observation(self, observation: Observation) -> None:
-        """Writes a message with its transport header, or a datagram that cannot be read."""
+    def observation(self, observation: Observation, place: str) -> None:
+        """Writes a message with its transport header, or a datagram that cannot be read.
+
+        Args:
+            observation: What was seen.
+            place: Where its line of hex stands, empty for captures and live traffic.
+        """
         self.has_failed |= observation.is_problem
+        located = {"place": place} if place and observation.is_problem else {}
+        if located:
+            click.echo(f"{place}: {observation.error}", err=True)
         if self._is_json:
-            write(to_json(observation.to_json()))
+            write(to_json({**observation.to_json(), **located}))
             return
         from jausml.traffic import text  # noqa: PLC0415 - JSON does without
 
@@ -198,7 +238,9 @@ class _Reading:
             try:
                 data = parse_hex(line)
             except TrafficError as error:
-                self._output.problem(place, str(error))
+                is_argument = place.startswith(_ARGUMENT)
+                hint = ", and there is no such file" if is_argument else ""
+                self._output.problem(place, f"{error}{hint}")
                 continue
             if data:
                 yield place, data
@@ -206,15 +248,15 @@ class _Reading:
     def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
         from jausml.traffic.frames import Datagram  # noqa: PLC0415 - `--help` is quick
 
-        self._observe(Datagram(data) for _, data in lines)
+        self._observe((place, Datagram(data)) for place, data in lines)
 
-    def _observe(self, datagrams: Iterable[Datagram], *, is_live: bool = False) -> None:
+    def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
         from jausml.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
 
         observer = Observer(self._catalogue, self._service)
-        for datagram in datagrams:
+        for place, datagram in datagrams:
             for observation in observer.observe(datagram):
-                self._output.observation(observation)
+                self._output.observation(observation, place)
             if is_live:
                 sys.stdout.flush()
         if observer.host_frames:
@@ -235,7 +277,8 @@ class _Reading:
                     stream = stack.enter_context(Path(path).open("rb"))
             except (OSError, ValueError) as error:
                 raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
-            datagrams = filter(None, map(reader.read, read_frames(stream)))
+            found = filter(None, map(reader.read, read_frames(stream)))
+            datagrams = (("", datagram) for datagram in found)
             try:
                 self._observe(islice(datagrams, self._count), is_live=path == STDIN)
             except TrafficError as error:
@@ -268,6 +311,7 @@ class _Reading:
             where = f"{multicast_group}:{port} on {interface}"
             click.echo(f"listening to {where}", err=True)
             try:
-                self._observe(islice(listener.datagrams(duration), self._count), is_live=True)
+                heard = islice(listener.datagrams(duration), self._count)
+                self._observe((("", datagram) for datagram in heard), is_live=True)
             except KeyboardInterrupt:
                 click.echo("interrupted", err=True)

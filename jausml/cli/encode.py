@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
+from typing import Any
 
 import click
 
@@ -43,11 +45,15 @@ class _LineError(ValueError):
     """A line that is not an object of JSON."""
 
 
-def _message(line: str) -> dict[str, object]:
+def _message(line: str) -> dict[str, Any]:
+    from jausml.messages.codec import shown  # noqa: PLC0415 - `--help` is quick
+
     try:
-        value = json.loads(line.rstrip())
+        value = json.loads(line.rstrip(), object_pairs_hook=_object)
     except json.JSONDecodeError as error:
         raise _LineError(f"column {error.colno}: {error.msg}") from error
+    except _LineError:
+        raise
     except ValueError:
         raise _LineError("an integer has too many digits") from None
     except RecursionError:
@@ -55,5 +61,14 @@ def _message(line: str) -> dict[str, object]:
     if isinstance(value, dict) and isinstance(value.get("message"), dict):
         value = value["message"]  # a line of `jausml decode --datagram`
     if not isinstance(value, dict):
-        raise _LineError(f"an object is needed, this is a {type(value).__name__}")
+        raise _LineError(f"an object is needed, this is {shown(value)}")
     return value
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Returns an object of JSON; of a name that stands in it twice nobody knows which counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
+        raise _LineError(f"{twice!a} stands twice in an object")
+    return found

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 STDIN = "-"
 
+_LONGEST_LINE = 1 << 26
+
 model_option = click.option(
     "--model",
     "models",
@@ -58,18 +60,23 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
 
 
 def read_lines(path: str) -> Iterator[str]:
-    """Yields the lines of a file, or of stdin for `-`.
+    """Yields the lines of a file, or of stdin for `-`; without the mark that Windows begins with.
 
     Args:
         path: The file.
 
     Raises:
-        EnvironmentFault: It cannot be read.
+        EnvironmentFault: It cannot be read, or a line is too long for any text.
     """
     try:
         with nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream:
-            for line in stream:
-                yield line.decode("utf-8", errors="replace")
+            encoding = "utf-8-sig"
+            while line := stream.readline(_LONGEST_LINE):
+                if len(line) == _LONGEST_LINE:
+                    reason = f"a line has {_LONGEST_LINE} bytes or more; this is no text"
+                    raise EnvironmentFault(f"{shown_path(path)}: {reason}")
+                yield line.decode(encoding, errors="replace")
+                encoding = "utf-8"
     except (OSError, ValueError) as error:
         raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
 

@@ -25,6 +25,7 @@ from jausml.messages.errors import (
     UnknownServiceError,
     similar,
 )
+from jausml.messages.scalars import check_names
 from jausml.model import library_root, read_models
 from jausml.model.diagnostics import Severity
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
     from jausml.model import Model, ReadResult
 
+_KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
 
 
@@ -328,17 +330,18 @@ class Catalogue:
 
     def _meant(self, message: Mapping[str, Any]) -> MessageEntry:
         name, code = message.get("message"), message.get("code")
-        service = _service_of(message)
         if name is None and code is None:
             raise EncodeError("the object has neither 'message' nor 'code'")
+        check_names(message, _KEYS, ())
+        service = _service_of(message)
         for value, key in ((name, "message"), (code, "code")):
             legal = isinstance(value, str) or (key == "code" and type(value) is int)
             if value is not None and not legal:
-                raise EncodeError(f"{shown(value)} is no message", key)
+                raise EncodeError(f"{shown(value)} is no {key}", key)
         if code is None:
             return self.message(str(name), service)
         if name is None:
-            return self.message(code, service)
+            return self.message(self._code_of(code), service)
         found = self._named(name)
         if not found:
             return self.message(name, service)  # which raises with suggestions
@@ -350,9 +353,9 @@ class Catalogue:
 
     @staticmethod
     def _code_of(code: str | int) -> int:
-        if isinstance(code, int):
+        if isinstance(code, int) and 0 <= code <= 0xFFFF:
             return code
-        if not _CODE.fullmatch(code):
+        if isinstance(code, int) or not _CODE.fullmatch(code):
             raise EncodeError(f"{shown(code)} is not a code of four hexadecimal digits", "code")
         return int(code, 16)
 
@@ -372,6 +375,8 @@ def _service_of(message: Mapping[str, Any]) -> str | None:
     for value, key in ((service, "service"), (version, "service_version")):
         if value is not None and not isinstance(value, str):
             raise EncodeError(f"{shown(value)} is not a string", key)
+    if version is not None and service is None:
+        raise EncodeError("says nothing without a service", "service_version")
     if service is None or version is None or "/" in service:
         return service
     return f"{service}/{version}"

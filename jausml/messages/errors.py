@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+_LEAST_BEGINNING = 3
+
 ErrorT = TypeVar("ErrorT", bound="CodecError")
 
 
@@ -82,7 +84,9 @@ class AmbiguousMessageError(MessageError):
     """
 
     def __init__(self, what: str, choices: Sequence[str]) -> None:
-        super().__init__(f"{what} has several meanings: " + ", ".join(choices))
+        owners = {choice.partition(" of ")[2] for choice in choices}
+        hint = "; name the service that is meant" if len(owners) > 1 else ""
+        super().__init__(f"{what} has several meanings: {', '.join(choices)}{hint}")
         self.choices = tuple(choices)
 
 
@@ -92,7 +96,7 @@ def did_you_mean(suggestions: Sequence[str]) -> str:
 
 
 def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
-    """Returns the known names that resemble one, without regard to case.
+    """Returns the known names that resemble one or begin with it, without regard to case.
 
     Args:
         name: The name that was not found.
@@ -100,5 +104,8 @@ def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
         limit: How many to return at most.
     """
     by_folded = {each.casefold(): each for each in known}
-    found = get_close_matches(name.casefold()[:200], by_folded, n=limit, cutoff=0.8)
+    folded = name.casefold()[:200]
+    found = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)
+    if not found and len(folded) >= _LEAST_BEGINNING:
+        found = [each for each in by_folded if each.startswith(folded)][:limit]
     return [by_folded[each] for each in found]

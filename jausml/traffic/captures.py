@@ -73,6 +73,15 @@ def read_frames(stream: BinaryIO) -> Iterator[Frame]:
         raise CaptureError(f"neither pcap nor pcapng: it begins with {magic.hex(' ')}", 0)
 
 
+def is_capture(beginning: bytes) -> bool:
+    """Tells whether a file begins as a capture does.
+
+    Args:
+        beginning: Its first four bytes.
+    """
+    return beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
+
+
 class _File:
     """A file that is read from the beginning to the end.
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jausml.runtime.settings import TransportSettings
 
 _LARGEST_DATAGRAM = 65535
+_LONGEST_WAIT = 3600.0  # seconds; a socket does not take any number
 _IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
 
 
@@ -83,10 +84,10 @@ class MulticastListener:
             left = None if end is None else end - time.monotonic()
             if left is not None and left <= 0:
                 return
-            self._socket.settimeout(left)
+            self._socket.settimeout(None if left is None else min(left, _LONGEST_WAIT))
             try:
                 data, sender = self._socket.recvfrom(_LARGEST_DATAGRAM)
             except TimeoutError:
-                return
+                continue
             number += 1
             yield Datagram(data, Endpoint(*sender), self._group, time.time(), number)

@@ -89,6 +89,54 @@ def test_each_bad_line_is_told_and_the_run_goes_on(jausml, tmp_path, source):
     assert names == ["ReportStatus", "column 5: ", "no message", "ReportStat", "QueryStatus"]
 
 
+@pytest.mark.parametrize("verb", ["decode", "encode"])
+def test_lines_as_windows_writes_them(jausml, tmp_path, verb):
+    text = {"decode": "0220", "encode": '{"message": "QueryStatus"}'}[verb]
+    (tmp_path / "lines").write_bytes(b"\xef\xbb\xbf" + f"{text}\r\n\r\n{text}\r\n".encode())
+    result = jausml(verb, "lines")
+    assert (result.exit_code, result.stderr, len(result.stdout.splitlines())) == (0, "", 2)
+
+
+def test_a_line_without_end_is_refused(jausml, tmp_path):
+    with (tmp_path / "zeros").open("wb") as stream:
+        stream.truncate(1 << 27)
+    result = jausml("decode", "zeros")
+    assert result.exit_code == 2
+    assert "zeros: a line has 67108864 bytes or more; this is no text" in result.stderr
+
+
+def test_an_argument_that_is_neither_file_nor_hex(jausml):
+    result = jausml("decode", "nope.hex")
+    assert result.exit_code == 1
+    reason = "argument 1: column 1: 'n' is no hexadecimal digit, and there is no such file"
+    assert result.stderr.splitlines() == [reason]
+
+
+@pytest.mark.parametrize("magic", ["d4c3b2a1", "0a0d0d0a"])
+def test_a_capture_among_hex_is_told(jausml, tmp_path, magic):
+    (tmp_path / "drive").write_bytes(bytes.fromhex(magic) + bytes(100))
+    result = jausml("decode", "drive")
+    assert result.exit_code == 2
+    assert "drive is a capture, no hex: use --pcap" in result.stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no full device")  # noqa: PTH110
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_disk_is_told(unbuffered):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, "-m", "jausml", "decode", STATUS],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+            env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        )
+    reason = "Error: cannot write the output: No space left on device\n"
+    assert (done.returncode, done.stderr) == (2, reason)
+
+
 def test_count(jausml):
     result = jausml("decode", "--count", 1, text=f"\nzz\n{STATUS}\n0220\n")
     assert "ReportStatus" in result.stdout
@@ -164,10 +212,29 @@ def test_datagrams(jausml):
     assert "version 1" in version_1["error"]
     assert "no hexadecimal digit" in malformed["error"]
     assert "bytes follow" in rest["error"]
-    assert result.stderr == "<stdin>:3: column 1: 'z' is no hexadecimal digit\n"
+    problems = result.stderr.splitlines()
+    assert [each.split(": ")[0] for each in problems] == ["<stdin>:2", "<stdin>:3", "<stdin>:4"]
+    assert problems[1] == "<stdin>:3: column 1: 'z' is no hexadecimal digit"
     text = jausml("decode", "--format", "text", "--datagram", DATAGRAM.hex())
     assert text.exit_code == 0
     assert text.stdout.startswith("101.1.1 > 200.1.2  #7  QueryStatus 0x2002")
+
+
+def test_each_bad_datagram_is_told_with_its_place(jausml, tmp_path):
+    foreign = "02 00 1000 01 0201c800 01016500 ffff 0700"
+    (tmp_path / "lines.hex").write_text(f"{DATAGRAM.hex()}\n0200\n{foreign}\n{DATAGRAM.hex()}\n")
+    result = jausml("decode", "--datagram", "lines.hex")
+    assert result.exit_code == 1
+    cut = "the data size of a message is larger than the datagram (2 bytes)"
+    assert result.stderr.splitlines() == [
+        f"lines.hex:2: {cut}",
+        "lines.hex:3: no message has the code 0xFFFF",
+    ]
+    first, second, third, last = objects(result)
+    assert second == {"error": cut, "place": "lines.hex:2"}
+    assert (third["payload"], third["place"]) == ("ffff", "lines.hex:3")
+    assert first == last
+    assert "place" not in first
 
 
 def test_captures(jausml, tmp_path):
@@ -284,6 +351,49 @@ def test_listening_ends_after_a_duration(jausml, port):
 # -- encode ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("seconds", ["nan", "inf"])
+def test_a_duration_is_a_number_of_seconds(jausml, seconds):
+    result = jausml("decode", "--listen", "--duration", seconds)
+    assert result.exit_code == 2
+    assert f"{seconds} is no number of seconds" in result.stderr
+
+
+def test_any_duration_may_be_given(listening, port):
+    process = listening("--duration", "1e300", "--count", "1")
+    send(port)
+    assert process.wait(30) == 0
+
+
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ('{"message": "QueryStatus", "feilds": {}}', "feilds: unknown field; did you mean fields?"),
+        ('{"message": "QueryStatus", "message": "Reset"}', "'message' stands twice in an object"),
+        (
+            '{"message": "SetTravelSpeed", "fields": {"TravelSpeedRec": {"Speed": 1, "Speed": 2}}}',
+            "'Speed' stands twice in an object",
+        ),
+        (
+            '{"message": "QueryStatus", "service_version": "9"}',
+            "service_version: says nothing without a service",
+        ),
+        ('{"code": -1}', "code: -1 is not a code of four hexadecimal digits"),
+        ('{"code": 65536}', "code: 65536 is not a code of four hexadecimal digits"),
+        ('{"code": "Quer"}', "code: 'Quer' is not a code of four hexadecimal digits"),
+        ('{"code": 1.0}', "code: 1.0 is no code"),
+        ("null", "an object is needed, this is null"),
+        (
+            '{"message": "QueryStatus", "service": "Manage"}',
+            "no service 'Manage'; did you mean Management?",
+        ),
+    ],
+)
+def test_encode_takes_nothing_that_it_does_not_know(jausml, line, error):
+    result = jausml("encode", text=f"{line}\n")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.splitlines() == [f"<stdin>:1: {error}"]
+
+
 def test_encode_takes_what_decode_prints(jausml):
     hexes = ["0220", STATUS, "f14101020700000002400100000000", "02440300000000800000c0ff"]
     printed = jausml("decode", *hexes).stdout
@@ -317,11 +427,11 @@ def test_encode_tells_each_bad_line_and_goes_on(jausml, tmp_path):
         "lines.jsonl:4: ReportStatusRec.Stats: unknown field; did you mean Status?",
         "lines.jsonl:5: no message 'ReportStat'; did you mean ReportStatus or ReportPath?",
         "lines.jsonl:6: column 12: Expecting value",
-        "lines.jsonl:7: an object is needed, this is a list",
+        "lines.jsonl:7: an object is needed, this is a list of 1",
         "lines.jsonl:8: nested too deep",
         "lines.jsonl:9: no message 'X\\ud800'",
         "lines.jsonl:10: an integer has too many digits",
-        "lines.jsonl:11: no message '0x-001'",
+        "lines.jsonl:11: code: -1 is not a code of four hexadecimal digits",
     ]
     assert jausml("encode", "absent.jsonl").exit_code == 2
 

@@ -233,14 +233,16 @@ def test_a_message_is_named_by_name_or_code(catalogue):
     [
         ({}, EncodeError, "neither 'message' nor 'code'"),
         ({"message": 7}, EncodeError, "message: 7 is no message"),
-        ({"code": True}, EncodeError, "code: true is no message"),
-        ({"code": "0x40021"}, UnknownMessageError, "no message '0x40021'"),
+        ({"code": True}, EncodeError, "code: true is no code"),
+        ({"code": "0x40021"}, EncodeError, "code: '0x40021' is not a code of four"),
         (
             {"message": "ReportStatus", "code": "2002"},
             EncodeError,
             "code: ReportStatus has the code",
         ),
         ({"message": "ReportStatus", "code": "x"}, EncodeError, "code: 'x' is not a code"),
+        ({"message": "ReportStatus", "feilds": {}}, EncodeError, "feilds: unknown field; did you"),
+        ({"message": "ReportStatus", "service_version": "1"}, EncodeError, "nothing without"),
         ({"message": "ReportStatus", "service": 1}, EncodeError, "service: 1 is not a string"),
         ({"message": "ReportStatus", "fields": []}, EncodeError, "fields: a list of 0"),
         ({"message": "ReportStat"}, UnknownMessageError, "did you mean ReportStatus"),
