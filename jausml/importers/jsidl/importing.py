@@ -163,7 +163,11 @@ class _Import:
         if not self._scopes.services and not self._findings.has_errors:
             documents = self._model.documents
             at = Location(documents[0].display if documents else "<nothing>")
-            self._findings.report("JML614", at, "no file has a <service_def>")
+            message = (
+                "no file has a <service_def>; types and constants become part of the services that"
+                " use them: import the files of these too"
+            )
+            self._findings.report("JML614", at, message)
         return ImportResult(self._model, sets, self._findings.diagnostics())
 
     def _read(self, source: Source) -> None:
