@@ -123,6 +123,32 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path: Path) -> N
     compile(base, "driver_base.py", "exec")
 
 
+def test_messages_without_fields_are_laid_out_too(tmp_path: Path) -> None:
+    """A module without a `struct` once had a blank line too many."""
+    path = tmp_path / "bell.xmi"
+    path.write_text(
+        """<?xml version="1.0" encoding="UTF-8"?>
+<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:system="http://www.jausml.org/system/1.0" name="bell">
+  <serviceSets name="own">
+    <services xmi:id="Bell" name="Bell" urn="urn:example:own:Bell">
+      <inputs name="Ring" code="0xD120" isCommand="true"/>
+    </services>
+  </serviceSets>
+  <components name="bell" address="1.1.1" provides="Bell"/>
+</system:System>
+""",
+        encoding="utf-8",
+    )
+    (messages,) = (
+        a for a in render(read_models([path]).model, [TARGET]) if a.path.endswith("messages.py")
+    )
+    (tmp_path / "messages.py").write_text(messages.text, encoding="utf-8")
+    config = ["--config", str(ROOT / "pyproject.toml"), "messages.py"]
+    run("-m", "ruff", "format", "--check", *config, cwd=tmp_path, workspace=tmp_path)
+    run("-m", "ruff", "check", *config, cwd=tmp_path, workspace=tmp_path)
+
+
 def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> None:
     (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
     assert skeleton.contract is not None
