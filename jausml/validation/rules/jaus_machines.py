@@ -6,7 +6,7 @@ import difflib
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.model.guards import GuardError, conditions, parse_guard
+from jausml.model.guards import Guard, GuardError, conditions, parse_guard
 from jausml.model.machines import (
     CORE_EVENTS,
     CORE_MACHINE,
@@ -184,6 +184,8 @@ def reachable(subject: Subject) -> Iterator[Finding]:
 def taken(subject: Subject) -> Iterator[Finding]:
     """Transitions of a state are tried in their order; one without a guard is always taken.
 
+    Of two transitions on the same message with the same guard the first is taken.
+
     Bad: a transition on LockBrake without a guard, and a second one on LockBrake after it
 
     Good: the one with the guard first
@@ -329,15 +331,23 @@ def _element(behaviour: Behaviour, path: str) -> Any:
 
 
 def _shadowed(transitions: Iterable[Any]) -> Iterator[Finding]:
-    always: dict[tuple[str, str], Any] = {}
+    earlier: dict[tuple[tuple[str, str], Guard | None], Any] = {}
     for transition in transitions:
-        first = always.get(trigger(transition))
-        if first is not None:
-            name = described(transition)
+        try:
+            guard = parse_guard(transition.guard)
+        except GuardError:
+            continue
+        on, name = trigger(transition), described(transition)
+        always, same = earlier.get((on, None)), earlier.get((on, guard))
+        if always is not None:
             text = f"an earlier transition on {name} is always taken"
-            yield Finding(transition, text, related=(Note(first, f"on {name}, without a guard"),))
-        elif not (transition.guard or "").strip():
-            always[trigger(transition)] = transition
+            note = Note(always, f"on {name}, without a guard")
+            yield Finding(transition, text, related=(note,))
+        elif same is not None:
+            text = f"an earlier transition on {name} has the same guard"
+            yield Finding(transition, text, "guard", related=(Note(same, f"on {name}", "guard"),))
+        else:
+            earlier[on, guard] = transition
 
 
 def _foreign_machine(behaviour: Behaviour) -> Iterator[Finding]:
