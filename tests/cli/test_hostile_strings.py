@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 from xml.sax.saxutils import escape, quoteattr
 
 import pytest
@@ -141,5 +142,12 @@ def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkey
         }
         assert not {"__import__", "INJECTED"} & names, source
         compile(source.read_bytes(), str(source), "exec")
+    for manifest in Path("out").rglob("package.xml"):
+        ElementTree.parse(manifest)  # noqa: S314 - we wrote it
+    diagrams = list(Path("out").rglob("states.md"))
+    assert diagrams
+    for diagram in diagrams:
+        # Between the marks stand names alone, which rules keep to letters, digits and underscores.
+        assert not {"INJECTED", "7 * 7"} & set(re.findall(r"INJECTED|7 \* 7", diagram.read_text()))
     assert not list(tmp_path.rglob("INJECTED"))
     assert jausml("generate", "model.xmi", "-o", "out", "--check").exit_code == 0
