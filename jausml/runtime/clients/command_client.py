@@ -121,6 +121,7 @@ class CommandClient:
         """Listen to the answers of targets."""
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
+        self._next_request = 0
         # Messages may be reordered: ends of commands that are not confirmed yet.
         self._early: dict[tuple[JausAddress, int], int] = {}
         component.on_message(ConfirmEventRequest, self._confirmed)
@@ -142,10 +143,7 @@ class CommandClient:
         if not 0 <= max_duration <= MAX_DURATION:
             raise ValueError(f"duration {max_duration} s is outside 0..{MAX_DURATION}")
         payload = command.encode()
-        free = (each for each in COMMAND_REQUESTS if (target, each) not in self._pending)
-        request_id = next(free, None)
-        if request_id is None:
-            raise ValueError(f"more than {len(COMMAND_REQUESTS)} commands under way at {target}")
+        request_id = self._free_request(target)
         pending = PendingCommand(self, target, request_id, max_duration, on_done, on_refused)
         self._pending[target, request_id] = pending
         self.component.when_started(lambda: self._start(pending, payload, timeout))
@@ -164,6 +162,16 @@ class CommandClient:
         """Await no end any more."""
         for pending in list(self._pending.values()):
             self.forget(pending)
+
+    def _free_request(self, target: JausAddress) -> int:
+        """Return an id that was not used lately: late answers must not meet another command."""
+        count = len(COMMAND_REQUESTS)
+        for step in range(count):
+            request_id = COMMAND_REQUESTS[(self._next_request + step) % count]
+            if (target, request_id) not in self._pending:
+                self._next_request += step + 1
+                return request_id
+        raise ValueError(f"more than {count} commands under way at {target}")
 
     def _start(self, pending: PendingCommand, payload: bytes, timeout: float) -> None:
         if self._pending.get((pending.target, pending.request_id)) is pending:

@@ -126,6 +126,7 @@ class EventClient:
         self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
         self._by_event: dict[tuple[JausAddress, int], EventStream] = {}
         self._timeouts: dict[JausAddress, int] = {}
+        self._last_request = -1
         self._stray_cancelled = float("-inf")
         component.on_message(Event, self._event)
         component.on_message(ConfirmEventRequest, self._confirmed)
@@ -249,8 +250,10 @@ class EventClient:
             self._component.send(message, sender)
 
     def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
-        for request_id in EVENT_REQUESTS:
+        """Return an id that was not used lately: late answers must not meet another stream."""
+        for step in EVENT_REQUESTS:
+            request_id = (self._last_request + 1 + step) % len(EVENT_REQUESTS)
             if (provider, request_id) not in self._by_request:
-                stream.request_id = request_id
+                self._last_request = stream.request_id = request_id
                 return request_id
         raise ValueError(f"more than {len(EVENT_REQUESTS)} events of {provider}")

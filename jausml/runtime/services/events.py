@@ -92,7 +92,7 @@ class EventsService:
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one."""
         for event in self._watchers.get(report_class.CODE, ()):
-            if self._events.get(event.event_id) is event:
+            if self._is_wanted(event):
                 self._send_if_changed(event)
 
     def permissions_changed(self) -> None:
@@ -227,13 +227,17 @@ class EventsService:
 
     def _send_report(self, event: _Event) -> None:
         report = self._component.report(event.setup.provision, event.setup.query, event.client)
-        if report is not None:
+        if report is not None and self._is_wanted(event):
             self._send(event, report)
 
     def _send_if_changed(self, event: _Event) -> None:
         report = self._component.report(event.setup.provision, event.setup.query, event.client)
-        if report is not None and report != event.last_report:
+        if report is not None and report != event.last_report and self._is_wanted(event):
             self._send(event, report)
+
+    def _is_wanted(self, event: _Event) -> bool:
+        """Return whether an event still exists: its provider is user code, and may end it."""
+        return self._events.get(event.event_id) is event
 
     def _send(self, event: _Event, report: bytes) -> None:
         event.last_report = report

@@ -194,6 +194,18 @@ def test_cancel_after_the_end_does_no_harm_to_the_next_command(world, robot, cli
     assert outcome.done == [True]
 
 
+@pytest.mark.usefixtures("session")
+def test_command_that_follows_a_cancelled_one_is_told_its_own_end(world, robot, client, outcome):
+    first = client.command(robot.address, Drive())
+    world.settle()
+    first.cancel()
+    client.command(robot.address, Drive(), **outcome.callbacks())
+    world.settle()
+    robot.drives[1].succeed()
+    world.settle()
+    assert outcome.done == [True]
+
+
 def test_command_before_the_start(world, robot, outcome):
     late = world.component("2.1.1", services=())
     late.command(robot.address, Resume(), **outcome.callbacks())

@@ -581,3 +581,18 @@ def test_subscriber_that_another_one_cancels_hears_nothing_more(world, client):
     world.run(3.0)
     assert heard == []
     assert "event_client.silent" not in world.counters.snapshot()
+
+
+def test_subscription_that_follows_a_cancelled_one_is_confirmed_at_once(world, client):
+    provider(world)
+    statuses(client, Inbox()).cancel()
+    first = statuses(client, Inbox())
+    world.settle()
+    first.cancel()
+    heard = Inbox()
+    second = statuses(client, heard)
+    world.settle()
+    assert second.active
+    assert len(heard) == 1
+    assert world.count(UpdateEvent.CODE) == 0
+    assert world.count(RejectEventRequest.CODE) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime.component import JausComponent, ServiceIdentity
 from jausml.runtime.core_messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -308,3 +309,25 @@ class TestDelivery:
 def _stamp(value):
     stamp = ReportTime.TimeStamp
     return stamp(milliseconds=value % 1000, seconds=value // 1000, minutes=0, hour=0, day=1)
+
+
+def test_provider_that_stops_the_component_is_the_last_to_be_asked(world):
+    class Unwilling(JausComponent):
+        def host_time(self):
+            self.stop()
+            return super().host_time()
+
+    services = tuple(
+        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in ("Events", "Time")
+    )
+    component = world.component("1.1.1", kind=Unwilling, services=services)
+    client = world.probe("2.1.1")
+    component.start()
+    create = CreateEvent(
+        request_id=1,
+        event_type=PERIODIC,
+        requested_periodic_rate=1.0,
+        query_message=QueryTime(presence_vector=3).encode(),
+    )
+    heard = client.ask(create, component)
+    assert [type(message) for message in heard] == [ConfirmEventRequest]
