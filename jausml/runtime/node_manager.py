@@ -56,9 +56,13 @@ class NodeManagerTransport:
             raise OSError(f"there is no folder {self._folder} for the node manager's sockets")
         with self.loop.lock:
             self._is_open = True
-            for client in self._clients.values():
-                client.open()
             self._plan_watch()
+            try:
+                for client in self._clients.values():
+                    client.open()
+            except OSError:
+                self.close()
+                raise
 
     def close(self) -> None:
         """Take leave of the manager; messages that wait are reported as lost."""

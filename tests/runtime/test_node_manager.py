@@ -286,6 +286,20 @@ def test_a_component_that_another_process_runs_is_refused(client, managers):
         client().attach(DRIVER)
 
 
+def test_a_refusal_leaves_no_sockets_behind(client, managers, folder):
+    managers()
+    client().attach(DRIVER)
+    settings = TransportSettings(node_manager_directory=str(folder))
+    with Loop() as loop:
+        transport = NodeManagerTransport(settings, loop)
+        transport.attach(SENSOR, lambda _message: None)
+        transport.attach(DRIVER, lambda _message: None)
+        with pytest.raises(OSError, match=r"another process runs component 100\.1\.1"):
+            transport.open()
+        names = {path.name for path in folder.iterdir()}
+        assert names == {"JuniorRTE", str(DRIVER.packed)}
+
+
 def test_the_socket_of_a_crashed_process_is_replaced(client, managers, folder, wait_until):
     managers()
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as crashed:
