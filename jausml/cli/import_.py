@@ -100,7 +100,8 @@ def jsidl(
         differences = list(_differences(result))
         for line in differences:
             click.echo(one_line(line))
-        _say(f"{len(differences)} differences from the library", quiet=quiet)
+        noun = "difference" if len(differences) == 1 else "differences"
+        _say(f"{len(differences)} {noun} from the library", quiet=quiet)
         if differences:
             raise click.exceptions.Exit(PROBLEMS)
 
@@ -119,6 +120,8 @@ def _write(result: ImportResult, output: str, inputs: list[str], *, force: bool)
     shown = click.format_filename(output)
     if os.path.realpath(path) in {os.path.realpath(each) for each in inputs}:
         raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
+    if path.exists() and not path.is_file():
+        raise EnvironmentFault(f"cannot write {shown}: it is no file; name one by -o")
     try:
         data = to_xmi(result.sets, result.model, path).encode("utf-8")
         if path.exists():

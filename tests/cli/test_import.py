@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import stat
 from pathlib import Path
 
 import pytest
@@ -136,3 +138,12 @@ def test_what_cannot_be_done_is_refused(jausml, folder, arguments, said):
 def test_rules_of_the_importer_are_explained(jausml):
     assert "JML607 error" in jausml("rules").stdout
     assert "declared_type_set_ref" in jausml("explain", "JML607").stdout
+
+
+def test_what_is_no_file_is_neither_read_nor_replaced(jausml, folder):
+    """A device may give bytes without end, a pipe none for ever."""
+    os.mkfifo("pipe")
+    result = jausml("import", "jsidl", folder, "-o", "pipe")
+    assert result.exit_code == 2
+    assert "cannot write pipe: it is no file; name one by -o" in result.stderr
+    assert stat.S_ISFIFO(os.stat("pipe").st_mode)  # noqa: PTH116

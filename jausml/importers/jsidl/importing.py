@@ -208,8 +208,9 @@ class _Import:
         return services
 
     def _behave(self, services: list[ImportedService]) -> None:
+        declared = self._scopes.declared_names()
         for each in services:
-            names = KnownNames(each.service, self._scopes.declared_names)
+            names = KnownNames(each.service, declared)
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
             for child in each.place.node.children:
                 if child.tag == "protocol_behavior":

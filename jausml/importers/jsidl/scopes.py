@@ -249,9 +249,8 @@ class Scopes:
         """
         return evaluate(text, lambda path: self.constant(scope, path))
 
-    @property
     def declared_names(self) -> frozenset[str]:
-        """Names of the messages and events in the services of all files."""
+        """Returns the names of the messages and events in the services of all files."""
         found = set()
         pending = [scope.place.node for scope in self.services]
         while pending:

@@ -202,12 +202,13 @@ def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
     before its last colon names the set. Versions of one service become sets of their own.
     """
     groups: dict[Any, list[ImportedService]] = {}
+    taken: set[tuple[Any, str]] = set()
     for each in services:
         owner = each.place.node.parent
         key: Any = owner if owner is not None else str(each.service.urn).rpartition(":")[0]
-        taken = {other.service.name for other in groups.get(key, ())}
-        if each.service.name in taken:
+        if (key, each.service.name) in taken:
             key = (key, each.service.version)
+        taken.add((key, each.service.name))
         groups.setdefault(key, []).append(each)
     return [_group(members) for members in groups.values()]
 
