@@ -174,8 +174,11 @@ class Record(Codec):
             try:
                 self.presence.encode(vector, out)
             except EncodeError:
-                names = [each.name for each in self.members if each.name in fields]
-                raise EncodeError(f"no bit stands for {names[-1]}", PRESENCE) from None
+                bits = 8 * self.presence.minimum_size
+                present = (each for each in self.members if each.name in fields)
+                name = next(each.name for each in present if each.bit >> bits)
+                reason = f"no bit stands for {name}, the vector has {bits}: leave it out"
+                raise EncodeError(reason, PRESENCE) from None
         for segment in self._layout(vector):
             segment.encode(fields, out)
 

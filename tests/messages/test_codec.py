@@ -9,6 +9,7 @@ import tracemalloc
 import pytest
 
 from jausml.messages import DecodeError, EncodeError
+from jausml.messages.blobs import Text
 from jausml.messages.scalars import Scaled
 
 
@@ -201,8 +202,17 @@ def test_a_presence_vector_without_room_for_a_member(catalogue):
     last = record.codec.members[-1]
     assert last.bit > 0xFF
     least = {member.name: 0 for member in record.codec.members if not member.bit}
-    with pytest.raises(EncodeError, match=f"_pv: no bit stands for {last.name}"):
+    error = f"_pv: no bit stands for {last.name}, the vector has 8: leave it out"
+    with pytest.raises(EncodeError, match=error):
         entry.encode({record.name: {**least, last.name: 0}})
+    with_bits = {
+        member.name: "" if isinstance(member.codec, Text) else 0
+        for member in record.codec.members
+        if 0 < member.bit <= 0xFF
+    }
+    decoded = entry.decode(entry.encode({record.name: {**least, **with_bits}}))[record.name]
+    assert decoded["_pv"] == 0xFF
+    assert last.name not in decoded
 
 
 def test_embedded_messages_are_decoded_beside_their_hex(catalogue):
