@@ -241,7 +241,7 @@ class BridgeView:
             MethodContract(
                 f"translate_{view.name}",
                 ("source",),
-                f"connection:{view.connection.name}",
+                "",  # nothing stays when a connection is renamed
                 _stub(view),
                 optional=True,
             )

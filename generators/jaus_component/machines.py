@@ -28,6 +28,8 @@ STANDARD_GUARDS = {
     "isIDStored": "is_id_stored",
 }
 """Guards of the core services that the runtime evaluates, and their methods."""
+# Nothing of a guard or an action stays when it is renamed: names that resemble tell.
+_NAME_ALONE = ""
 
 RUNTIME_NAMES = {
     "jausml_runtime.message": ("Message",),
@@ -155,20 +157,20 @@ class Machines:
     def _guard_method(self, use: _Use) -> Method:
         name = self._scope.claim(names.snake_case(use.name))
         text = sentence(f"tell whether the guard {clean(use.name)} holds")
-        return MachineMethod(name, use.parameters, "bool", text, f"guard:{use.name}")
+        return MachineMethod(name, use.parameters, "bool", text, _NAME_ALONE)
 
     def _action_method(self, use: _Use) -> Method:
         name = self._scope.claim(names.snake_case(use.name))
         if use.report is None:
             text = sentence(use.documentation or f"do what {clean(use.name)} means")
-            return MachineMethod(name, use.parameters, "None", text, f"action:{use.name}")
+            return MachineMethod(name, use.parameters, "None", text, _NAME_ALONE)
         made = f"return {use.report.jaus_name} to send, or None to send nothing"
         return MachineMethod(
             name,
             use.parameters,
             f"{use.report.class_name} | None",
             sentence(use.documentation or made),
-            f"action:{use.name}:{use.report.code_text}",
+            _NAME_ALONE,
         )
 
     @functools.cached_property

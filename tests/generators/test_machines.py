@@ -202,13 +202,18 @@ def test_drift_tells_new_and_former_methods(tmp_path):
     jausml("generate", model, "-o", out)
     assert "does not define" not in jausml("generate", model, "-o", out)
     model.write_text(
-        text.replace('"switchOff"', '"darken"').replace("isBright(", "isHigh("), "utf-8"
+        text.replace('"switchOff"', '"darken"').replace("isBright(", "isHot("), "utf-8"
     )
     said = jausml("generate", model, "-o", out)
-    for name in ("darken", "is_high"):
+    for name in ("darken", "is_hot"):
         assert f"does not define {name}(" in said
     for name in ("switch_off", "is_bright"):
         assert f"{name}: the model has no such element any more" in said
+    model.write_text(text.replace('"switchOff"', '"switchItOff"'), "utf-8")
+    again = tmp_path / "again"
+    jausml("generate", model, "-o", again)
+    model.write_text(text, "utf-8")
+    assert "switch_it_off: renamed to switch_off?" in jausml("generate", model, "-o", again)
 
 
 def test_the_diagram_shows_states_and_transitions(texts):
