@@ -167,6 +167,7 @@ class _Control:
         self._missed = 0
         self._resumed_at = float("-inf")
         self._requested = False
+        self._awaits_answer = False
         self._timer: Timer | None = None
 
     @property
@@ -197,7 +198,7 @@ class _Control:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        if self._requested and self.state is not ControlState.REFUSED:
+        if self._requested and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._send(ReleaseControl())
         self._client.forget(self)
         self.state = ControlState.SEEKING
@@ -205,6 +206,7 @@ class _Control:
     # ---- what the target says ---------------------------------------------------------------
 
     def confirmed(self, code: int) -> None:
+        self._awaits_answer = False
         if code != ConfirmControl.ResponseCode.CONTROL_ACCEPTED:
             self.component.counters.add("control_client.refused")
             if self._change(ControlState.REFUSED):
@@ -245,7 +247,7 @@ class _Control:
 
     def _check(self) -> None:
         """Request control, for the first time or to confirm it, and look after the target."""
-        self._requested = True
+        self._requested = self._awaits_answer = True
         self._send(RequestControl(authority_code=max(each.authority for each in self._sessions)))
         if not self._holds:
             refused = self.state is ControlState.REFUSED

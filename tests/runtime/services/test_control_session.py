@@ -397,3 +397,19 @@ def test_released_session_hears_nothing_more(world, client):
     world.settle()
     assert first.state is READY
     assert states == []
+
+
+def test_release_while_a_request_after_a_refusal_is_on_its_way(world, client):
+    tested = target(world, control_timeout=0)
+    rival = world.probe("3.1.1")
+    rival.ask(RequestControl(authority_code=200), tested)
+    session = client.control(TARGET, authority=127)
+    world.settle()
+    assert session.state is REFUSED
+    rival.ask(ReleaseControl(), tested)
+    world.lost = lambda _source, _destination, code: code == ConfirmControl.CODE
+    world.run(5.5, step=0.1)
+    assert tested.controller == client.address
+    session.release()
+    world.settle()
+    assert tested.controller is None
