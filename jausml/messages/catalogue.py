@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
+from importlib.resources import files
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages.codec import shown
@@ -26,13 +28,13 @@ from jausml.messages.errors import (
     similar,
 )
 from jausml.messages.scalars import check_names
+from jausml.metamodel import read_metamodels
 from jausml.model import library_root, read_models
 from jausml.model.diagnostics import Severity
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
     from jausml.model import Model, ReadResult
 
@@ -69,7 +71,10 @@ def load_catalogue(
 
 @cache
 def _library_catalogue() -> Catalogue:
-    return _catalogue_of(read_models(_library_files()))
+    # The library needs no other metamodel; all four would take twice as long to load.
+    folder = Path(str(files("jausml.metamodels")))
+    metamodels = read_metamodels([folder / "jaus.ecore"])
+    return _catalogue_of(read_models(_library_files(), metamodels=metamodels))
 
 
 def _library_files() -> list[Path]:
