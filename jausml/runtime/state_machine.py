@@ -17,6 +17,9 @@ from .message import Message
 if TYPE_CHECKING:
     from .address import JausAddress
 
+REMEMBERED_STATES = 64
+"""Pushes that wait for their pop; peers that only push must not fill the memory."""
+
 Trigger = type[Message] | str | None
 """What may take a transition: a message, an internal event by name, or None for anything else."""
 
@@ -38,7 +41,7 @@ class Kind(Enum):
     INTERNAL = "internal"
     """Runs the actions alone."""
     PUSH = "push"
-    """Remembers the present state and enters the target."""
+    """Remembers the present state and enters the target; the oldest of many is forgotten."""
     POP = "pop"
     """Enters the state that the last push remembered."""
 
@@ -132,7 +135,7 @@ class StateMachine:
         self._states = {state.path: state for state in states}
         self._initial = {_enclosing(s.path): s.path for s in reversed(states) if s.initial}
         self._candidates: dict[tuple[str, Trigger], tuple[On, ...]] = {}
-        self._remembered: list[str] = []
+        self._remembered: deque[str] = deque(maxlen=REMEMBERED_STATES)
         self._waiting: deque[tuple[Trigger, tuple[Any, ...]]] = deque()
         self._busy = False
 
@@ -236,6 +239,8 @@ class StateMachine:
             self._act(transition.do, arguments)
             return
         if transition.kind is Kind.PUSH:
+            if len(self._remembered) == REMEMBERED_STATES:
+                self._host.ignored("component.state_forgotten", f"{self.name} in {self.state}")
             self._remembered.append(self.state)
         elif transition.kind is Kind.POP:
             if not self._remembered:

@@ -7,6 +7,7 @@ import pytest
 from jausml.runtime.address import JausAddress
 from jausml.runtime.core_messages import QueryTime, Resume, Standby
 from jausml.runtime.state_machine import (
+    REMEMBERED_STATES,
     Kind,
     On,
     State,
@@ -228,6 +229,29 @@ def test_pop_of_nothing_is_counted_and_stays(host):
     assert machine.state == "A"
 
 
+def test_pushes_without_end_forget_the_oldest_state(host):
+    machine = started(
+        host,
+        state(host, "A", On("push", target="B", kind=Kind.PUSH), initial=True),
+        state(
+            host,
+            "B",
+            On("push", target="B", kind=Kind.PUSH),
+            On("pop", kind=Kind.POP),
+        ),
+    )
+    host.take()
+    for _ in range(REMEMBERED_STATES + 1):
+        machine.raise_event("push")
+    assert host.take().count("component.state_forgotten") == 1
+    for _ in range(REMEMBERED_STATES):
+        machine.raise_event("pop")
+    assert machine.state == "B"
+    host.take()
+    machine.raise_event("pop")
+    assert host.take() == ["component.nothing_to_pop"]
+
+
 def test_messages_come_with_their_sender_and_events_with_nothing(host):
     seen = []
     machine = started(
@@ -361,7 +385,7 @@ class TestCore:
         machine.raise_event("inspect")
         host.core = REST
         machine.follow()
-        assert machine._remembered == []
+        assert not machine._remembered
 
     def test_a_core_that_moves_during_an_action_is_followed_afterwards(self, host):
         def act(*_):
