@@ -58,6 +58,11 @@ def _finite(_context: click.Context, _option: click.Parameter, value: float | No
     help="Where a code has several meanings, that of this service: URN or name, then /VERSION.",
 )
 @click.option(
+    "--message",
+    metavar="NAME",
+    help="Where a code has several meanings even so, the message of this name.",
+)
+@click.option(
     "--format",
     "output_format",
     type=FORMATS,
@@ -82,6 +87,7 @@ def command(
     pcap: str | None,
     listen: bool,
     service: str | None,
+    message: str | None,
     output_format: str | None,
     models: tuple[str, ...],
     count: int | None,
@@ -99,7 +105,9 @@ def command(
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
     by_default = "text" if sys.stdout.isatty() else "json"
     output = _Output(output_format or by_default)
-    reading = _Reading(open_catalogue(models), service, output, count)
+    catalogue = open_catalogue(models)
+    _check_meaning(catalogue, service, message)
+    reading = _Reading(catalogue, (service, message), output, count)
     if listen:
         reading.network(**options)
     elif pcap is not None:
@@ -197,23 +205,38 @@ class _Output:
             write(to_json({"error": reason, "place": place}))
 
 
+def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
+    """Refuses a service or a message that nobody defines, before anything is read."""
+    from jausml.messages import (  # noqa: PLC0415 - `--help` is quick
+        AmbiguousMessageError,
+        MessageError,
+    )
+
+    try:
+        if service is not None:
+            catalogue.find_services(service)
+        if message is not None:
+            catalogue.message(message, service)
+    except AmbiguousMessageError:
+        return  # the bytes may tell
+    except MessageError as error:
+        raise click.UsageError(str(error)) from error
+
+
 class _Reading:
     """Reads one source and shows what is in it."""
 
     def __init__(
-        self, catalogue: Catalogue, service: str | None, output: _Output, count: int | None
+        self,
+        catalogue: Catalogue,
+        meaning: tuple[str | None, str | None],
+        output: _Output,
+        count: int | None,
     ) -> None:
-        from jausml.messages import UnknownServiceError  # noqa: PLC0415 - `--help` is quick
-
         self._catalogue = catalogue
-        self._service = service
+        self._meaning = meaning
         self._output = output
         self._count = count
-        if service is not None:
-            try:
-                catalogue.find_services(service)
-            except UnknownServiceError as error:
-                raise click.UsageError(str(error)) from error
 
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
@@ -225,7 +248,7 @@ class _Reading:
             return
         for place, payload in found:
             try:
-                self._output.message(self._catalogue.decode(payload, self._service))
+                self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
                 self._output.problem(place, str(error))
 
@@ -253,7 +276,7 @@ class _Reading:
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
         from jausml.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
 
-        observer = Observer(self._catalogue, self._service)
+        observer = Observer(self._catalogue, *self._meaning)
         for place, datagram in datagrams:
             for observation in observer.observe(datagram):
                 self._output.observation(observation, place)

@@ -250,7 +250,9 @@ class Catalogue:
         entries = [e for s in self.find_services(service) for a in s.lineage for e in a.messages]
         return similar(name, {e.name for e in entries}) or similar(name, self._codes)
 
-    def decode(self, payload: bytes, service: str | None = None) -> DecodedMessage:
+    def decode(
+        self, payload: bytes, service: str | None = None, message: str | None = None
+    ) -> DecodedMessage:
         """Returns the message of a payload, with the messages that stand in it.
 
         Where a code has several meanings, that one is taken whose definition fits the bytes.
@@ -259,6 +261,7 @@ class Catalogue:
             payload: Message code and body.
             service: Service whose messages are meant where a code has several meanings; other
                 codes are those of the whole catalogue.
+            message: Name of the message that is meant where a code still has several meanings.
 
         Raises:
             DecodeError: The bytes are no message of their code.
@@ -267,13 +270,16 @@ class Catalogue:
             AmbiguousMessageError: Several definitions fit; the error lists them.
             DefinitionError: The only definition gives no codec.
         """
-        return self._decode(payload, service, MAXIMUM_DEPTH)
+        return self._decode(payload, service, message, MAXIMUM_DEPTH)
 
-    def _decode(self, payload: bytes, service: str | None, depth: int) -> DecodedMessage:
+    def _decode(
+        self, payload: bytes, service: str | None, message: str | None, depth: int
+    ) -> DecodedMessage:
         code = read_code(payload)
         entries = self.find(code, service) or self._with_code(code)
         if not entries:
             raise self._unknown(code)
+        entries = tuple(entry for entry in entries if entry.name == message) or entries
         fitting: list[tuple[MessageEntry, dict[str, Any]]] = []
         error: CodecError = DecodeError("no definition fits")
         for entry in entries:
@@ -289,7 +295,7 @@ class Catalogue:
         entry, fields = fitting[0]
         embedded: tuple[EmbeddedMessage, ...] = ()
         if depth:
-            deeper = partial(self._decode, service=service, depth=depth - 1)
+            deeper = partial(self._decode, service=service, message=message, depth=depth - 1)
             embedded = decode_embedded(entry, fields, deeper)
         return DecodedMessage(entry, fields, self._service_of(entry, service), embedded)
 

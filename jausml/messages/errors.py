@@ -85,7 +85,7 @@ class AmbiguousMessageError(MessageError):
 
     def __init__(self, what: str, choices: Sequence[str]) -> None:
         owners = {choice.partition(" of ")[2] for choice in choices}
-        hint = "; name the service that is meant" if len(owners) > 1 else ""
+        hint = f"; name the {'service' if len(owners) > 1 else 'message'} that is meant"
         super().__init__(f"{what} has several meanings: {', '.join(choices)}{hint}")
         self.choices = tuple(choices)
 

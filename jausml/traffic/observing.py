@@ -137,16 +137,20 @@ class Observer:
             share the port so; they are no JUDP.
     """
 
-    def __init__(self, catalogue: Catalogue, service: str | None = None) -> None:
+    def __init__(
+        self, catalogue: Catalogue, service: str | None = None, message: str | None = None
+    ) -> None:
         """Starts with no packets.
 
         Args:
             catalogue: What messages there are.
             service: Service whose messages are meant where a code has several meanings.
+            message: Name of the message that is meant where a code still has several meanings.
         """
         self.host_frames = 0
         self._catalogue = catalogue
         self._service = service
+        self._message = message
         self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, _Reasons())
 
     def observe(self, datagram: Datagram) -> Iterator[Observation]:
@@ -182,7 +186,7 @@ class Observer:
                 return replace(seen, error=_FRAGMENTS[packet.data_flags], is_fragment=True)
             payload = whole.payload
         try:
-            message = self._catalogue.decode(payload, self._service)
+            message = self._catalogue.decode(payload, self._service, self._message)
         except MessageError as error:
             return replace(seen, error=str(error))
         return replace(seen, message=message, is_fragment=is_fragment)

@@ -143,6 +143,17 @@ def test_count(jausml):
     assert "QueryStatus" not in result.stdout
 
 
+def test_a_name_chooses_between_meanings_of_one_service(jausml):
+    payload = "32f902010000000300414243"
+    result = jausml("decode", "--service", "CBRNSensor", payload)
+    assert result.exit_code == 1
+    assert "name the message that is meant" in result.stderr
+    for name in ("RNDetailedMeasurement", "CBDetailedMeasurement"):
+        result = jausml("decode", "--message", name, payload)
+        assert result.exit_code == 0, result.stderr
+        assert [each["message"] for each in objects(result)] == [name]
+
+
 def test_a_service_chooses_between_several_meanings(jausml):
     result = jausml("decode", "0226")
     assert result.exit_code == 1
@@ -156,6 +167,7 @@ def test_a_service_chooses_between_several_meanings(jausml):
     ("arguments", "reason"),
     [
         (("--service", "Managment", STATUS), "did you mean Management?"),
+        (("--message", "ReportStatu", STATUS), "did you mean ReportStatus?"),
         (("--pcap", "absent.pcap"), "absent.pcap: No such file or directory"),
         (("--pcap", "x", STATUS), "give one of HEX or FILE, --pcap, and --listen"),
         (("--model", "absent.xmi", STATUS), "absent.xmi: No such file or directory"),
