@@ -144,7 +144,7 @@ def test_count(jausml):
 
 
 def test_a_name_chooses_between_meanings_of_one_service(jausml):
-    payload = "32f902010000000300414243"
+    payload = "32f90201000000010300414243"
     result = jausml("decode", "--service", "CBRNSensor", payload)
     assert result.exit_code == 1
     assert "name the message that is meant" in result.stderr
