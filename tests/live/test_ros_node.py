@@ -231,3 +231,41 @@ def test_only_a_failure_of_the_user_is_one(body, code, tmp_path):
         process.close()
     assert ("a mistake of the user" in output) is (code == 1)
     assert ("Traceback" in output) is (code == 1), output
+
+
+UNSEEN = """
+import sys, threading, time
+
+import rclpy
+from listener.main import main
+
+def shut_down_unseen():
+    # As a signal does at a bad moment: nobody wakes the executor, which waits already.
+    waiting = 0
+    while waiting < 3:
+        time.sleep(0.05)
+        frame = sys._current_frames()[threading.main_thread().ident]
+        waiting = waiting + 1 if frame.f_code.co_name == "_wait_for_ready_callbacks" else 0
+    context = rclpy.get_default_context()
+    with context.handle:
+        context.handle.shutdown()
+    print("shut down", flush=True)
+
+threading.Thread(target=shut_down_unseen).start()
+main()
+"""
+
+
+def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(workspace / "listener"),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+    }
+    command = [sys.executable, "-c", UNSEEN]
+    ended = subprocess.run(
+        command, env=environment, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout == "shut down\n"
