@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test live lint format bench fuzz emf reference clean
+.PHONY: demo test coverage live lint format bench fuzz emf reference clean
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -13,7 +13,10 @@ $(READY): pyproject.toml
 demo: $(READY)  ## generate the example system, drive it through a turn, draw the result
 	$(BIN)/python models/catvehicle/demo.py
 
-test: $(READY)  ## every test, with coverage
+test: $(READY)  ## every test
+	$(BIN)/python -m pytest --durations=15 $(TESTS)
+
+coverage: $(READY)  ## every test, and which lines none of them runs
 	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered $(TESTS)
 
 live: $(READY)  ## the tests with real processes: rclpy, sockets, tshark
