@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from itertools import groupby
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import escape, quoteattr
 
 from jausml.peers.conformance.check import Verdict
 from jausml.peers.conformance.formats.text import evidence_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from jausml.peers.conformance.check import ConformanceReport, Result
 
@@ -21,50 +21,42 @@ def render(report: ConformanceReport) -> str:
     Args:
         report: The report.
     """
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f"<testsuites {_counts(report.results)} name={_attribute(f'JAUS {report.target}')}>",
-    ]
+    root = _totalled("testsuites", f"JAUS {report.target}", report.results)
     for group, results in groupby(report.results, key=lambda each: each.check.group):
         members = list(results)
-        lines.append(f"  <testsuite {_counts(members)} name={_attribute(group)}>")
-        lines += [line for each in members for line in _case(group, each)]
-        lines.append("  </testsuite>")
-    lines.append("</testsuites>")
-    return "\n".join(lines) + "\n"
+        suite = _totalled("testsuite", group, members)
+        suite.extend(_case(group, each) for each in members)
+        root.append(suite)
+    ET.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
 
 
-def _case(group: str, result: Result) -> Iterator[str]:
-    name = _attribute(f"{result.check.id}: {result.check.title}")
-    group = _attribute(f"jaus.{group}")
-    yield f'    <testcase classname={group} name={name} time="{result.seconds:.3f}">'
-    message = _attribute("; ".join(result.messages))
-    if result.verdict is Verdict.FAIL:
-        details = "\n".join([result.check.source, *evidence_lines(result)])
-        yield f"      <failure message={message}>{_text(details)}</failure>"
-    elif result.verdict is Verdict.SKIPPED:
-        yield f"      <skipped message={message}/>"
-    elif result.messages:
-        yield f"      <system-out>{_text('note: ' + '; '.join(result.messages))}</system-out>"
-    yield "    </testcase>"
-
-
-def _counts(results: Sequence[Result]) -> str:
-    failures = sum(each.verdict is Verdict.FAIL for each in results)
-    skipped = sum(each.verdict is Verdict.SKIPPED for each in results)
-    seconds = sum(each.seconds for each in results)
-    return (
-        f'tests="{len(results)}" failures="{failures}" errors="0" skipped="{skipped}" '
-        f'time="{seconds:.3f}"'
+def _totalled(tag: str, name: str, results: Sequence[Result]) -> ET.Element:
+    """Returns an element with the totals of some results."""
+    return ET.Element(
+        tag,
+        tests=str(len(results)),
+        failures=str(sum(each.verdict is Verdict.FAIL for each in results)),
+        errors="0",
+        skipped=str(sum(each.verdict is Verdict.SKIPPED for each in results)),
+        time=f"{sum(each.seconds for each in results):.3f}",
+        name=_printable(name),
     )
 
 
-def _attribute(text: str) -> str:
-    return quoteattr(_printable(text))
-
-
-def _text(text: str) -> str:
-    return escape(_printable(text))
+def _case(group: str, result: Result) -> ET.Element:
+    name = f"{result.check.id}: {result.check.title}"
+    time = f"{result.seconds:.3f}"
+    case = ET.Element("testcase", classname=f"jaus.{group}", name=_printable(name), time=time)
+    message = _printable("; ".join(result.messages))
+    if result.verdict is Verdict.FAIL:
+        details = "\n".join([result.check.source, *evidence_lines(result)])
+        ET.SubElement(case, "failure", message=message).text = _printable(details)
+    elif result.verdict is Verdict.SKIPPED:
+        ET.SubElement(case, "skipped", message=message)
+    elif message:
+        ET.SubElement(case, "system-out").text = f"note: {message}"
+    return case
 
 
 def _printable(text: str) -> str:
