@@ -7,7 +7,7 @@ READY := .venv/.ready
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,dev]"
+	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,editor,dev]"
 	touch $@
 
 demo: $(READY)  ## generate the example system, drive it through a turn, draw the result

@@ -45,7 +45,7 @@ def test_defaults():
     metamodels = load_metamodels()
     connection = metamodels.classes["bridge.Connection"].features
     assert str(connection["direction"].default) == "jausToRos"
-    assert connection["rate"].default == 1.0
+    assert connection["rate"].default == 0.0
     assert connection["control"].default is True
     assert metamodels.classes["jaus.Component"].features["authority"].default == 127
     assert connection["name"].default is None
@@ -100,7 +100,12 @@ def test_class_of_and_kind(zoo):
 def test_annotations_of_literals():
     kinds = load_metamodels().package_named("bridge").enumerations["ConversionKind"]
     details = annotation(kinds.literals["scale"], "http://www.jausml.org/bridge/conversion")
-    assert details == {"inputs": "number", "output": "number", "arguments": "factor"}
+    assert details == {
+        "inputs": "number",
+        "output": "number",
+        "arguments": "factor",
+        "units": "any",
+    }
     assert annotation(kinds.literals["scale"], "urn:none") == {}
 
 

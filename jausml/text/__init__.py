@@ -1,0 +1,1 @@
+"""The ros2jaus language: text to model and model to text."""
