@@ -1,0 +1,264 @@
+"""The syntax tree of ros2jaus text: what is written where, before anybody asks what it means.
+
+The tree keeps comments and documentation at the items that they belong to, so that text can be laid
+out anew without a loss. Names stand in it without back quotes, texts without quotation marks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A stretch of text.
+
+    Attributes:
+        line: Line of the first character, counted from 1.
+        column: Column of the first character in characters, counted from 1.
+        end_line: Line behind the last character.
+        end_column: Column behind the last character.
+    """
+
+    line: int = 1
+    column: int = 1
+    end_line: int = 1
+    end_column: int = 1
+
+
+NOWHERE = Span()
+"""The span of what was not read from a text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name, a keyword, a dotted or slashed reference, or the path of an attribute."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number as it is written (`0x10`, `-1.5e3`), or a JAUS address (`100.1.1`)."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text in quotation marks, with its escapes resolved."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Href:
+    """A reference by file and fragment, `@"../robot.xmi#//@components.0"`."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+@dataclass(slots=True, kw_only=True)
+class Item:
+    """Something that stands on lines of its own.
+
+    Attributes:
+        span: All of it, without comments.
+        documentation: The text of the documentation comment before it, empty when there is none.
+        comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).
+        trailing: An ordinary comment behind it on its last line, with its marks; else empty.
+        spaced: Whether an empty line stands before it and its comments.
+    """
+
+    span: Span = NOWHERE
+    documentation: str = ""
+    comments: list[str] = field(default_factory=list)
+    trailing: str = ""
+    spaced: bool = False
+
+
+@dataclass(slots=True)
+class Import(Item):
+    """`import "robot.xmi"`, or `import mappings.global_pose` for a file of the shipped library."""
+
+    target: Name | Text
+
+
+@dataclass(slots=True)
+class Element(Item):
+    """An element of a model with a block: `bridge front { ... }`, `qos { ... }`, `pose { ... }`.
+
+    Attributes:
+        keyword: The class in small letters (`bridge`, `service_connection`); None where one word
+            alone stands before the block, which is `name` then: a map's name or a class.
+        name: Name of the element; None for one without.
+        items: The contents of the block.
+        closing: Ordinary comments before the closing brace.
+    """
+
+    keyword: Name | None
+    name: Name | None
+    items: list[BlockItem] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Feature(Item):
+    """A feature with its values: `rate: 25`, `provides: a.B, c.D`, `qos: { depth: 5 }`."""
+
+    name: Name
+    values: list[Value] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Member(Item):
+    """A member of a message: `float32 speed`, `uint8 [3] codes`, `struct [ ... ] pose`.
+
+    Attributes:
+        type: The type word with its bound, such as `string<=20`; a list of members for a struct.
+        size: Number of elements of an array; empty for a single member.
+        name: The name; None for a struct without one.
+        features: Further facts in a block: units, limits, optional.
+    """
+
+    type: Name | list[Member]
+    size: str
+    name: Name | None
+    features: list[Feature] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class End(Item):
+    """One end of a map: `JAUS ReportVelocityState ( ... )` or `ROS nav_msgs/Odometry`.
+
+    Attributes:
+        is_jaus: Which end.
+        type: The message.
+        members: The members that are listed; None where there are no parentheses.
+        features: Facts about a new message in a block, such as its code.
+    """
+
+    is_jaus: bool
+    type: Name
+    members: list[Member] | None
+    features: list[Feature] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The word `clock` as a source: the present time."""
+
+    span: Span = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A conversion: `negate`, `scale(0.1)`, `look_up(lamp)`, `expression("2 * value")`."""
+
+    name: Name
+    arguments: tuple[Name | Number | Text, ...] = ()
+    span: Span = NOWHERE
+
+
+@dataclass(slots=True)
+class Assignment(Item):
+    """`Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion { ... }`.
+
+    Attributes:
+        sources: Paths; or one constant, or the clock.
+        targets: Paths.
+        conversions: Conversions in order.
+        items: The contents of the block behind it: features, and the assignments of a list.
+        closing: Ordinary comments before the closing brace.
+    """
+
+    sources: list[Name | Number | Text | Clock]
+    targets: list[Name]
+    conversions: list[Call] = field(default_factory=list)
+    items: list[BlockItem] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Ignored(Item):
+    """`ignore twist.angular`."""
+
+    target: Name
+
+
+@dataclass(slots=True)
+class Direction(Item):
+    """`JAUS->ROS ( ... )` or `ROS->JAUS ( ... )`.
+
+    Attributes:
+        to_ros: Which way.
+        assignments: What is assigned.
+        closing: Ordinary comments before the closing parenthesis.
+    """
+
+    to_ros: bool
+    assignments: list[Assignment | Ignored] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Entry(Item):
+    """One pair of a table, `OFF <-> false`."""
+
+    jaus: Name | Number | Text
+    ros: Name | Number | Text
+
+
+@dataclass(slots=True)
+class Table(Item):
+    """`table lamp ( OFF <-> false  ON <-> true )`."""
+
+    name: Name
+    entries: list[Entry] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class VectorEntry(Item):
+    """One value of a test vector: `pose.orientation.z = 0.70711 ~ 1e-5`."""
+
+    path: Name
+    value: Name | Number | Text
+    tolerance: Number | None = None
+
+
+@dataclass(slots=True)
+class Vector(Item):
+    """`vector facing_north JAUS->ROS ( Yaw = 0 => pose.orientation.z = 0.70711 ~ 1e-5 )`."""
+
+    name: Name
+    to_ros: bool
+    given: list[VectorEntry] = field(default_factory=list)
+    expected: list[VectorEntry] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
+
+
+Value: TypeAlias = Name | Number | Text | Href | Element
+"""A value of a feature. An `Element` is a block: `{ ... }`, or `new record pose { ... }`."""
+
+BlockItem: TypeAlias = (
+    Element | Feature | Member | End | Direction | Assignment | Ignored | Table | Vector
+)
+
+
+@dataclass(slots=True)
+class Document:
+    """A text.
+
+    Attributes:
+        items: What stands in it, in order.
+        closing: Ordinary comments behind the last item.
+    """
+
+    items: list[Import | BlockItem] = field(default_factory=list)
+    closing: list[str] = field(default_factory=list)
