@@ -10,8 +10,16 @@ import click
 
 from jausml.cli import main as command_line
 from jausml.importers.jsidl.rules import JSIDL_RULES
-from jausml.metamodel import ClassTable, FeatureTable, PackageTable, documentation, load_metamodels
+from jausml.metamodel import (
+    ClassTable,
+    FeatureTable,
+    PackageTable,
+    annotation,
+    documentation,
+    load_metamodels,
+)
 from jausml.validation.catalogue import catalogue
+from jausml.validation.facts.conversions import CONVERSION_SOURCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -73,6 +81,25 @@ def _data_types(package: PackageTable) -> list[str]:
     return lines
 
 
+def conversions_page() -> str:
+    """Returns the page of the conversions, from the annotations of their literals."""
+    literals = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
+    lines = [
+        "# Conversions",
+        "",
+        "What an assignment may do to a value on its way, one after another:",
+        "",
+    ]
+    lines += ["| conversion | takes | yields | meaning |", "|---|---|---|---|"]
+    for name, literal in literals.items():
+        details = annotation(literal, CONVERSION_SOURCE)
+        arguments = details["arguments"].replace(" ", ", ")
+        call = f"{name}({arguments})" if arguments else name
+        cells = (f"`{call}`", details["inputs"], details["output"], documentation(literal))
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
@@ -105,7 +132,11 @@ def _contexts(context: click.Context) -> Iterator[click.Context]:
 
 def pages() -> Mapping[str, str]:
     """Returns every page by file name."""
-    makers: dict[str, Callable[[], str]] = {"rules.md": rules_page, "cli.md": command_line_page}
+    makers: dict[str, Callable[[], str]] = {
+        "rules.md": rules_page,
+        "cli.md": command_line_page,
+        "conversions.md": conversions_page,
+    }
     texts = {f"{language}.md": metamodel_page(language) for language in LANGUAGES}
     return texts | {name: maker() for name, maker in makers.items()}
 
