@@ -1,0 +1,32 @@
+"""The words that stand for classes of the metamodels: `MessageDef` is `message_def`."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.metamodel import ClassTable, Metamodels
+
+_WORD_STARTS = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])")
+_QUALITY_OF_SERVICE = ("QoS", "Qos")
+
+
+def snake_case(class_name: str) -> str:
+    """Returns the name of a class in small letters with underscores: `QoSProfile`, `qos_profile`."""
+    return _WORD_STARTS.sub("_", class_name.replace(*_QUALITY_OF_SERVICE)).lower()
+
+
+def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
+    """Returns the classes that have elements, by the keywords that stand for them.
+
+    A keyword that several classes share stands for none: they are named with their packages
+    (`ros.node`), which every class may be.
+    """
+    concrete = [table for table in metamodels.classes.values() if not table.abstract]
+    names = [snake_case(table.name) for table in concrete]
+    found = {f"{each.package.name}.{snake_case(each.name)}": each for each in concrete}
+    short = zip(names, concrete, strict=True)
+    return found | {name: table for name, table in short if names.count(name) == 1}
