@@ -2,7 +2,8 @@
 """Writes the JAUS service sets of models/library/jaus from a facts file.
 
 The facts file is JSON: the services of each set with their messages, described with the words of
-SAE AS5684 (names, codes, field order, types, units, ranges). The same facts give the same bytes.
+SAE AS5684 (names, codes, field order, types, units, ranges). Axes, and units that the facts lack, come
+from jaus_frames.ini beside this tool. The same facts give the same bytes.
 
 Usage: python tools/build_jaus_library.py FACTS.json OUTPUT_FOLDER
 """
@@ -12,12 +13,17 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from configparser import ConfigParser
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
 Facts = Mapping[str, Any]
+
+FRAMES = Path(__file__).with_name("jaus_frames.ini")
 
 
 @dataclass(frozen=True)
@@ -122,6 +128,8 @@ def field_element(tag: str, facts: Facts) -> Element:
     element = Element(tag, {"xsi:type": f"jaus:{kind}", "name": facts["name"]})
     if facts.get("optional"):
         element.attributes["optional"] = "true"
+    if "frame" in facts:
+        element.attributes["frame"] = facts["frame"]
     features(element, facts)
     return element
 
@@ -225,6 +233,61 @@ FIELD_KINDS = {
 }
 
 
+@dataclass(frozen=True)
+class FrameRule:
+    """Axes and units that several fields have.
+
+    Attributes:
+        messages: Names of messages.
+        fields: Patterns for fields; one with a dot also for the name of what is around the field.
+        facts: The frame, the units or both.
+    """
+
+    messages: Sequence[str]
+    fields: Sequence[str]
+    facts: Facts
+
+    def covers(self, message: str, around: str, name: str) -> bool:
+        """Says whether the rule is for a field of a message."""
+        return message in self.messages and any(
+            fnmatchcase(f"{around}.{name}" if "." in pattern else name, pattern)
+            for pattern in self.fields
+        )
+
+
+@cache
+def frame_rules() -> Sequence[FrameRule]:
+    """Returns the rules of jaus_frames.ini."""
+    parser = ConfigParser(interpolation=None)
+    parser.read_string(FRAMES.read_text(encoding="utf-8"))
+    return [
+        FrameRule(
+            parser[name]["messages"].split(),
+            parser[name]["fields"].split(),
+            {key: parser[name][key] for key in ("frame", "units") if key in parser[name]},
+        )
+        for name in parser.sections()
+    ]
+
+
+def with_frames(message: str, facts: Facts, around: str = "") -> Facts:
+    """Returns a field with the axes and the units that the rules for its message state.
+
+    Args:
+        message: Name of the message.
+        facts: The facts of the field.
+        around: Name of the record, list or other field around it.
+    """
+    name = facts["name"]
+    added: dict[str, Any] = {}
+    for rule in frame_rules():
+        if rule.covers(message, around, name):
+            added |= rule.facts
+    if "fields" in facts:
+        added["fields"] = [with_frames(message, member, name) for member in facts["fields"]]
+    return {**facts, **added}
+
+
 def _only(fields: Sequence[Facts]) -> Facts:
     (only,) = fields
     return only
@@ -280,7 +343,7 @@ def message_element(tag: str, service: str, facts: Facts) -> Element:
     if facts["command"]:
         element.attributes["isCommand"] = "true"
     body = facts.get("body", {}).get("fields", [])
-    element.children += [field_element("body", container) for container in body]
+    element.children += [field_element("body", with_frames(name, field)) for field in body]
     return element
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import sys
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -139,3 +140,50 @@ def test_the_shipped_library_is_what_the_facts_say(tool: ModuleType) -> None:
     texts = tool.build(json.loads(FACTS.read_text("utf-8")))
     for path in LIBRARY.glob("*.xmi"):
         assert path.read_text("utf-8") == texts[path.name]
+
+
+def fields_of(model: Any, message: str) -> dict[str, Any]:
+    """Returns the fields of the messages of a name by `record.field`, and by `field` alone."""
+    found = {}
+    for definition in model.instances("jaus.MessageDef"):
+        if definition.name != message:
+            continue
+        todo = [definition.body]
+        while todo:
+            around = todo.pop()
+            for member in around.eContents:
+                if hasattr(member, "frame"):
+                    found[f"{around.name}.{member.name}"] = found[member.name] = member
+                    todo.append(member)
+    return found
+
+
+@pytest.fixture(scope="module")
+def library() -> Any:
+    return read_models(sorted(LIBRARY.glob("*.xmi"))).model
+
+
+def test_axes_and_units_come_from_the_rules(library: Any) -> None:
+    velocity = fields_of(library, "ReportVelocityState")
+    assert velocity["Velocity_Y"].frame.name == velocity["YawRate"].frame.name == "forwardRightDown"
+    assert velocity["Velocity_RMS"].frame.name == velocity["TimeStamp"].frame.name == "unstated"
+    pose = fields_of(library, "ReportGlobalPose")
+    assert (pose["Yaw"].frame.name, pose["Latitude"].frame.name) == ("northEastDown", "geodetic")
+    path = fields_of(library, "ReportPath")
+    assert path["GlobalPoseRec.Yaw"].frame.name == "northEastDown"
+    assert path["LocalPoseRec.Yaw"].frame.name == "localDown"
+    wrench = fields_of(library, "SetWrenchEffort")
+    assert wrench["PropulsiveRotationalEffortZ"].frame.name == "forwardRightDown"
+    assert wrench["ResistiveLinearEffortX"].frame.name == "unstated"
+    assert {member.units for member in wrench.values()} == {"percent"}
+
+
+def test_each_rule_is_for_fields_that_there_are(tool: ModuleType, library: Any) -> None:
+    rules = tool.frame_rules()
+    assert rules
+    for rule in rules:
+        fields = {message: fields_of(library, message) for message in rule.messages}
+        assert all(fields.values()), rule.messages
+        names = set().union(*fields.values())
+        for pattern in rule.fields:
+            assert any(fnmatchcase(name, pattern) for name in names), pattern
