@@ -99,7 +99,6 @@ class _DocumentWriter:
         self._home = model.document_of(self._roots[0]) if self._roots else None
         self._class_of = model.metamodels.class_of
         self._folder = Path(os.path.realpath(path)).parent
-        self._library = Path(os.path.realpath(library_root()))
         self._fragments: dict[Any, str] = {}
         self._identifiers: set[str] = set()
         self._prefixes: set[str] = set()
@@ -191,7 +190,7 @@ class _DocumentWriter:
 
     def _as_attribute(self, obj: Any, feature: FeatureTable) -> str | None:
         """Returns ` name="value"`; empty when nothing is written, None for child elements."""
-        if feature.kind is FeatureKind.CONTAINER or not _is_written(obj, feature):
+        if feature.kind is FeatureKind.CONTAINER or not is_written(obj, feature):
             return ""
         value = getattr(obj, feature.name)
         if feature.kind is FeatureKind.CONTAINMENT:
@@ -232,20 +231,41 @@ class _DocumentWriter:
     def _href(self, target: Any) -> str:
         if target in self._fragments:
             return f"#{self._fragments[target]}"
-        document = self._model.document_of(target)
-        fragment = self._model.fragment(target)
-        if document is None or not fragment:
-            name = getattr(target, "name", None) or target.eClass.name
-            raise UnwritableError(f"'{name}' is referred to, but stands in no document")
-        shipped = self._folder.is_relative_to(self._library.parent)
-        if document.is_library and not shipped:
-            place = document.path.relative_to(self._library).as_posix()
-            return f"{LIBRARY_URI}{quote(place)}#{fragment}"
-        place = Path(os.path.relpath(document.path, self._folder)).as_posix()
-        return f"{quote(place)}#{fragment}"
+        return external_href(target, self._model, self._folder)
 
 
-def _is_written(obj: Any, feature: FeatureTable) -> bool:
+def external_href(target: Any, model: Model, folder: Path) -> str:
+    """Returns the URI and fragment by which files name an element of another document.
+
+    Args:
+        target: The element.
+        model: Knows its document.
+        folder: The folder of the file, symbolic links followed. Within the shipped models, the
+            library is named by a path.
+
+    Raises:
+        UnwritableError: No document of the model owns the element.
+    """
+    document = model.document_of(target)
+    fragment = model.fragment(target)
+    if document is None or not fragment:
+        name = getattr(target, "name", None) or target.eClass.name
+        raise UnwritableError(f"'{name}' is referred to, but stands in no document")
+    library = Path(os.path.realpath(library_root()))
+    if document.is_library and not folder.is_relative_to(library.parent):
+        place = document.path.relative_to(library).as_posix()
+        return f"{LIBRARY_URI}{quote(place)}#{fragment}"
+    place = Path(os.path.relpath(document.path, folder)).as_posix()
+    return f"{quote(place)}#{fragment}"
+
+
+def is_written(obj: Any, feature: FeatureTable) -> bool:
+    """Tells whether a feature must be written: reading without it would not yield its value.
+
+    Args:
+        obj: An element.
+        feature: A feature of its class.
+    """
     if feature.many:
         return count(obj, feature) > 0
     if feature.unsettable:

@@ -15,7 +15,7 @@ _QUALITY_OF_SERVICE = ("QoS", "Qos")
 
 
 def snake_case(class_name: str) -> str:
-    """Returns the name of a class in small letters with underscores: `QoSProfile`, `qos_profile`."""
+    """Returns the name of a class in small letters with underscores, as `message_def`."""
     return _WORD_STARTS.sub("_", class_name.replace(*_QUALITY_OF_SERVICE)).lower()
 
 
