@@ -101,7 +101,7 @@ def test_systems_of_several_files_do_not_disturb_each_other(tmp_path):
 
 def test_findings_are_in_one_order_whatever_the_order_of_files(tmp_path):
     for name in ("first.xmi", "second.xmi"):
-        bad = PORTABLE.replace('rate="10.0"', 'rate="0"').replace("Velocity_X", "Velocity")
+        bad = PORTABLE.replace('rate="10.0"', 'rate="-1"').replace("Velocity_X", "Velocity")
         (tmp_path / name).write_text(bad, encoding="utf-8")
     paths = [tmp_path / "first.xmi", tmp_path / "second.xmi"]
     findings = validate(paths).diagnostics
@@ -140,7 +140,7 @@ def test_rule_that_fails_is_named(tmp_path):
 
 def test_finding_names_element_and_fragment(tmp_path):
     path = tmp_path / "model.xmi"
-    path.write_text(PORTABLE.replace('rate="10.0"', 'rate="0"'), encoding="utf-8")
+    path.write_text(PORTABLE.replace('rate="10.0"', 'rate="-1"'), encoding="utf-8")
     (finding,) = validate([path]).diagnostics
     assert finding.element == "minimal/sensor_bridge/velocity"
     assert finding.fragment == "//@bridges.0/@bridgeConnections.0"

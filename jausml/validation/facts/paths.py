@@ -1,77 +1,165 @@
-"""Follows the attribute paths of maps through JAUS messages and ROS types."""
+"""Attribute paths of assignments: where each of them starts, and where it leads."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
-from difflib import get_close_matches
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeGuard
 
-from jausml.validation.facts.layouts import (
-    attributes,
-    class_name,
-    integer_range,
-    is_group,
-    is_time_stamp,
-    members,
-    resolve,
-)
+from jausml.validation.facts.attributes import NUMBER, Attribute, Found, PathFault
+from jausml.validation.facts.jaus_paths import JausPlace, message_place
+from jausml.validation.facts.layouts import class_name
+from jausml.validation.facts.ros_paths import RosPlace
 
-NUMBER = "number"
-BOOL = "bool"
-TEXT = "text"
-OCTETS = "octets"
-TIME_STAMP = "TimeStamp"
-TIME = "builtin_interfaces/Time"
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
-_STEP = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])*)", re.DOTALL)
-_INTEGER_ROS = {
-    **{f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in (8, 16, 32, 64)},
-    **{f"uint{n}": (0, 2**n - 1) for n in (8, 16, 32, 64)},
-    "char": (0, 255),
-}
+Place = JausPlace | RosPlace
+FoundPlace = Place | PathFault | None
+
+_COUNTERS = ("index", "count")
 
 
 @dataclass(frozen=True, slots=True)
-class Attribute:
-    """What a path leads to.
+class Scope:
+    """Where the paths of some assignments start.
 
     Attributes:
-        kind: `number`, `bool`, `text`, `octets`, `TimeStamp`, the full name of a ROS type
-            (`geometry_msgs/Quaternion`), or empty for what no assignment can fill or read.
-        name: How messages call it, such as `a list` or `geometry_msgs/Pose`.
-        integral: Whether a number is an integer.
-        lower: Smallest legal number, None for no limit.
-        upper: Largest legal number, None for no limit.
-        values: Legal integers and ranges of a JAUS value set, empty for no restriction.
-        length: Largest number of bytes or characters of a text, None for no limit.
-        encoding: Encoding of a text on the wire.
-        optional: Whether it is a JAUS field that a message may leave out.
-        named: Whether the value set of a number gives single values a meaning.
+        map: The `bridge.AttributeMap`.
+        to_ros: Whether the assignments fill the ROS type.
+        source: Where source paths start.
+        target: Where target paths start.
+        is_nested: Whether the assignments fill elements of a list.
     """
 
-    kind: str
-    name: str
-    integral: bool = False
-    lower: float | None = None
-    upper: float | None = None
-    values: tuple[tuple[float, float], ...] = ()
-    length: int | None = None
-    encoding: str = "utf-8"
-    optional: bool = False
-    named: bool = False
+    map: Any
+    to_ros: bool
+    source: Place
+    target: Place
+    is_nested: bool = False
+
+    def find_source(self, path: str) -> FoundPlace:
+        """Returns the place that a source path leads to; joins and `/` are known."""
+        if path.startswith("/"):
+            return outer_scope(self.map, to_ros=self.to_ros).find_source(path[1:])
+        if not self.to_ros and not self.is_nested:
+            first, _, rest = path.partition(".")
+            join = next((each for each in self.map.joins if each.name == first), None)
+            if join is not None and join.type is None:
+                return None
+            if join is not None:
+                return RosPlace(type=join.type).follow(rest or ".")
+        return self.source.follow(path)
+
+    def find_target(self, path: str) -> FoundPlace:
+        """Returns the place that a target path leads to."""
+        if path.startswith("/") and self.is_nested:
+            return PathFault("the target of an element lies within the element")
+        return self.target.follow(path)
+
+    def inner(self, assignment: Any) -> Scope | None:
+        """Returns the scope of what a ListAssignment nests; None when its ends are no lists."""
+        source = self.find_source(source_paths(assignment)[0])
+        target = self.find_target(assignment.target)
+        if not (is_many(source) and is_many(target)):
+            return None
+        from_element, to_element = source.element(), target.element()
+        if from_element is None or to_element is None:
+            return None
+        return Scope(self.map, self.to_ros, from_element, to_element, is_nested=True)
 
 
 @dataclass(frozen=True, slots=True)
-class PathFault:
-    """Why a path leads nowhere."""
+class Placed:
+    """An assignment with the places where its paths start.
 
-    message: str
-    hint: str = ""
+    Attributes:
+        assignment: The `bridge.Assignment`.
+        scope: Where its paths start.
+    """
+
+    assignment: Any
+    scope: Scope
+
+    @property
+    def kind(self) -> str:
+        """Name of the class of the assignment."""
+        return class_name(self.assignment)
+
+    def targets(self) -> list[tuple[str, Found]]:
+        """Returns the target paths and what they lead to."""
+        paths = target_paths(self.assignment)
+        return [(path, _attribute(self.scope.find_target(path))) for path in paths]
+
+    def sources(self) -> list[tuple[str, Found]]:
+        """Returns the source paths and what they lead to."""
+        return [(path, self._source(path)) for path in source_paths(self.assignment)]
+
+    def _source(self, path: str) -> Found:
+        found = self.scope.find_source(path)
+        if isinstance(found, PathFault) and self.scope.is_nested and path in _COUNTERS:
+            return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
+        return _attribute(found)
 
 
-Found = Attribute | PathFault | None
-"""None: what the path leads through was not read, so nothing can be said."""
+def outer_scope(attribute_map: Any, *, to_ros: bool) -> Scope:
+    """Returns the scope of the assignments of a map.
+
+    Args:
+        attribute_map: A `bridge.AttributeMap` with its message and type.
+        to_ros: Which direction.
+    """
+    ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
+    return Scope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
+
+
+def place(attribute_map: Any, assignment: Any, *, to_ros: bool) -> Placed | None:
+    """Returns an assignment with the places where its paths start.
+
+    Args:
+        attribute_map: The map; that of the connection for a safe value.
+        assignment: An assignment of the map, nested ones included.
+        to_ros: Whether it fills the ROS type.
+
+    Returns:
+        None when the list that it belongs to is not there.
+    """
+    scope = _scope(attribute_map, assignment.eContainer(), to_ros=to_ros)
+    return Placed(assignment, scope) if scope is not None else None
+
+
+def flattened(assignments: Any, scope: Scope) -> Iterator[Placed]:
+    """Yields assignments with those that they nest, each before what it nests.
+
+    Args:
+        assignments: The assignments of one owner.
+        scope: Where their paths start.
+    """
+    for each in assignments:
+        yield Placed(each, scope)
+        if class_name(each) == "ListAssignment" and each.source and each.target:
+            inner = scope.inner(each)
+            if inner is not None:
+                yield from flattened(each.assignments, inner)
+
+
+def is_many(found: FoundPlace) -> TypeGuard[Place]:
+    """Tells whether a place is a list or an array as a whole."""
+    if isinstance(found, RosPlace):
+        return found.is_array
+    if not isinstance(found, JausPlace) or found.field is None:
+        return False
+    return class_name(found.field) in ("List", "Array")
+
+
+def source_paths(assignment: Any) -> list[str]:
+    """Returns the source paths of an assignment."""
+    return _split(getattr(assignment, "source", None) or "")
+
+
+def target_paths(assignment: Any) -> list[str]:
+    """Returns the target paths of an assignment."""
+    return _split(assignment.target or "")
 
 
 def jaus_attribute(message: Any, path: str) -> Found:
@@ -79,29 +167,9 @@ def jaus_attribute(message: Any, path: str) -> Found:
 
     Args:
         message: A `jaus.MessageDef`.
-        path: JAUS names joined by dots.
+        path: JAUS names joined by dots, with `[index]` behind lists and arrays.
     """
-    where = f"message {message.name}"
-    fields = attributes(message)
-    field: Any = None
-    found: Any = None
-    for position, step in enumerate(path.split(".")):
-        if position:
-            if not _has_members(found):
-                return PathFault(f"{where} has no attributes")
-            fields = list(found.subFields) if class_name(found) == "BitField" else members(found)
-        field = next((each for each in fields if each.name == step), None)
-        if field is None:
-            return _no_attribute(where, step, fields)
-        where = f"'{step}'"
-        found = field if class_name(field) == "SubField" else resolve(field)
-        if found is None:
-            return None
-    return replace(
-        _jaus_value(found),
-        optional=class_name(field) != "SubField" and bool(field.optional),
-        named=_is_named(found),
-    )
+    return _attribute(message_place(message).follow(path))
 
 
 def ros_attribute(message_type: Any, path: str) -> Found:
@@ -111,170 +179,26 @@ def ros_attribute(message_type: Any, path: str) -> Found:
         message_type: A `ros.MessageType`.
         path: Field names joined by dots, with `[index]` behind the name of a fixed array.
     """
-    current = message_type
-    field: Any = None
-    indices: list[int] = []
-    for position, step in enumerate(path.split(".")):
-        if position:
-            if class_name(field) != "MessageField":
-                return PathFault(f"'{field.name}' is a {field.type.name}, it has no attributes")
-            current = field.messageType
-            if current is None:
-                return None
-            if field.arrayKind.name != "single" and not indices:
-                return _unindexed(field)
-        name, indices = _split(step, [each.name for each in current.fields])
-        field = next((each for each in current.fields if each.name == name), None)
-        if field is None:
-            where = ros_name(current)
-            return PathFault(f"{where} has no field '{name}'", _hint(name, current.fields))
-        fault = _index_fault(field, indices)
-        if fault is not None:
-            return fault
-    if field.arrayKind.name == "single" or indices:
-        return _ros_element(field)
-    is_octets = class_name(field) == "PrimitiveField" and field.type.name == "uint8"
-    if is_octets and field.arrayKind.name == "unboundedSequence":
-        return Attribute(OCTETS, "a sequence of uint8")
-    return Attribute("", f"an array of {_ros_element(field).name.removeprefix('a ')}")
-
-
-def ros_name(message_type: Any) -> str:
-    """Returns the full name of a ROS type, such as `geometry_msgs/Pose`."""
-    package = message_type.eContainer()
-    prefix = f"{package.name}/" if package is not None and package.name else ""
-    return f"{prefix}{message_type.name}"
+    return _attribute(RosPlace(type=message_type).follow(path))
 
 
 def parse_path(path: str) -> tuple[str, ...]:
     """Returns the steps of a path, indices as steps of their own, to compare paths."""
+    if path == ".":
+        return ()
     return tuple(part for step in path.split(".") for part in re.split(r"(?=\[)", step) if part)
 
 
-def _split(step: str, known: list[str]) -> tuple[str, list[int]]:
-    """Splits `name[3]`; a name that holds brackets itself wins."""
-    match = _STEP.fullmatch(step)
-    if step in known or match is None:
-        return step, []
-    return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
+def _scope(attribute_map: Any, owner: Any, *, to_ros: bool) -> Scope | None:
+    if owner is None or class_name(owner) != "ListAssignment":
+        return outer_scope(attribute_map, to_ros=to_ros)
+    around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)
+    return around.inner(owner) if around is not None else None
 
 
-def _hint(name: str, fields: Any) -> str:
-    known = [field.name for field in fields if field.name]
-    near = get_close_matches(name, known, n=1) or [k for k in known if k.lower() == name.lower()]
-    if near:
-        return f"did you mean '{near[0]}'?"
-    return f"it has {', '.join(known)}" if 0 < len(known) <= 8 else ""
+def _attribute(found: FoundPlace) -> Found:
+    return found.attribute() if isinstance(found, JausPlace | RosPlace) else found
 
 
-def _has_members(field: Any) -> bool:
-    return is_group(field) or class_name(field) == "BitField"
-
-
-def _no_attribute(where: str, step: str, fields: list[Any]) -> PathFault:
-    name, bracket, _ = step.partition("[")
-    if bracket and any(field.name == name for field in fields):
-        hint = "translate it in the skeleton of the bridge"
-        return PathFault(f"elements of '{name}' cannot be named in a map", hint)
-    return PathFault(f"{where} has no attribute '{step}'", _hint(step, fields))
-
-
-def _jaus_value(field: Any) -> Attribute:
-    kind = class_name(field)
-    if kind == "FixedField":
-        return _number(field)
-    if kind == "SubField":
-        upper = 2 ** (field.highBit - field.lowBit + 1) - 1 if field.highBit >= field.lowBit else 0
-        return Attribute(
-            NUMBER, "a number", integral=True, lower=0, upper=upper, values=_legal(field.values)
-        )
-    if kind == "BitField" and is_time_stamp(field):
-        return Attribute(TIME_STAMP, "a JAUS TimeStamp")
-    if kind == "FixedLengthString":
-        return Attribute(TEXT, "text", length=field.length, encoding="latin-1")
-    if kind == "VariableLengthString":
-        limits = integer_range(field.countType.name)
-        length = field.maximumLength or (limits[1] if limits else None)
-        return Attribute(TEXT, "text", length=length, encoding="latin-1")
-    if kind == "VariableLengthField":
-        return Attribute(OCTETS, "a field of octets")
-    names = {"BitField": "bit field", "VariableField": "variable field", "List": "list"}
-    return Attribute("", f"a {names.get(kind, kind.lower())}")
-
-
-def _number(field: Any) -> Attribute:
-    if field.scale is not None:
-        return Attribute(NUMBER, "a number", lower=field.scale.lower, upper=field.scale.upper)
-    limits = integer_range(field.type.name)
-    if limits is None:
-        return Attribute(NUMBER, "a number", values=_legal(field.values))
-    lower, upper = limits
-    values = _legal(field.values)
-    return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper, values=values)
-
-
-def _is_named(field: Any) -> bool:
-    values = field.values if class_name(field) in ("FixedField", "SubField") else None
-    return values is not None and any(class_name(v) == "EnumeratedValue" for v in values.values)
-
-
-def _legal(value_set: Any) -> tuple[tuple[float, float], ...]:
-    if value_set is None:
-        return ()
-    return tuple(
-        (each.value, each.value)
-        if class_name(each) == "EnumeratedValue"
-        else (each.lower, each.upper)
-        for each in value_set.values
-    )
-
-
-def _index_fault(field: Any, indices: list[int]) -> PathFault | None:
-    if not indices:
-        return None
-    if field.arrayKind.name == "single":
-        return PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
-    if field.arrayKind.name != "fixedArray":
-        return PathFault(
-            f"'{field.name}' is a sequence whose length is not known beforehand",
-            "fill or read it in the skeleton of the bridge",
-        )
-    if len(indices) > 1:
-        return PathFault(f"'{field.name}' has one dimension")
-    if indices[0] >= field.arraySize:
-        size = field.arraySize
-        return PathFault(f"'{field.name}' has {size} elements, counted from 0: no [{indices[0]}]")
-    return None
-
-
-def _unindexed(field: Any) -> PathFault:
-    hint = f"name one element: {field.name}[0]" if field.arrayKind.name == "fixedArray" else ""
-    return PathFault(f"'{field.name}' is an array", hint)
-
-
-def _ros_element(field: Any) -> Attribute:
-    if class_name(field) == "MessageField":
-        name = ros_name(field.messageType) if field.messageType is not None else "a message"
-        return Attribute(name, f"a {name}")
-    if field.type.name in ("string", "wstring"):
-        return Attribute(TEXT, "text", length=field.stringBound or None)
-    return primitive(field.type.name)
-
-
-def primitive(kind: str) -> Attribute:
-    """Returns what a value of a ROS primitive type is.
-
-    Args:
-        kind: Name of the type, such as `float64`.
-    """
-    if kind == "bool":
-        return Attribute(BOOL, "a bool")
-    if kind in ("string", "wstring"):
-        return Attribute(TEXT, "text")
-    if kind in _INTEGER_ROS:
-        lower, upper = _INTEGER_ROS[kind]
-        return Attribute(NUMBER, "a number", integral=True, lower=lower, upper=upper)
-    if kind in ("float32", "float64"):
-        limit = 3.4028234663852886e38 if kind == "float32" else None
-        return Attribute(NUMBER, "a number", lower=-limit if limit else None, upper=limit)
-    return Attribute("", f"a {kind}")
+def _split(text: str) -> list[str]:
+    return [path.strip() for path in text.split(",")]

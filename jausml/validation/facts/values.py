@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from jausml.validation.facts.paths import BOOL, NUMBER, TEXT, TIME, TIME_STAMP, Attribute
+from jausml.validation.facts.attributes import BOOL, NUMBER, TEXT, TIME, TIME_STAMP, Attribute
 
 _INTEGER = re.compile(r"[+-]?(?:0|[1-9][0-9]{0,24})")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.conversions import conversion_signature, conversions_between
-from jausml.validation.facts.layouts import attributes, class_name
-from jausml.validation.facts.paths import (
+from jausml.validation.facts.attributes import (
     BOOL,
     NUMBER,
     TIME,
@@ -17,10 +15,10 @@ from jausml.validation.facts.paths import (
     Attribute,
     Found,
     PathFault,
-    jaus_attribute,
-    parse_path,
-    ros_attribute,
 )
+from jausml.validation.facts.conversions import conversion_signature, conversions_between
+from jausml.validation.facts.layouts import attributes, class_name
+from jausml.validation.facts.paths import jaus_attribute, parse_path, ros_attribute
 from jausml.validation.facts.values import constant_fault
 from jausml.validation.rule import Finding, Note, rule
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
+from jausml.validation.facts.attributes import NUMBER, OCTETS, TEXT, Attribute
 from jausml.validation.facts.layouts import class_name
-from jausml.validation.facts.paths import NUMBER, OCTETS, TEXT, Attribute, jaus_attribute
+from jausml.validation.facts.paths import jaus_attribute
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

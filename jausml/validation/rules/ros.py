@@ -8,7 +8,8 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.paths import primitive, ros_name
+from jausml.validation.facts.attributes import primitive
+from jausml.validation.facts.ros_paths import ros_name
 from jausml.validation.facts.topics import Endpoint, endpoints, namespace_fault, topic_fault
 from jausml.validation.facts.values import constant_fault, is_integer, is_real
 from jausml.validation.rule import Finding, Note, rule
