@@ -4,18 +4,29 @@ Usage: build_ros_library.py SHARE_FOLDER [PACKAGE ...] [--output FOLDER]
 
 SHARE_FOLDER is the folder that holds one folder for each ROS package, for example
 /opt/ros/jazzy/share. Only facts are taken over (names, types, sizes, defaults, constants), no
-comments. The output is the same for the same definitions, whatever the machine.
+comments. Packages that few installations have stand in tools/ros_definitions; units, axes and
+ranges in tools/ros_semantics.ini. The output is the same for the same definitions, whatever the
+machine.
 """
 
 from __future__ import annotations
 
 import argparse
+import configparser
 import re
 import sys
-from dataclasses import dataclass, field
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
+from typing import Any
 
+from jausml.importers.ros import ImportResult, import_packages, package_sources, placed
+from jausml.metamodel.filling import set_value
+from jausml.model.units import parse_unit
+from jausml.model.writer import write_model
+
+HERE = Path(__file__).resolve().parent
+OWN_DEFINITIONS = HERE / "ros_definitions"
+SEMANTICS = HERE / "ros_semantics.ini"
+DEFAULT_OUTPUT = HERE.parent / "models" / "library" / "ros"
 DEFAULT_PACKAGES = (
     "builtin_interfaces",
     "std_msgs",
@@ -24,193 +35,103 @@ DEFAULT_PACKAGES = (
     "sensor_msgs",
     "diagnostic_msgs",
     "std_srvs",
+    "unique_identifier_msgs",
+    "ackermann_msgs",
+    "geographic_msgs",
 )
-DEFAULT_OUTPUT = Path(__file__).resolve().parent.parent / "models" / "library" / "ros"
-
-INTEGERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
-PRIMITIVES = INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
-
-# The grammar of a line, after the ROS 2 interface definition: type, array, name, value.
-_LINE = re.compile(
-    r"(?P<type>[A-Za-z][\w/]*)"
-    r"(?:<=(?P<bound>\d+))?"
-    r"(?P<array>\[(?:(?P<at_most><=)?(?P<size>\d+))?\])?"
-    r"\s+(?P<name>[A-Za-z]\w*)"
-    r"(?:\s*=\s*(?P<constant>.+)|\s+(?P<default>.+))?"
-)
-_COMMENT = re.compile(r"""((?:[^#"']|"[^"]*"|'[^']*')*)#.*""")
+FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
+_RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")
 
 
-class DefinitionError(ValueError):
-    """A line of an interface definition that cannot be understood."""
+class LibraryError(ValueError):
+    """What the library is made of does not fit together."""
 
 
-@dataclass(frozen=True)
-class FieldFacts:
-    """One field or constant as its definition line states it."""
+def read_packages(share: Path, names: tuple[str, ...]) -> ImportResult:
+    """Imports packages, without their comments.
 
-    name: str
-    type: str
-    array_kind: str = "single"
-    array_size: int = 0
-    string_bound: int = 0
-    default: str = ""
-    constant: str = ""
-
-
-@dataclass
-class Definitions:
-    """The interfaces of one package: name -> sections of fields (1, 2 or 3 of them)."""
-
-    package: str
-    messages: dict[str, list[FieldFacts]] = field(default_factory=dict)
-    services: dict[str, list[list[FieldFacts]]] = field(default_factory=dict)
-    actions: dict[str, list[list[FieldFacts]]] = field(default_factory=dict)
-
-
-def parse_line(line: str) -> FieldFacts | None:
-    """Reads one line; None when it holds nothing but space and comment.
+    Args:
+        share: Folder of the installed packages.
+        names: The packages.
 
     Raises:
-        DefinitionError: the line is no field and no constant.
+        LibraryError: A package is not there, or a definition cannot be understood.
     """
-    commented = _COMMENT.fullmatch(line)
-    text = (commented.group(1) if commented else line).strip()
-    if not text:
-        return None
-    found = _LINE.fullmatch(text)
-    if found is None:
-        raise DefinitionError(text)
-    kind = "single"
-    if found["array"]:
-        kind = "unboundedSequence"
-        if found["size"]:
-            kind = "boundedSequence" if found["at_most"] else "fixedArray"
-    return FieldFacts(
-        name=found["name"],
-        type=found["type"],
-        array_kind=kind,
-        array_size=int(found["size"] or 0),
-        string_bound=int(found["bound"] or 0),
-        default=(found["default"] or "").strip(),
-        constant=(found["constant"] or "").strip(),
-    )
+    folders = []
+    for name in names:
+        own = OWN_DEFINITIONS / name
+        folder = own if own.is_dir() else share / name
+        if not folder.is_dir():
+            raise LibraryError(f"no package {folder}")
+        folders.append(str(folder))
+    result = import_packages(package_sources(folders), library=False, comments=False)
+    if result.diagnostics:
+        raise LibraryError("\n".join(map(str, result.diagnostics)))
+    return result
 
 
-def parse_sections(text: str) -> list[list[FieldFacts]]:
-    """Reads a definition; `---` lines part its sections (request and response, and so on)."""
-    sections: list[list[FieldFacts]] = [[]]
-    for line in text.splitlines():
-        if line.strip() == "---":
-            sections.append([])
-            continue
-        facts = parse_line(line)
-        if facts is not None:
-            sections[-1].append(facts)
-    return sections
-
-
-def read_package(share: Path, package: str) -> Definitions:
-    """Reads all interfaces of an installed package.
+def read_semantics(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
+    """Returns units, frame, minimum and maximum by message type and field.
 
     Raises:
-        DefinitionError: with the file, when a definition cannot be understood.
-        FileNotFoundError: the package is not installed under `share`.
+        LibraryError: A statement is none of them.
     """
-    folder = share / package
-    if not folder.is_dir():
-        raise FileNotFoundError(folder)
-    found = Definitions(package)
-    for path in sorted(folder.glob("*/*")):
-        if path.suffix not in {".msg", ".srv", ".action"}:
-            continue
-        try:
-            sections = parse_sections(path.read_text(encoding="utf-8"))
-        except DefinitionError as error:
-            raise DefinitionError(f"{path}: {error}") from error
-        if path.suffix == ".msg":
-            found.messages[path.stem] = sections[0]
-        elif path.suffix == ".srv":
-            found.services[path.stem] = sections
-        else:
-            found.actions[path.stem] = sections
+    parser = configparser.ConfigParser(delimiters=("=",), interpolation=None)
+    parser.optionxform = str  # type: ignore[method-assign,assignment]
+    parser.read_string(path.read_text(encoding="utf-8"))
+    return {
+        section: {name: _statements(text) for name, text in parser[section].items()}
+        for section in parser.sections()
+    }
+
+
+def _statements(text: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for word in text.split():
+        limits = _RANGE.fullmatch(word)
+        if limits:
+            found["minimum"], found["maximum"] = map(float, limits.groups())
+        elif word in FRAMES:
+            found["frame"] = word
+        elif parse_unit(word):
+            found["units"] = word
     return found
 
 
-def write_package(found: Definitions) -> str:
-    """The XMI document of a package; ids are the names of the types."""
-    names = [*found.messages, *found.services, *found.actions]
-    if len(set(names)) != len(names):
-        raise DefinitionError(f"{found.package}: a message, service and action share a name")
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<ros:InterfacePackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"',
-        '    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"',
-        '    xmlns:ros="http://www.jausml.org/ros/1.0"',
-        f"    xmi:id={quoteattr('package.' + found.package)} name={quoteattr(found.package)}>",
-    ]
-    for name, fields in found.messages.items():
-        lines += _message("messages", name, name, fields, found.package, "  ")
-    for name, sections in found.services.items():
-        lines += _compound("services", name, ("request", "response"), sections, found.package)
-    for name, sections in found.actions.items():
-        lines += _compound("actions", name, ("goal", "result", "feedback"), sections, found.package)
-    lines.append("</ros:InterfacePackage>")
-    return "\n".join(lines) + "\n"
+def add_semantics(result: ImportResult, facts: dict[str, dict[str, dict[str, Any]]]) -> None:
+    """Writes units, axes and ranges into the fields of imported packages.
+
+    Args:
+        result: The packages.
+        facts: What `read_semantics` returns; types of other packages are passed over.
+
+    Raises:
+        LibraryError: A type or a field is not there.
+    """
+    types = {f"{p.name}/{m.name}": m for p in result.packages for m in _messages(p)}
+    imported = {package.name for package in result.packages}
+    classes = result.model.metamodels
+    for type_name, fields in facts.items():
+        if type_name.partition("/")[0] not in imported:
+            continue
+        message = types.get(type_name)
+        if message is None:
+            raise LibraryError(f"{SEMANTICS.name}: no type {type_name}")
+        by_name = {field.name: field for field in message.fields}
+        for name, statements in fields.items():
+            if name not in by_name:
+                raise LibraryError(f"{SEMANTICS.name}: {type_name} has no field {name}")
+            for feature_name, value in statements.items():
+                feature = classes.class_of(by_name[name]).features[feature_name]
+                data_type = feature.data_type
+                literals = data_type.literals if data_type is not None else {}
+                set_value(by_name[name], feature, literals.get(value, value))
 
 
-def _compound(
-    tag: str, name: str, parts: tuple[str, ...], sections: list[list[FieldFacts]], package: str
-) -> list[str]:
-    """A service or an action with its parts, named after rosidl: SetBool_Request."""
-    lines = [f"  <{tag} xmi:id={quoteattr(name)} name={quoteattr(name)}>"]
-    for part, fields in zip(parts, sections, strict=True):
-        part_name = f"{name}_{part.capitalize()}"
-        lines += _message(part, part_name, part_name, fields, package, "    ")
-    lines.append(f"  </{tag}>")
-    return lines
-
-
-def _message(
-    tag: str, identity: str, name: str, fields: list[FieldFacts], package: str, indent: str
-) -> list[str]:
-    head = f"{indent}<{tag} xmi:id={quoteattr(identity)} name={quoteattr(name)}"
-    if not fields:
-        return [f"{head}/>"]
-    # Fields before constants: the order that the language writes its features in.
-    members = [_field(facts, package, indent + "  ") for facts in fields if not facts.constant]
-    constants = [_constant(facts, indent + "  ") for facts in fields if facts.constant]
-    return [f"{head}>", *members, *constants, f"{indent}</{tag}>"]
-
-
-def _constant(facts: FieldFacts, indent: str) -> str:
-    return (
-        f"{indent}<constants name={quoteattr(facts.name)} type={quoteattr(facts.type)} "
-        f"value={quoteattr(facts.constant)}/>"
-    )
-
-
-def _field(facts: FieldFacts, package: str, indent: str) -> str:
-    kind = "PrimitiveField" if facts.type in PRIMITIVES else "MessageField"
-    text = f'{indent}<fields xsi:type="ros:{kind}" name={quoteattr(facts.name)}'
-    if facts.array_kind != "single":
-        text += f' arrayKind="{facts.array_kind}"'
-        if facts.array_size:
-            text += f' arraySize="{facts.array_size}"'
-    if facts.type in PRIMITIVES:
-        text += f' type="{facts.type}"'
-        if facts.string_bound:
-            text += f' stringBound="{facts.string_bound}"'
-        if facts.default:
-            text += f" defaultValue={quoteattr(facts.default)}"
-        return text + "/>"
-    owner, _, name = facts.type.rpartition("/")
-    # A header is the only type that definitions may name without its package from elsewhere.
-    owner = "std_msgs" if facts.type == "Header" and package != "std_msgs" else owner
-    if owner in {"", package}:
-        return f"{text} messageType={quoteattr(name)}/>"
-    href = quoteattr(f"{owner}.xmi#{name}")
-    return f"{text}>\n{indent}  <messageType href={href}/>\n{indent}</fields>"
+def _messages(package: Any) -> list[Any]:
+    parts = [each for s in package.services for each in (s.request, s.response)]
+    parts += [each for a in package.actions for each in (a.goal, a.result, a.feedback)]
+    return [*package.messages, *parts]
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -220,15 +141,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("packages", nargs="*", help="packages (default: those of the library)")
     parser.add_argument("--output", type=Path, default=DEFAULT_OUTPUT, help="folder to write to")
     options = parser.parse_args(arguments)
+    try:
+        result = read_packages(options.share, tuple(options.packages) or DEFAULT_PACKAGES)
+        add_semantics(result, read_semantics(SEMANTICS))
+    except LibraryError as fault:
+        print(f"build_ros_library: {fault}", file=sys.stderr)
+        return 1
     options.output.mkdir(parents=True, exist_ok=True)
-    for package in options.packages or DEFAULT_PACKAGES:
-        try:
-            document = write_package(read_package(options.share, package))
-        except (DefinitionError, FileNotFoundError) as error:
-            print(f"build_ros_library: {error}", file=sys.stderr)
-            return 1
-        path = options.output / f"{package}.xmi"
-        path.write_text(document, encoding="utf-8", newline="\n")
+    places = {options.output / f"{each.name}.xmi": [each] for each in result.packages}
+    model = placed(result, places)
+    for path, roots in places.items():
+        write_model(roots, model, path)
         print(path)
     return 0
 

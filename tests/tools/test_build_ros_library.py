@@ -25,50 +25,23 @@ def tool():
     del sys.modules[spec.name]
 
 
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        ("float64 x", {"name": "x", "type": "float64"}),
-        ("float64 w 1  # real", {"name": "w", "type": "float64", "default": "1"}),
-        ("int8 A=-2", {"name": "A", "type": "int8", "constant": "-2"}),
-        ('string S = "a # b" # c', {"name": "S", "type": "string", "constant": '"a # b"'}),
-        ("string<=8 t", {"name": "t", "type": "string", "string_bound": 8}),
-        (
-            "float64[36] covariance",
-            {
-                "name": "covariance",
-                "type": "float64",
-                "array_kind": "fixedArray",
-                "array_size": 36,
-            },
-        ),
-        (
-            "Range[<=1] r",
-            {"name": "r", "type": "Range", "array_kind": "boundedSequence", "array_size": 1},
-        ),
-        (
-            "geometry_msgs/Point[] p",
-            {"name": "p", "type": "geometry_msgs/Point", "array_kind": "unboundedSequence"},
-        ),
-    ],
-)
-def test_line(tool, line, expected):
-    assert tool.parse_line(line) == tool.FieldFacts(**expected)
-
-
-@pytest.mark.parametrize("line", ["", "   ", "# only a comment", "  # 'quoted' too"])
-def test_line_without_facts(tool, line):
-    assert tool.parse_line(line) is None
-
-
-def test_unclear_line_is_reported_with_its_file(tool, tmp_path, capsys):
+def test_unclear_line_is_reported_with_its_place(tool, tmp_path, capsys):
     folder = tmp_path / "odd_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Odd.msg").write_text("what?\n")
     assert tool.main([str(tmp_path), "odd_msgs", "--output", str(tmp_path / "out")]) == 1
-    message = capsys.readouterr().err
-    assert "Odd.msg: what?" in message
+    assert "Odd.msg:1:1: error: JML643" in capsys.readouterr().err
     assert tool.main([str(tmp_path), "absent_msgs", "--output", str(tmp_path / "out")]) == 1
+    assert "absent_msgs" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_semantics_of_a_field_that_is_not_there(tool, tmp_path, capsys):
+    folder = tmp_path / "nav_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Path.msg").write_text("float64 x\n")
+    assert tool.main([str(tmp_path), "nav_msgs", "--output", str(tmp_path / "out")]) == 1
+    assert "no type nav_msgs/GridCells" in capsys.readouterr().err
 
 
 def test_action_sections(tool, tmp_path):
@@ -79,6 +52,23 @@ def test_action_sections(tool, tmp_path):
     action = etree.parse(tmp_path / "demo.xmi").getroot().find("actions")
     assert [part.tag for part in action] == ["goal", "result", "feedback"]
     assert action.find("feedback").get("name") == "Go_Feedback"
+
+
+def test_units_axes_and_ranges_reach_the_library():
+    root = etree.parse(LIBRARY / "sensor_msgs.xmi").getroot()
+    (latitude,) = root.xpath("messages[@name='NavSatFix']/fields[@name='latitude']")
+    stated = {name: latitude.get(name) for name in ("units", "frame", "minimum", "maximum")}
+    assert stated == {
+        "units": "degree",
+        "frame": "geodetic",
+        "minimum": "-90.0",
+        "maximum": "90.0",
+    }
+
+
+def test_library_holds_no_words_of_others():
+    for path in LIBRARY.glob("*.xmi"):
+        assert "documentation" not in path.read_text(encoding="utf-8"), path.name
 
 
 def test_shipped_library_is_what_the_tool_writes(tool, tmp_path):

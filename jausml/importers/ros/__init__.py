@@ -1,0 +1,16 @@
+"""Imports ROS 2 interface definitions: .msg, .srv and .action files."""
+
+from jausml.importers.ros.importing import ImportResult, import_packages
+from jausml.importers.ros.placing import placed
+from jausml.importers.ros.rules import ROS_RULES
+from jausml.importers.ros.sources import PackageSource, Source, package_sources
+
+__all__ = [
+    "ROS_RULES",
+    "ImportResult",
+    "PackageSource",
+    "Source",
+    "import_packages",
+    "package_sources",
+    "placed",
+]

@@ -1,0 +1,27 @@
+"""ROS 2 interface definitions as text: what a .msg, .srv or .action file says, and where it lies.
+
+Nothing here imports ROS: definition files are read, not the classes that were generated from them.
+"""
+
+from jausml.interfaces.definitions import (
+    ConstantDefinition,
+    Definition,
+    Fault,
+    FieldDefinition,
+    FieldType,
+    Section,
+)
+from jausml.interfaces.installed import Installation
+from jausml.interfaces.parsing import PARTS, parse_definition
+
+__all__ = [
+    "PARTS",
+    "ConstantDefinition",
+    "Definition",
+    "Fault",
+    "FieldDefinition",
+    "FieldType",
+    "Installation",
+    "Section",
+    "parse_definition",
+]

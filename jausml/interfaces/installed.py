@@ -1,0 +1,71 @@
+"""Where the definitions of installed packages lie."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.interfaces.parsing import PARTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class Installation:
+    """The share folders of installed ROS packages.
+
+    They are those of the prefixes in the environment variable AMENT_PREFIX_PATH, in its order,
+    then that of the running Python.
+
+    Args:
+        shares: Share folders that are looked into first.
+    """
+
+    def __init__(self, shares: Iterable[str | os.PathLike[str]] = ()) -> None:
+        prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+        found = [Path(each) for each in shares]
+        found += [Path(each, "share") for each in (*filter(None, prefixes), sys.prefix)]
+        self.shares = list(dict.fromkeys(found))
+
+    def folder(self, package: str) -> Path | None:
+        """Returns the share folder of a package that defines interfaces, None without one.
+
+        Args:
+            package: Name of the package.
+        """
+        for share in self.shares:
+            folder = share / package
+            if any((folder / kind).is_dir() for kind in PARTS):
+                return folder
+        return None
+
+    def definition(self, package: str, kind: str, name: str) -> Path | None:
+        """Returns the file of an interface, None when it is not installed.
+
+        Args:
+            package: Name of the package.
+            kind: `msg`, `srv` or `action`.
+            name: Name of the interface.
+        """
+        folder = self.folder(package)
+        path = folder / kind / f"{name}.{kind}" if folder is not None else None
+        return path if path is not None and path.is_file() else None
+
+    def packages(self) -> list[str]:
+        """Returns the names of the installed packages that define interfaces, sorted."""
+        found: set[str] = set()
+        for share in self.shares:
+            for kind in PARTS:
+                found.update(path.parent.name for path in share.glob(f"*/{kind}"))
+        return sorted(found)
+
+
+def definition_files(folder: Path) -> list[Path]:
+    """Returns the definition files of a package, by kind and name.
+
+    Args:
+        folder: Folder of the package, with `msg`, `srv` and `action`.
+    """
+    return [path for kind in PARTS for path in sorted((folder / kind).glob(f"*.{kind}"))]
