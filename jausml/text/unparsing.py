@@ -1,0 +1,86 @@
+"""Models to ros2jaus text: the syntax tree of a model, laid out."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.writer import is_written
+from jausml.text import layout
+from jausml.text.blocks import BlockBuilder
+from jausml.text.references import ReferenceNames
+from jausml.text.tree import Document, Import, Item
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
+
+_PARTS = {
+    "system.System": ("components", "nodes", "bridges", "hosts", "placements"),
+    "bridge.MapLibrary": ("maps",),
+}
+"""Root elements that need not be written when the file gives them their name, with the parts that
+may then stand by themselves."""
+
+
+def to_text(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> str:
+    """Returns root elements with all that they own as ros2jaus text in its canonical layout.
+
+    Args:
+        roots: The root elements of the document.
+        model: Knows where elements of other documents stand.
+        path: The file that the text is meant for. Imports are relative to it, and a system or map
+            library of its name is left to be implied.
+
+    Raises:
+        UnwritableError: A reference leads to an element that neither the roots nor a document of
+            the model own.
+    """
+    return layout.render(to_tree(roots, model, path))
+
+
+def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> Document:
+    """Returns root elements with all that they own as a syntax tree.
+
+    Args:
+        roots: The root elements of the document.
+        model: Knows where elements of other documents stand.
+        path: The file that the text is meant for.
+
+    Raises:
+        UnwritableError: As `to_text` says.
+    """
+    names = ReferenceNames(roots, model, Path(path))
+    builder = BlockBuilder(model.metamodels, names)
+    document = Document()
+    document.items += [Import(target) for target in names.imports]
+    for root in roots:
+        if len(roots) == 1 and _is_implied(root, model, Path(path).stem):
+            parts = _PARTS[model.metamodels.class_of(root).qualified_name]
+            document.items += builder.children(root, parts)
+        else:
+            document.items.append(builder.root(root))
+    _space(document.items)
+    return document
+
+
+def _is_implied(root: Any, model: Model, stem: str) -> bool:
+    """Tells whether a root follows from the name of the file and what stands in it."""
+    table = model.metamodels.class_of(root)
+    parts = _PARTS.get(table.qualified_name)
+    if parts is None or root.name != stem or not any(getattr(root, each) for each in parts):
+        return False
+    return not any(
+        is_written(root, feature)
+        for name, feature in table.features.items()
+        if name != "name" and name not in parts
+    )
+
+
+def _space(items: Sequence[Item]) -> None:
+    """Sets what stands on top level apart, but not imports from each other."""
+    for before, item in pairwise(items):
+        item.spaced = not (isinstance(before, Import) and isinstance(item, Import))
