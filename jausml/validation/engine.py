@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
+    from jausml.model.notation import Notation
     from jausml.validation.rule import Finding, Rule
 
 
@@ -34,6 +35,7 @@ def validate(
     *,
     project_root: str | os.PathLike[str] | None = None,
     allow_outside: bool = False,
+    notations: Sequence[Notation] = (),
 ) -> Report:
     """Reads model files with all that they refer to and checks them.
 
@@ -41,6 +43,7 @@ def validate(
         paths: The files.
         project_root: The folder that references may not leave; found by itself when None.
         allow_outside: True to let references leave it.
+        notations: What reads files that are no XMI.
 
     Returns:
         All findings of one run.
@@ -48,7 +51,9 @@ def validate(
     Raises:
         RuleError: A rule failed.
     """
-    result = read_models(paths, project_root=project_root, allow_outside=allow_outside)
+    result = read_models(
+        paths, project_root=project_root, allow_outside=allow_outside, notations=notations
+    )
     return check(result)
 
 

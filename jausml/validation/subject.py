@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from jausml.model.model import Model
+
+Fact = TypeVar("Fact")
 
 
 class Subject:
@@ -30,6 +32,7 @@ class Subject:
         self._count = 0
         self._broken: set[Any] = set()
         self._damaged: set[Any] = set()
+        self._facts: dict[Any, Any] = {}
         errors = {
             (each.location.path, each.fragment)
             for each in diagnostics
@@ -75,6 +78,17 @@ class Subject:
     def is_kind_of(self, element: Any, qualified_class: str) -> bool:
         """Tells whether an element is an instance of a class or of a subclass of it."""
         return self.model.metamodels.is_kind_of(element, qualified_class)
+
+    def once(self, find: Callable[[Subject], Fact]) -> Fact:
+        """Returns facts that several rules need, which are found when first asked for.
+
+        Args:
+            find: Finds them.
+        """
+        if find not in self._facts:
+            self._facts[find] = find(self)
+        found: Fact = self._facts[find]
+        return found
 
     def is_broken(self, element: Any) -> bool:
         """Tells whether the reader found an error in the features of an element itself."""

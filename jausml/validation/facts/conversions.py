@@ -10,6 +10,8 @@ from jausml.metamodel import annotation
 
 CONVERSION_SOURCE = "http://www.jausml.org/bridge/conversion"
 
+_INSTANCES = {"value": ("number", "bool", "text"), "numbers": ("list",), "number": ("value",)}
+
 
 @dataclass(frozen=True, slots=True)
 class ConversionSignature:
@@ -40,7 +42,9 @@ class ConversionSignature:
     def takes(self, kinds: list[str]) -> bool:
         """Tells whether values of some kinds are what it takes."""
         if len(self.inputs) == 1 and self.inputs[0].endswith("+"):
-            return bool(kinds) and all(_matches(kind, self.inputs[0][:-1]) for kind in kinds)
+            # The truth of a bool counts as 1 in expressions.
+            known = ["number" if kind == "bool" else kind for kind in kinds]
+            return bool(kinds) and all(_matches(kind, self.inputs[0][:-1]) for kind in known)
         return len(kinds) == len(self.inputs) and all(map(_matches, kinds, self.inputs))
 
 
@@ -67,10 +71,7 @@ def conversions_between(metamodels: Any, inputs: list[str], output: str) -> list
 
 
 def _matches(kind: str, wanted: str) -> bool:
-    return wanted == "any" or kind == wanted or (wanted == "value" and kind in _VALUES)
-
-
-_VALUES = ("number", "bool", "text")
+    return wanted == "any" or kind == wanted or kind in _INSTANCES.get(wanted, ())
 
 
 @lru_cache(maxsize=256)

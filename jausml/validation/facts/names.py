@@ -12,18 +12,12 @@ _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _DEVICES = frozenset(
     {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 )
+# Interface packages of ROS are not among them: a model of one has its name.
 _TOOLING = frozenset(
     {
         *("ament_index_python", "builtins", "build", "install", "jausml", "jausml_runtime"),
-        *("launch", "launch_ros", "log", "rcl_interfaces", "rclpy", "resource", "rosgraph_msgs"),
-        *("rosidl_runtime_py", "rpyutils", "setup", "setuptools", "site", "src", "test", "tests"),
-        *(
-            "action_msgs",
-            "diagnostic_updater",
-            "service_msgs",
-            "tf2_ros",
-            "type_description_interfaces",
-        ),
+        *("launch", "launch_ros", "log", "rclpy", "resource", "rosidl_runtime_py", "rpyutils"),
+        *("setup", "setuptools", "site", "src", "test", "tests", "diagnostic_updater", "tf2_ros"),
     }
 )
 

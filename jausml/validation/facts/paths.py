@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from jausml.validation.facts.attributes import NUMBER, Attribute, Found, PathFault
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 Place = JausPlace | RosPlace
 FoundPlace = Place | PathFault | None
 
-_COUNTERS = ("index", "count")
+COUNTERS = ("index", "count")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,7 @@ class Scope:
     def inner(self, assignment: Any) -> Scope | None:
         """Returns the scope of what a ListAssignment nests; None when its ends are no lists."""
         source = self.find_source(source_paths(assignment)[0])
-        target = self.find_target(assignment.target)
+        target = self.find_target(assignment.target.strip())
         if not (is_many(source) and is_many(target)):
             return None
         from_element, to_element = source.element(), target.element()
@@ -69,7 +70,7 @@ class Scope:
         return Scope(self.map, self.to_ros, from_element, to_element, is_nested=True)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Placed:
     """An assignment with the places where its paths start.
 
@@ -86,18 +87,30 @@ class Placed:
         """Name of the class of the assignment."""
         return class_name(self.assignment)
 
+    @cached_property
     def targets(self) -> list[tuple[str, Found]]:
-        """Returns the target paths and what they lead to."""
+        """The target paths and what they lead to."""
         paths = target_paths(self.assignment)
         return [(path, _attribute(self.scope.find_target(path))) for path in paths]
 
+    @cached_property
     def sources(self) -> list[tuple[str, Found]]:
-        """Returns the source paths and what they lead to."""
+        """The source paths and what they lead to; none for constants and the like."""
         return [(path, self._source(path)) for path in source_paths(self.assignment)]
+
+    @cached_property
+    def target_attributes(self) -> list[Attribute]:
+        """What the targets are, empty unless all of them were found."""
+        return _all_found(self.targets)
+
+    @cached_property
+    def source_attributes(self) -> list[Attribute]:
+        """What the sources are, empty unless all of them were found."""
+        return _all_found(self.sources)
 
     def _source(self, path: str) -> Found:
         found = self.scope.find_source(path)
-        if isinstance(found, PathFault) and self.scope.is_nested and path in _COUNTERS:
+        if isinstance(found, PathFault) and self.scope.is_nested and path in COUNTERS:
             return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
         return _attribute(found)
 
@@ -200,5 +213,10 @@ def _attribute(found: FoundPlace) -> Found:
     return found.attribute() if isinstance(found, JausPlace | RosPlace) else found
 
 
+def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
+    known = [each for _, each in found if isinstance(each, Attribute)]
+    return known if len(known) == len(found) else []
+
+
 def _split(text: str) -> list[str]:
-    return [path.strip() for path in text.split(",")]
+    return [path.strip() for path in text.split(",")] if text else []

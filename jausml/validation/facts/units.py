@@ -67,7 +67,7 @@ def unit_step(attribute_map: Any, assignment: Any, *, to_ros: bool) -> tuple[flo
     result = result_measure(placed) if placed is not None else None
     if placed is None or not isinstance(result, Measure):
         return None
-    for _, found in placed.targets():
+    for _, found in placed.targets:
         wanted = attribute_measure(found)
         if wanted is None or not wanted.unit.is_compatible(result.unit):
             continue
@@ -85,7 +85,7 @@ def result_measure(placed: Placed) -> Measure | UnitFault | None:
     Returns:
         None when nothing is known, a fault when a conversion cannot take what it gets.
     """
-    current = _common([attribute_measure(found) for _, found in placed.sources()])
+    current = _common([attribute_measure(found) for _, found in placed.sources])
     for conversion in placed.assignment.conversions:
         following = _converted(conversion, current)
         if following is None or isinstance(following, Measure):

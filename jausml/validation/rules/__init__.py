@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from jausml.validation.rules import (
     bridge_connections,
+    bridge_conversions,
+    bridge_coverage,
     bridge_maps,
     bridge_out_of_range,
     jaus_components,
@@ -30,6 +32,8 @@ def all_rules() -> tuple[Rule, ...]:
         *jaus_machines.RULES,
         *ros.RULES,
         *bridge_maps.RULES,
+        *bridge_conversions.RULES,
+        *bridge_coverage.RULES,
         *bridge_out_of_range.RULES,
         *bridge_connections.RULES,
         *names.RULES,

@@ -1,58 +1,24 @@
-"""Rules about attribute maps: paths, types, constants, conversions."""
+"""Rules about attribute maps: paths, types, constants."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.attributes import (
-    BOOL,
-    NUMBER,
-    TIME,
-    TIME_STAMP,
-    Attribute,
-    Found,
-    PathFault,
-)
-from jausml.validation.facts.conversions import conversion_signature, conversions_between
-from jausml.validation.facts.layouts import attributes, class_name
-from jausml.validation.facts.paths import jaus_attribute, parse_path, ros_attribute
+from jausml.validation.facts.attributes import LIST, NUMBERS, TIME, TIME_STAMP, Attribute, PathFault
+from jausml.validation.facts.chains import ChainFault, chain_kinds, fits, yields
+from jausml.validation.facts.conversions import conversions_between
+from jausml.validation.facts.directions import directions
 from jausml.validation.facts.values import constant_fault
-from jausml.validation.rule import Finding, Note, rule
+from jausml.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
-
-@dataclass(frozen=True, slots=True)
-class _Side:
-    """One direction of a map, or the safe value of a connection: what is filled from what.
-
-    Attributes:
-        assignments: The assignments, without those that were not read well.
-        to_ros: Whether they fill the ROS type.
-        map: The map.
-    """
-
-    assignments: tuple[Any, ...]
-    to_ros: bool
-    map: Any
-
-    def target(self, assignment: Any) -> Found:
-        return self._follow(assignment.target, ros=self.to_ros)
-
-    def sources(self, assignment: Any) -> list[tuple[str, Found]]:
-        paths = [path.strip() for path in assignment.source.split(",")]
-        return [(path, self._follow(path, ros=not self.to_ros)) for path in paths]
-
-    def _follow(self, path: str, *, ros: bool) -> Found:
-        if ros:
-            return ros_attribute(self.map.type, path)
-        return jaus_attribute(self.map.message, path)
+_MANY = (LIST, NUMBERS)
 
 
 @rule("JML411", Severity.ERROR, "no such attribute")
@@ -60,24 +26,25 @@ def paths(subject: Subject) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
     JAUS paths start at the members of the top record or sequence of the message; ROS paths at
-    the fields of the type. Elements of fixed arrays are named by index: `covariance[7]`.
+    the fields of the type, or at the name of a join. Elements of fixed arrays and of JAUS lists are
+    named by index: `covariance[7]`. Behind a variant or a variable field stands the name of the
+    option or alternative. Paths in a ListAssignment start at the element, those with '/' at the
+    message.
 
     Bad: `target="twist.lin.x"`
 
     Good: `target="twist.linear.x"`
     """
-    for side in _sides(subject):
-        for assignment in side.assignments:
-            found = side.target(assignment)
-            if isinstance(found, PathFault):
-                message = f"target '{assignment.target}': {found.message}"
-                yield Finding(assignment, message, "target", found.hint)
-            if class_name(assignment) != "FieldAssignment":
-                continue
-            for path, source in side.sources(assignment):
-                if isinstance(source, PathFault):
-                    message = f"source '{path}': {source.message}"
-                    yield Finding(assignment, message, "source", source.hint)
+    for direction in directions(subject):
+        for placed in direction.assignments:
+            for path, found in placed.targets:
+                if isinstance(found, PathFault):
+                    message = f"target '{path}': {found.message}"
+                    yield Finding(placed.assignment, message, "target", found.hint)
+            for path, found in placed.sources:
+                if isinstance(found, PathFault):
+                    message = f"source '{path}': {found.message}"
+                    yield Finding(placed.assignment, message, "source", found.hint)
 
 
 @rule("JML412", Severity.ERROR, "value does not fit the target")
@@ -86,209 +53,130 @@ def types(subject: Subject) -> Iterator[Finding]:
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
     a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
-    builtin_interfaces/Time, and angles become a quaternion, by a conversion. Whole records, lists
-    and arrays are translated in the skeleton of the bridge.
+    builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields several
+    values has as many targets. Lists and arrays are translated by a ListAssignment, and whole
+    records in the skeleton of the bridge.
 
     Bad: `target="header.stamp" source="TimeStamp"` without a conversion
 
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
-    for side in _sides(subject):
-        for assignment in side.assignments:
-            target = side.target(assignment)
-            if not isinstance(target, Attribute):
-                continue
-            if class_name(assignment) == "ClockAssignment":
-                if target.kind not in (TIME, TIME_STAMP):
-                    message = f"'{assignment.target}' is {target.name}, it takes no time"
-                    yield Finding(assignment, message, "target")
-            elif class_name(assignment) == "FieldAssignment":
-                yield from _type_findings(subject, side, assignment, target)
+    for direction in directions(subject):
+        for placed in direction.of_kind("ClockAssignment"):
+            for path, target in placed.targets:
+                if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
+                    message = f"'{path}' is {target.name}, it takes no time"
+                    yield Finding(placed.assignment, message, "target")
+        for placed in direction.of_kind("FieldAssignment"):
+            if placed.source_attributes and placed.target_attributes:
+                yield from _type_findings(subject, placed)
 
 
 @rule("JML413", Severity.ERROR, "constant does not fit the target")
 def constants(subject: Subject) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
+    So is the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which must state one.
+    Where such an assignment has several sources, it is what an absent one counts for: a number.
+
     Bad: `target="PropulsiveLinearEffortX" value="101"`, where the field ends at 100
 
     Good: `value="100"`
     """
-    for side in _sides(subject):
-        for assignment in side.assignments:
-            if class_name(assignment) != "ConstantAssignment" or assignment.value is None:
-                continue
-            target = side.target(assignment)
-            if isinstance(target, Attribute):
-                fault = constant_fault(assignment.value, target)
+    for direction in directions(subject):
+        for placed in direction.of_kind("ConstantAssignment"):
+            value = placed.assignment.value
+            for path, target in placed.targets:
+                fault = _constant_fault(value, target)
                 if fault:
-                    message = f"constant {assignment.value!a} of '{assignment.target}' {fault}"
-                    yield Finding(assignment, message, "value")
+                    message = f"constant {value!a} of '{path}' {fault}"
+                    yield Finding(placed.assignment, message, "value")
+        for placed in direction.of_kind("FieldAssignment"):
+            yield from _default_findings(placed)
 
 
-@rule("JML414", Severity.ERROR, "conversion used wrongly")
-def conversions(subject: Subject) -> Iterator[Finding]:
-    """A conversion has the arguments and the inputs that it takes.
-
-    The first one takes the sources, each further one the result of the one before.
-
-    Bad: `<conversions kind="scale"/>`, which takes a factor
-
-    Good: `<conversions kind="scale"><arguments>0.1</arguments></conversions>`
-    """
-    for conversion in subject.instances("bridge.Conversion"):
-        yield from _argument_findings(conversion)
-    for side in _sides(subject):
-        for assignment in side.assignments:
-            if class_name(assignment) == "FieldAssignment":
-                yield from _chain_findings(side, assignment)
+def _constant_fault(value: Any, target: Any) -> str:
+    if value is None or not isinstance(target, Attribute):
+        return ""
+    return constant_fault(value, target)
 
 
-@rule("JML415", Severity.ERROR, "target assigned twice")
-def targets_unique(subject: Subject) -> Iterator[Finding]:
-    """An attribute is the target of one assignment of a direction.
-
-    An assignment of a whole, such as `pose.orientation`, and one of a part of it, such as
-    `pose.orientation.w`, exclude each other; so do an assignment and an Ignore.
-
-    Bad: two assignments with `target="twist.linear.x"`
-
-    Good: one
-    """
-    for side in _sides(subject):
-        seen: dict[tuple[str, ...], Any] = {}
-        for assignment in side.assignments:
-            path = parse_path(assignment.target)
-            first = next((a for other, a in seen.items() if _overlaps(path, other)), None)
-            if first is not None:
-                message = f"'{assignment.target}' is assigned already"
-                note = Note(first, f"'{first.target}'", "target")
-                yield Finding(assignment, message, "target", related=(note,))
-            seen.setdefault(path, assignment)
+def _default_findings(placed: Placed) -> Iterator[Finding]:
+    assignment, value = placed.assignment, placed.assignment.defaultValue
+    if assignment.whenAbsent.name != "useDefault":
+        if value is not None:
+            message = f"the defaultValue of '{assignment.target}' is not used"
+            hint = 'set whenAbsent="useDefault"'
+            yield Finding(assignment, message, "defaultValue", hint, severity=Severity.WARNING)
+        return
+    if value is None:
+        message = f"'{assignment.target}' has no defaultValue to use"
+        yield Finding(assignment, message, "whenAbsent")
+        return
+    of_sources = len(placed.sources) > 1
+    for path, found in placed.sources if of_sources else placed.targets:
+        fault = _constant_fault(value, found)
+        if fault:
+            message = f"defaultValue {value!a} of '{path}' {fault}"
+            yield Finding(assignment, message, "defaultValue")
 
 
-@rule("JML416", Severity.WARNING, "required JAUS field not assigned")
-def required_fields(subject: Subject) -> Iterator[Finding]:
-    """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
-
-    It is on the wire in any case, with the smallest legal value when nothing is assigned.
-
-    Bad: a map to SetTravelSpeed without an assignment to Speed
-
-    Good: `<toJaus xsi:type="bridge:Ignore" target="Speed" documentation="..."/>`
-    """
-    for each in subject.instances("bridge.AttributeMap"):
-        if not each.toJaus or not subject.is_intact(each, each.message):
-            continue
-        assigned = {parse_path(a.target)[0] for a in each.toJaus if a.target}
-        for field in attributes(each.message):
-            if not field.optional and field.name and parse_path(field.name)[0] not in assigned:
-                message = f"'{field.name}' of {each.message.name} is required, but not assigned"
-                yield Finding(each, message, "toJaus", "assign it, or add an Ignore")
-
-
-def _sides(subject: Subject) -> Iterator[_Side]:
-    """Yields all directions of all maps, and safe values, as far as both ends were read."""
-    for each in subject.instances("bridge.AttributeMap"):
-        if subject.is_intact(each.message, each.type):
-            yield _Side(_sound(subject, each.toRos), to_ros=True, map=each)
-            yield _Side(_sound(subject, each.toJaus), to_ros=False, map=each)
-    for connection in subject.instances("bridge.Connection"):
-        used = connection.map
-        if used is not None and subject.is_intact(used.message, used.type):
-            to_ros = connection.direction.name == "jausToRos"
-            yield _Side(_sound(subject, connection.safeValue), to_ros=to_ros, map=used)
-
-
-def _sound(subject: Subject, assignments: Any) -> tuple[Any, ...]:
-    return tuple(
-        each
-        for each in assignments
-        if subject.is_intact(each)
-        and each.target is not None
-        and (class_name(each) != "FieldAssignment" or each.source is not None)
-    )
-
-
-def _type_findings(
-    subject: Subject, side: _Side, assignment: Any, target: Attribute
-) -> Iterator[Finding]:
-    values: list[Attribute] = []
-    for path, found in side.sources(assignment):
-        if not isinstance(found, Attribute):
-            return
-        if not found.kind:
-            hint = "translate it in the skeleton of the bridge"
-            yield Finding(assignment, f"'{path}' is {found.name}", "source", hint)
-            return
-        values.append(found)
-    if not target.kind:
-        hint = "fill it in the skeleton of the bridge"
-        yield Finding(assignment, f"'{assignment.target}' is {target.name}", "target", hint)
+def _type_findings(subject: Subject, placed: Placed) -> Iterator[Finding]:
+    assignment = placed.assignment
+    untranslatable = _untranslatable(placed)
+    if untranslatable is not None:
+        yield untranslatable
         return
     if assignment.conversions:
-        output = conversion_signature(assignment.conversions[-1].kind).output
-        if output != target.kind:
-            message = f"{assignment.conversions[-1].kind.name} yields {output}"
-            message += f", but '{assignment.target}' is {target.name}"
-            yield Finding(assignment, message, "target")
-    elif len(values) == 1 and not _fits(values[0], target):
-        kinds = [value.kind for value in values]
-        known = conversions_between(subject.model.metamodels, kinds, target.kind)
+        yield from _result_findings(placed)
+        return
+    source, target = placed.source_attributes[0], placed.target_attributes[0]
+    if len(placed.targets) > 1:
+        message = f"{len(placed.targets)} targets without a conversion that yields them"
+        yield Finding(assignment, message, "target")
+    elif len(placed.sources) == 1 and not fits(source, target):
+        known = conversions_between(subject.model.metamodels, [source.kind], target.kind)
         hint = f"convert it by {' or '.join(known)}" if known else ""
-        message = f"'{assignment.source}' is {values[0].name}"
+        message = f"'{assignment.source}' is {source.name}"
         message += f", but '{assignment.target}' is {target.name}"
         yield Finding(assignment, message, "target", hint)
 
 
-def _fits(value: Attribute, target: Attribute) -> bool:
-    if value.kind == target.kind:
-        return True
-    kinds = {value.kind, target.kind}
-    number = value if value.kind == NUMBER else target
-    return kinds == {BOOL, NUMBER} and number.integral
+def _untranslatable(placed: Placed) -> Finding | None:
+    """A finding for an end that no FieldAssignment reads or fills."""
+    ends = [("source", *each) for each in placed.sources]
+    ends += [("target", *each) for each in placed.targets]
+    for feature, path, found in ends:
+        if not isinstance(found, Attribute):
+            continue
+        verb = "translate" if feature == "source" else "fill"
+        if not found.kind:
+            hint = f"{verb} it in the skeleton of the bridge"
+            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
+        if found.kind in _MANY:
+            hint = f"{verb} its elements by a ListAssignment"
+            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
+    return None
 
 
-def _argument_findings(conversion: Any) -> Iterator[Finding]:
-    name = conversion.kind.name
-    wanted = conversion_signature(conversion.kind).arguments
-    values = list(conversion.arguments)
-    if len(values) != len(wanted):
-        takes = f"takes {' and '.join(wanted)}" if wanted else "takes no arguments"
-        message = f"{name} {takes}, {len(values)} given"
-        yield Finding(conversion, message, "arguments" if values else None)
-    elif not all(math.isfinite(value) for value in values):
-        yield Finding(conversion, f"{name} has an argument that is not finite", "arguments")
-    elif name == "clamp" and values[0] > values[1]:
-        message = f"clamp has minimum {values[0]:g} above maximum {values[1]:g}"
-        yield Finding(conversion, message, "arguments")
-    elif name == "deadband" and values[0] < 0:
-        yield Finding(conversion, f"deadband has the negative width {values[0]:g}", "arguments")
-
-
-def _chain_findings(side: _Side, assignment: Any) -> Iterator[Finding]:
-    sources = side.sources(assignment)
-    found = [each for _, each in sources if isinstance(each, Attribute) and each.kind]
-    if len(found) < len(sources):
+def _result_findings(placed: Placed) -> Iterator[Finding]:
+    assignment, last = placed.assignment, placed.assignment.conversions[-1]
+    kinds = chain_kinds(assignment.conversions, [each.kind for each in placed.source_attributes])
+    if isinstance(kinds, ChainFault):
+        # The chain is wrong; what its end promises may be wrong besides.
+        kinds = chain_kinds([last], ["any"])
+    if isinstance(kinds, ChainFault):
         return
-    kinds = [each.kind for each in found]
-    if not assignment.conversions:
-        if len(kinds) > 1:
-            message = f"{len(kinds)} sources without a conversion that takes them"
-            yield Finding(assignment, message, "source")
+    if len(kinds) != len(placed.targets):
+        message = f"{last.kind.name} yields {len(kinds)} value{'s' * (len(kinds) != 1)}"
+        count = len(placed.targets)
+        message += f", but there {'is 1 target' if count == 1 else f'are {count} targets'}"
+        yield Finding(assignment, message, "target")
         return
-    for conversion in assignment.conversions:
-        signature = conversion_signature(conversion.kind)
-        if tuple(kinds) != signature.inputs:
-            message = f"{conversion.kind.name} takes {', '.join(signature.inputs)}"
-            yield Finding(conversion, f"{message}, but gets {', '.join(kinds)}", "kind")
-            return
-        kinds = [signature.output]
+    for kind, (path, target) in zip(kinds, placed.targets, strict=True):
+        if isinstance(target, Attribute) and not yields(last, kind, target):
+            message = f"{last.kind.name} yields {kind}, but '{path}' is {target.name}"
+            yield Finding(assignment, message, "target")
 
 
-def _overlaps(first: tuple[str, ...], second: tuple[str, ...]) -> bool:
-    common = min(len(first), len(second))
-    return first[:common] == second[:common]
-
-
-RULES = (paths, types, constants, conversions, targets_unique, required_fields)
+RULES = (paths, types, constants)
