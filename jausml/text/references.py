@@ -6,9 +6,10 @@ Which name leads where is decided by `NameFinder`, as for text that is read.
 from __future__ import annotations
 
 import os
+from collections import Counter
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import count
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, FeatureTable
     from jausml.model.model import Model
+
+_Reference: TypeAlias = "tuple[Any, Any, FeatureTable]"
+"""Who refers, to what, by which feature."""
 
 _PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
 
@@ -48,7 +52,7 @@ class ReferenceNames:
         self._fragments = self._name_fragments(roots)
         self._document = Document(path, str(path), is_library=False, given=True)
         self._document.root_nodes = [self._node(root, None) for root in roots]
-        self._import(list(self._references()))
+        self._import()
 
     @property
     def imports(self) -> list[Name | Text]:
@@ -113,20 +117,33 @@ class ReferenceNames:
         for length in range(1, len(steps) + 1):
             yield ".".join(steps[-length:])
 
-    def _import(self, references: list[tuple[Any, Any, FeatureTable]]) -> None:
-        """Imports the documents that are referred to; of the library, those that are ambiguous."""
-        targets: dict[Document, list[tuple[Any, Any, FeatureTable]]] = {}
-        for each in references:
-            document = self._model.document_of(each[1])
-            if document is not None and each[1] not in self._fragments:
-                targets.setdefault(document, []).append(each)
-        imports = self._document.imports
-        imports += sorted((d for d in targets if not d.is_library), key=lambda each: each.path)
-        for document in sorted((d for d in targets if d.is_library), key=lambda each: each.path):
-            if any(self._name(*each) is None for each in targets[document]):
-                imports.append(document)
+    def _import(self) -> None:
+        """Imports the files that are referred to, and of the library what has no name otherwise.
 
-    def _references(self) -> Iterator[tuple[Any, Any, FeatureTable]]:
+        Where two versions of a service are referred to, names stand for those that are referred
+        to more often; the others have theirs by file and fragment.
+        """
+        outside = [each for each in self._references() if each[1] not in self._fragments]
+        uses = Counter(self._model.document_of(target) for _, target, _ in outside)
+        documents = [each for each in self._model.documents if each in uses]
+        imports = self._document.imports
+        imports += [each for each in documents if not each.is_library]
+        shipped = [each for each in outside if self._model.is_library(each[1])]
+        named = self._count_named(shipped)
+        library = [each for each in documents if each.is_library]
+        for document in sorted(library, key=lambda each: (-uses[each], str(each.path))):
+            if named == len(shipped):
+                break
+            imports.append(document)
+            before, named = named, self._count_named(shipped)
+            if named <= before:
+                named = before
+                imports.pop()
+
+    def _count_named(self, references: Sequence[_Reference]) -> int:
+        return sum(self._name(*each) is not None for each in references)
+
+    def _references(self) -> Iterator[_Reference]:
         for obj in self._fragments:
             for feature in self._model.metamodels.class_of(obj).features.values():
                 if feature.kind is FeatureKind.CROSS_REFERENCE and count(obj, feature):

@@ -1,0 +1,87 @@
+"""Ids for elements that have none: the names by which people would call them.
+
+Text has no ids. An XMI file made of it is readable, and keeps its references when elements move,
+if those that are referred to have ids.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import FeatureKind
+from jausml.metamodel.filling import count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.model.model import Model
+
+_PUBLIC = (
+    "jaus.Service",
+    "jaus.MessageDef",
+    "jaus.Component",
+    "ros.MessageType",
+    "ros.ServiceType",
+    "bridge.AttributeMap",
+)
+"""Classes whose elements other files refer to."""
+
+_LEGAL = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
+
+
+def name_identifiers(roots: Sequence[Any], model: Model) -> None:
+    """Gives ids to the elements that are referred to, or are likely to be from other files.
+
+    An id is the name of the element; for messages with their service (`Winch.LockBrake`), and for
+    names that occur twice with all owners but the root. Elements that have an id keep it, and so do
+    elements for which there is none: they are referred to by position.
+
+    Args:
+        roots: The root elements of a document.
+        model: Takes the ids.
+    """
+    elements = list(_elements(roots, model))
+    referred = {target for obj in elements for target in _targets(obj, model)}
+    named = [
+        each
+        for each in elements
+        if getattr(each, "name", None) and (each in referred or _is_public(each, model))
+    ]
+    names = Counter(each.name for each in named)
+    taken = {model.identifier(each) for each in elements}
+    for each in named:
+        is_message = model.metamodels.is_kind_of(each, "jaus.MessageDef")
+        identifier = _path(each) if is_message or names[each.name] > 1 else each.name
+        if _LEGAL.fullmatch(identifier) and identifier not in taken:
+            model.name_by_id(each, identifier)
+            taken.add(identifier)
+
+
+def _elements(roots: Sequence[Any], model: Model) -> Iterator[Any]:
+    pending = list(reversed(roots))
+    while pending:
+        obj = pending.pop()
+        yield obj
+        pending += reversed(model.owned(obj))
+
+
+def _targets(obj: Any, model: Model) -> Iterator[Any]:
+    for feature in model.metamodels.class_of(obj).features.values():
+        if feature.kind is FeatureKind.CROSS_REFERENCE and count(obj, feature):
+            value = getattr(obj, feature.name)
+            yield from value if feature.many else [value]
+
+
+def _is_public(obj: Any, model: Model) -> bool:
+    return any(model.metamodels.is_kind_of(obj, each) for each in _PUBLIC)
+
+
+def _path(obj: Any) -> str:
+    """Returns the names that lead to an element from its root, which is left out."""
+    steps = []
+    while (owner := obj.eContainer()) is not None:
+        steps.append(getattr(obj, "name", None) or "")
+        obj = owner
+    return ".".join(reversed([each for each in steps if each]))
