@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
 PROBLEMS = 1
-SUFFIX = ".xmi"
+SUFFIXES = (".xmi", ".ros2jaus")
+"""The endings of model files."""
 
 
 class EnvironmentFault(click.ClickException):
@@ -22,7 +23,7 @@ class EnvironmentFault(click.ClickException):
 
 
 def find_models(paths: Iterable[str]) -> list[str]:
-    """Returns model files: files as they are, and the *.xmi files below folders.
+    """Returns model files: files as they are, and the *.xmi and *.ros2jaus files below folders.
 
     Hidden folders are left out.
 
@@ -32,7 +33,7 @@ def find_models(paths: Iterable[str]) -> list[str]:
     Raises:
         EnvironmentFault: A path does not exist or cannot be read, or a folder holds no model.
     """
-    return find_files(paths, (SUFFIX,))
+    return find_files(paths, SUFFIXES)
 
 
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:

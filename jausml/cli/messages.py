@@ -52,9 +52,10 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         ModelFault: A model has errors.
     """
     from jausml.messages import CatalogueError, load_catalogue  # noqa: PLC0415 - `--help` is quick
+    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
 
     try:
-        return load_catalogue(find_models(models))
+        return load_catalogue(find_models(models), notations=NOTATIONS)
     except CatalogueError as error:
         raise ModelFault(str(error)) from error
 

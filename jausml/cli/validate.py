@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import validate
 from jausml.validation.formats import github, json, junit, sarif, text
 
@@ -48,7 +49,7 @@ def command(
     strict: bool,
     quiet: bool,
 ) -> None:
-    """Check models: files, or all *.xmi files below folders.
+    """Check models: files, or all *.xmi and *.ros2jaus files below folders.
 
     Follows references to other files. Reports all problems in one run, the same on each run.
 
@@ -56,7 +57,9 @@ def command(
     folder holds no models, 3 internal error.
     """
     models = find_models(paths)
-    report = validate(models, project_root=project_root, allow_outside=allow_outside)
+    report = validate(
+        models, project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
+    )
     rendered = _RENDERERS[output_format](report)
     if output is None:
         click.echo(rendered, nl=False)

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from jausml.model import Model, ReadResult
+    from jausml.model.notation import Notation
 
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
@@ -47,6 +48,7 @@ def load_catalogue(
     *,
     project_root: str | os.PathLike[str] | None = None,
     allow_outside: bool = False,
+    notations: Sequence[Notation] = (),
 ) -> Catalogue:
     """Returns the catalogue of the shipped library and of further models.
 
@@ -54,9 +56,10 @@ def load_catalogue(
     of the library's service of the same URN and version.
 
     Args:
-        models: The user's models (XMI).
+        models: The user's models.
         project_root: The folder that their references may not leave; see `read_models`.
         allow_outside: True to let them leave it.
+        notations: What reads models that are no XMI.
 
     Raises:
         CatalogueError: A model cannot be read; the text has all errors with their places.
@@ -64,7 +67,10 @@ def load_catalogue(
     if not models:
         return _library_catalogue()
     result = read_models(
-        [*models, *_library_files()], project_root=project_root, allow_outside=allow_outside
+        [*models, *_library_files()],
+        project_root=project_root,
+        allow_outside=allow_outside,
+        notations=notations,
     )
     return _catalogue_of(result)
 

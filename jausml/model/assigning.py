@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 from jausml.metamodel import DataTypeTable, FeatureKind, FeatureTable
 from jausml.metamodel.filling import holds, set_value, set_values
 from jausml.model.naming import XSI, ClassFinder, is_xmi, target_class
+from jausml.model.notation import BY_NAME
 from jausml.model.problems import Attribute, Place, Problems
 from jausml.model.values import convert
 
@@ -32,6 +33,7 @@ class Reference:
         feature: The reference.
         uri: URI of the document referred to, without fragment; empty for this document.
         fragment: The fragment or id.
+        name: The name, where the reference is one by name.
         direct: The contained element itself, which waits for its place among others.
     """
 
@@ -40,6 +42,7 @@ class Reference:
     feature: FeatureTable
     uri: str = ""
     fragment: str = ""
+    name: str = ""
     direct: Any = None
 
 
@@ -90,7 +93,13 @@ class Assigner:
         """Takes a child element of a reference: `href`, `xmi:idref` or xsi:nil."""
         href = child.get("href")
         identifier = _idref(child)
-        if href is not None:
+        name = child.get(BY_NAME)
+        if name is not None:
+            place = Place(self._document, child)
+            self._references.append(Reference(place, node.obj, feature, name=name))
+        elif href is not None and not self._document.is_xml:
+            self.href(node, child, feature, href)
+        elif href is not None:
             if self._classes.of_feature(child, feature, _class(node)) is None:
                 self._problems.spoil(node.obj, feature.name)
             else:

@@ -13,6 +13,8 @@ from jausml.model.problems import Attribute, Place, Problems
 from jausml.model.values import nearest, show
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.model.documents import Document
     from jausml.model.model import Model
     from jausml.model.parsing import Node
@@ -56,7 +58,11 @@ class DocumentBuilder:
                 self._report("JML011", root, "the document has no model element")
         else:
             document.root_nodes = [root]
-        for node in document.root_nodes:
+        self.build_roots(document.root_nodes)
+
+    def build_roots(self, nodes: Sequence[Node]) -> None:
+        """Builds the elements of root nodes of the document."""
+        for node in nodes:
             table = self._classes.of_root(node)
             if table is not None:
                 self._element(node, table)
@@ -144,11 +150,15 @@ class DocumentBuilder:
             self._assigner.from_reference_element(node, child, feature)
 
     def _contained(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
+        href = child.get("href")
+        if href is not None and not self._document.is_xml:
+            waiting.add(feature.name)
+            self._assigner.href(node, child, feature, href)
+            return
         table = self._classes.of_feature(child, feature, str(node.obj.eClass.name))
         if table is None:
             self._problems.spoil(node.obj, feature.name)
             return
-        href = child.get("href")
         if href is not None and "href" not in table.features:
             waiting.add(feature.name)
             self._assigner.href(node, child, feature, href)

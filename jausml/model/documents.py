@@ -29,6 +29,9 @@ class Document:
         roots: Its root elements.
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
         readable: False when the file could not be parsed.
+        is_xml: False for a document of another notation.
+        imports: The documents whose names it uses.
+        lacks_imports: True when a document that it imports could not be read.
     """
 
     def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
@@ -41,6 +44,9 @@ class Document:
         self.root_nodes: list[Node] = []
         self.ids: dict[str, Node] = {}
         self.readable = False
+        self.is_xml = True
+        self.imports: list[Document] = []
+        self.lacks_imports = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
         self._root_positions: dict[Any, int] | None = None
         self._locations: dict[tuple[Node, tuple[str, str]], Location] = {}
@@ -60,8 +66,11 @@ class Document:
         return self._root_positions.get(obj)
 
     def location(self, node: Node, attribute: tuple[str, str] | None = None) -> Location:
-        """Returns the place of an XML element, or of its attribute (namespace, local name)."""
-        if attribute is None:
+        """Returns the place of an XML element, or of its attribute (namespace, local name).
+
+        Other notations give each value an element of its own.
+        """
+        if attribute is None or not self.is_xml:
             return Location(self.display, node.line, node.column)
         known = self._locations.get((node, attribute))
         if known is None:

@@ -85,8 +85,12 @@ class Model:
         """
         for document in self.documents:
             if library or not document.is_library:
-                for node in document.root_nodes:
-                    yield from _built(node)
+                yield from self.elements_of(document)
+
+    def elements_of(self, document: Document) -> Iterator[Any]:
+        """Yields the elements of one document, in order."""
+        for node in document.root_nodes:
+            yield from _built(node)
 
     def instances(self, qualified_class: str, *, library: bool = True) -> list[Any]:
         """Returns the elements of a class and of the classes that specialise it.

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Diagnostic, Location, Related
 from jausml.model.rules import READER_RULES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.model.diagnostics import Severity
     from jausml.model.documents import Document
     from jausml.model.model import Model
     from jausml.model.parsing import Node
+    from jausml.model.rules import RuleInfo
 
 Attribute = tuple[str, str]
 """Namespace URI and local name of an XML attribute."""
@@ -44,9 +49,13 @@ class Problems:
     """The findings of one run, and which features they concern.
 
     A feature with a finding is not checked further: one cause is one error.
+
+    Args:
+        rules: The rules of notations besides XMI, by id.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
+        self._rules = {**READER_RULES, **rules}
         self._drafts: list[_Draft] = []
         self._spoilt: set[tuple[int, str]] = set()
 
@@ -71,15 +80,17 @@ class Problems:
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
-        return sorted(_finish(draft, model) for draft in self._drafts)
+        return sorted(
+            _finish(draft, self._rules[draft.rule].severity, model) for draft in self._drafts
+        )
 
 
-def _finish(draft: _Draft, model: Model) -> Diagnostic:
+def _finish(draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
     place = draft.place
     obj = None if isinstance(place, Location) else _nearest(place.node)
     return Diagnostic(
         draft.rule,
-        READER_RULES[draft.rule].severity,
+        severity,
         place if isinstance(place, Location) else place.location,
         draft.message,
         draft.hint,

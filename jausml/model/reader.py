@@ -15,15 +15,18 @@ from jausml.model.conformance import check_bounds
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
-from jausml.model.parsing import parse
-from jausml.model.problems import Problems
+from jausml.model.names import NameFinder
+from jausml.model.parsing import Node, parse
+from jausml.model.problems import Place, Problems
 from jausml.model.references import Resolution
+from jausml.model.surroundings import Surroundings, in_order_of_import
 from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.model.assigning import Reference
+    from jausml.model.notation import Fault, Notation, Written
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,7 @@ def read_models(
     allow_outside: bool = False,
     projects: Mapping[str, str | os.PathLike[str]] | None = None,
     metamodels: Metamodels | None = None,
+    notations: Sequence[Notation] = (),
 ) -> ReadResult:
     """Reads model files and all that they refer to.
 
@@ -64,6 +68,7 @@ def read_models(
         allow_outside: True to let hrefs leave it.
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
         metamodels: The metamodels, by default the shipped ones.
+        notations: What reads files that are no XMI, by the endings of their names.
 
     Returns:
         The model and the findings.
@@ -75,7 +80,7 @@ def read_models(
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
     uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
     with _without_collector():
-        reading = _Reading(metamodels or load_metamodels(), uris)
+        reading = _Reading(metamodels or load_metamodels(), uris, notations)
         model, diagnostics = reading.run(names)
     return ReadResult(model, diagnostics, root)
 
@@ -95,29 +100,46 @@ def _without_collector() -> Iterator[None]:
 class _Reading:
     """One run of the reader."""
 
-    def __init__(self, metamodels: Metamodels, uris: UriResolver) -> None:
+    def __init__(
+        self, metamodels: Metamodels, uris: UriResolver, notations: Sequence[Notation]
+    ) -> None:
         self._metamodels = metamodels
+        self._notations = notations
         self._uris = uris
         self._documents: dict[Path, Document] = {}
         self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
-        self._problems = Problems()
+        rules = {id_: rule for each in notations for id_, rule in each.rules.items()}
+        self._problems = Problems(rules)
         self._model = Model([], metamodels)
         self._references: list[Reference] = []
+        self._written: dict[Document, Written] = {}
+        self._names = NameFinder(self._model, self._open_library)
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
         for target in [self._uris.given(name) for name in names]:
             self._given(target)
-        done = 0
-        references = self._references
-        # Opening a document adds references to the list.
-        while done < len(references):
-            reference = references[done]
-            done += 1
-            if reference.uri:
-                self._open(reference.uri, reference.place.document)
-        Resolution(self._model, self._problems, self._open).run(references)
+        self._open_all()
+        self._declare()
+        resolution = Resolution(self._model, self._problems, self._open, self._names)
+        resolution.run(self._references)
+        for document, written in self._written.items():
+            self._report(document, written.check())
         check_bounds(self._model, self._problems)
         return self._model, self._problems.diagnostics(self._model)
+
+    def _open_all(self) -> None:
+        """Opens the documents that others import or refer to."""
+        imported = referred = 0
+        # Opening a document adds to both.
+        while imported < len(self._model.documents) or referred < len(self._references):
+            if imported < len(self._model.documents):
+                self._import(self._model.documents[imported])
+                imported += 1
+            else:
+                reference = self._references[referred]
+                referred += 1
+                if reference.uri:
+                    self._open(reference.uri, reference.place.document)
 
     def _given(self, target: FileTarget) -> None:
         if target.path in self._documents:
@@ -160,6 +182,10 @@ class _Reading:
             document.data = document.path.read_bytes()
         except (OSError, ValueError) as error:
             return getattr(error, "strerror", None) or str(error)
+        for notation in self._notations:
+            if document.path.name.endswith(notation.suffixes):
+                self._read_notation(document, notation)
+                return None
         result = parse(document.data)
         fault = result.fault
         if result.root is None:
@@ -169,8 +195,58 @@ class _Reading:
             return None
         document.encoding = result.encoding
         document.readable = True
-        builder = DocumentBuilder(
+        self._builder(document).build(result.root)
+        return None
+
+    def _builder(self, document: Document) -> DocumentBuilder:
+        return DocumentBuilder(
             self._metamodels, self._model, self._problems, self._references, document
         )
-        builder.build(result.root)
-        return None
+
+    def _read_notation(self, document: Document, notation: Notation) -> None:
+        written = notation.read(document.data, document.path, self._metamodels)
+        document.is_xml = False
+        document.readable = True
+        self._written[document] = written
+        self._add_roots(document, written.roots, written.faults)
+
+    def _add_roots(
+        self, document: Document, nodes: Sequence[Node], faults: Sequence[Fault]
+    ) -> None:
+        document.root_nodes += nodes
+        self._builder(document).build_roots(nodes)
+        self._report(document, faults)
+
+    def _report(self, document: Document, faults: Sequence[Fault]) -> None:
+        for fault in faults:
+            # A node of its own places the finding; its parent tells the element.
+            node = Node("", [], {}, fault.owner, (fault.line, fault.column, 0))
+            place = Place(document, node)
+            self._problems.report(fault.rule, place, fault.message, fault.hint)
+            if fault.owner is not None and fault.feature:
+                self._problems.spoil(fault.owner.obj, fault.feature)
+
+    def _import(self, document: Document) -> None:
+        written = self._written.get(document)
+        for each in written.imports if written is not None else ():
+            opened = self._open(each.uri, document)
+            if isinstance(opened, UriFault):
+                place = Location(document.display, each.line, each.column)
+                self._problems.report(opened.rule, place, opened.message, opened.hint)
+            elif opened is not document and opened not in document.imports:
+                document.imports.append(opened)
+            lost = isinstance(opened, UriFault) or not opened.readable
+            document.lacks_imports = document.lacks_imports or lost
+
+    def _open_library(self, uri: str) -> Document | UriFault:
+        return self._open(uri, self._model.documents[0])
+
+    def _declare(self) -> None:
+        """Has notations declare what is used and known nowhere, imported documents first."""
+        for document in in_order_of_import(self._written):
+            if document not in self._written:
+                continue
+            known = Surroundings(self._model, self._names, document)
+            nodes, faults = self._written[document].declare(known)
+            self._add_roots(document, nodes, faults)
+            self._names.forget(document)

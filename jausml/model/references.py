@@ -12,12 +12,14 @@ from jausml.metamodel.filling import holds, link
 from jausml.model.diagnostics import Related
 from jausml.model.documents import Document
 from jausml.model.fragments import Found, FragmentFinder
+from jausml.model.references_by_name import NameResolution
 from jausml.model.uris import UriFault
 from jausml.model.values import show
 
 if TYPE_CHECKING:
     from jausml.model.assigning import Reference
     from jausml.model.model import Model
+    from jausml.model.names import NameFinder
     from jausml.model.parsing import Node
     from jausml.model.problems import Problems
 
@@ -43,10 +45,14 @@ class Resolution:
         model: The model whose documents are built.
         problems: Where findings go.
         open_document: How to get the document that a URI names.
+        names: How to find what is referred to by name.
     """
 
-    def __init__(self, model: Model, problems: Problems, open_document: Open) -> None:
+    def __init__(
+        self, model: Model, problems: Problems, open_document: Open, names: NameFinder
+    ) -> None:
         self._model = model
+        self._names = NameResolution(names, problems)
         self._metamodels: Metamodels = model.metamodels
         self._problems = problems
         self._open = open_document
@@ -76,6 +82,8 @@ class Resolution:
     def _target(self, reference: Reference) -> Any:
         """Returns the element referred to, None when a finding explains why there is none."""
         document = reference.place.document
+        if reference.name:
+            return self._names.target(reference)
         if reference.uri:
             opened = self._open(reference.uri, document)
             if isinstance(opened, UriFault):
@@ -159,7 +167,8 @@ class Resolution:
     def _report_repeated(self, reference: Reference) -> None:
         opposite = reference.feature.opposite
         if opposite is None:
-            message = f"{_where(reference)} lists {show(reference.fragment)} twice"
+            what = show(reference.name or reference.fragment)
+            message = f"{_where(reference)} lists {what} twice"
             self._report("JML213", reference, message)
 
     def _report_unresolved(self, reference: Reference, document: Document) -> None:

@@ -186,6 +186,20 @@ _RULES = {
         "A fragment such as //Name is understood here, but EMF resolves names in metamodels only.",
         Severity.WARNING,
     ),
+    "JML215": RuleInfo(
+        "unknown name",
+        "A reference by name in ros2jaus text names no element of the class that it needs. Names "
+        "are looked for in the document from the inside out, then in the documents that it "
+        "imports, then among the services, messages and types of the shipped library. Bad: "
+        "`peers: sensr` beside `component sensor`. Good: `peers: sensor`.",
+    ),
+    "JML216": RuleInfo(
+        "ambiguous name",
+        "A reference by name in ros2jaus text may mean several elements. Write more of the names "
+        "around it, or import the document that is meant. Bad: `provides: Events`, which AS5710 "
+        'has in two versions. Good: `import "http://www.jausml.org/library/jaus/core-1.1.xmi"` '
+        "before it; or `query: LocalVectorDriver.QueryTravelSpeed`.",
+    ),
 }
 
 READER_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)

@@ -1,0 +1,207 @@
+"""Finds elements by name: in the document from the inside out, in its imports, in the library.
+
+A name stands for the elements whose containment path by names is the name or ends with it:
+`ReportLocalPose`, `LocalPoseSensor.ReportLocalPose`, `geometry_msgs/Twist`.
+"""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import FeatureKind
+from jausml.model.documents import Document
+from jausml.model.uris import LIBRARY_URI, library_root
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from jausml.metamodel import ClassTable, Metamodels
+    from jausml.model.diagnostics import Location
+    from jausml.model.model import Model
+    from jausml.model.uris import UriFault
+
+_NAMED = re.compile(r'<([A-Za-z]+)\s[^<]*?\bname="([^"<]*)"')
+_CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
+_LIBRARY_FEATURES = frozenset({"services", "inputs", "outputs", "types", "messages", "actions"})
+
+
+class NameFinder:
+    """Finds elements by name.
+
+    Args:
+        model: The model whose documents are searched.
+        open_library: How to get the document of a URI of the library.
+    """
+
+    def __init__(self, model: Model, open_library: Callable[[str], Document | UriFault]) -> None:
+        self._model = model
+        self._open = open_library
+        self._indices: dict[Document, dict[str, list[Any]]] = {}
+
+    def forget(self, document: Document) -> None:
+        """Has the names of a document looked up anew, since it was given further elements."""
+        self._indices.pop(document, None)
+
+    def find(self, name: str, wanted: ClassTable, document: Document, owner: Any) -> list[Any]:
+        """Returns the elements that a name may mean: those of the nearest scope that has any.
+
+        Args:
+            name: The name as written.
+            wanted: The class of the elements.
+            document: The document in which it stands.
+            owner: The element that refers, None for the document as a whole.
+        """
+        own = self._innermost(self._in_document(document, name, wanted), owner)
+        if own:
+            return own
+        imported = self._within(document.imports, name, wanted)
+        return imported or self._within(self._library(name, wanted), name, wanted)
+
+    def alike(self, name: str, wanted: ClassTable, document: Document) -> list[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+        known: dict[str, None] = {}
+        for each in (document, *document.imports):
+            for elements in self._index(each).values():
+                known.update((o.name, None) for o in elements if self._is_a(o, wanted))
+        known.update(dict.fromkeys(_library_names(_tags(self._model.metamodels, wanted))))
+        last = _last_step(_normal(name))
+        folded = [each for each in known if each.lower() == last.lower()]
+        return folded or get_close_matches(last, known, n=3, cutoff=0.6)
+
+    def others(self, name: str, document: Document) -> list[Any]:
+        """Returns the elements of any class that a name means in a document and its imports."""
+        text = _normal(name)
+        found = (
+            self._index(each).get(_last_step(text), ()) for each in (document, *document.imports)
+        )
+        return [each for elements in found for each in elements if _matches(each, text)]
+
+    def label(self, element: Any) -> str:
+        """Returns how messages name an element that is one of several: its names and its file."""
+        document = self._model.document_of(element)
+        file_name = document.path.name if document is not None else ""
+        return f"{qualified_name(element)} ({file_name})"
+
+    def kind(self, element: Any) -> str:
+        """Returns the class of an element with its package."""
+        return self._model.metamodels.class_of(element).qualified_name
+
+    def location(self, element: Any) -> Location:
+        """Returns where an element is written."""
+        return self._model.location(element)
+
+    def _library(self, name: str, wanted: ClassTable) -> list[Document]:
+        """Returns the documents of the library that may know a name, read at the first call."""
+        tags = _tags(self._model.metamodels, wanted)
+        files: Iterable[tuple[str, str]] = library_index().get(_last_step(_normal(name)), ())
+        found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
+        return list(dict.fromkeys(each for each in found if isinstance(each, Document)))
+
+    def _within(self, documents: Iterable[Document], name: str, wanted: ClassTable) -> list[Any]:
+        return [each for one in documents for each in self._in_document(one, name, wanted)]
+
+    def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[Any]:
+        text = _normal(name)
+        candidates = self._index(document).get(_last_step(text), ())
+        return [each for each in candidates if self._is_a(each, wanted) and _matches(each, text)]
+
+    @staticmethod
+    def _innermost(candidates: list[Any], owner: Any) -> list[Any]:
+        others = [each for each in candidates if each is not owner]
+        around = {id(each): set(map(id, _lineage(each))) for each in others}
+        for scope in _lineage(owner):
+            inside = [each for each in others if id(scope) in around[id(each)]]
+            if inside:
+                return inside
+        return others
+
+    def _is_a(self, element: Any, wanted: ClassTable) -> bool:
+        return self._model.metamodels.class_of(element) in wanted.subtypes
+
+    def _index(self, document: Document) -> dict[str, list[Any]]:
+        index = self._indices.get(document)
+        if index is None:
+            index = self._indices[document] = {}
+            for element in self._model.elements_of(document):
+                name = getattr(element, "name", None)
+                if name:
+                    index.setdefault(_last_step(_normal(name)), []).append(element)
+        return index
+
+
+def qualified_name(element: Any) -> str:
+    """Returns the names of an element and of its owners, joined by dots."""
+    names = (getattr(each, "name", None) for each in _lineage(element))
+    return ".".join(reversed([name for name in names if name]))
+
+
+@cache
+def library_index() -> Mapping[str, frozenset[tuple[str, str]]]:
+    """Returns where the library has elements that are referred to by name.
+
+    Returns:
+        Files (relative, with forward slashes) and containment features, by simple name.
+    """
+    index: dict[str, set[tuple[str, str]]] = {}
+    for path, text in _library_texts():
+        for tag, name in _NAMED.findall(text):
+            if tag in _LIBRARY_FEATURES:
+                index.setdefault(_last_step(name), set()).add((path, tag))
+    return {name: frozenset(places) for name, places in index.items()}
+
+
+@cache
+def library_codes() -> frozenset[int]:
+    """Returns the codes of all messages of the library."""
+    return frozenset(int(c, 16) for _, text in _library_texts() for c in _CODE.findall(text))
+
+
+def _library_texts() -> Iterator[tuple[str, str]]:
+    root = library_root()
+    for path in sorted(root.rglob("*.xmi")):
+        yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8")
+
+
+def _library_names(tags: frozenset[str]) -> list[str]:
+    return sorted(
+        name for name, places in library_index().items() if any(tag in tags for _, tag in places)
+    )
+
+
+@cache
+def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
+    """Returns the containment features that may hold an element of a class."""
+    return frozenset(
+        feature.name
+        for table in metamodels.classes.values()
+        for feature in table.features.values()
+        if feature.kind is FeatureKind.CONTAINMENT
+        and feature.target is not None
+        and (feature.target in wanted.supertypes or wanted in feature.target.supertypes)
+    )
+
+
+def _normal(name: str) -> str:
+    """Returns a name with one kind of separator: ROS writes `geometry_msgs/msg/Twist`."""
+    return name.replace("/msg/", "/").replace("/srv/", "/").replace("/", ".")
+
+
+def _last_step(name: str) -> str:
+    return name.rpartition(".")[2]
+
+
+def _matches(element: Any, text: str) -> bool:
+    path = _normal(qualified_name(element))
+    return path == text or path.endswith(f".{text}")
+
+
+def _lineage(element: Any) -> list[Any]:
+    """Returns an element and its owners, from the inside out."""
+    found = []
+    while element is not None:
+        found.append(element)
+        element = element.eContainer()
+    return found

@@ -1,0 +1,64 @@
+"""What the documents around a document know, for notations that declare what nobody knows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.names import NameFinder, library_codes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.model.documents import Document
+    from jausml.model.model import Model
+
+_HEXADECIMAL = 16
+
+
+class Surroundings:
+    """What a document can name, as `jausml.model.notation.Known` says.
+
+    Args:
+        model: The model, with all documents built.
+        names: Where names are looked for.
+        document: The document.
+    """
+
+    def __init__(self, model: Model, names: NameFinder, document: Document) -> None:
+        self._model = model
+        self._names = names
+        self._document = document
+
+    def find(self, qualified_class: str, name: str) -> list[Any]:
+        """Returns the elements of a class that a name means in the document."""
+        wanted = self._model.metamodels.classes[qualified_class]
+        return self._names.find(name, wanted, self._document, None)
+
+    def message_codes(self) -> set[int]:
+        """Returns the codes of the messages of the document, its imports and the library."""
+        codes = set(library_codes())
+        for document in in_order_of_import([self._document]):
+            for element in self._model.elements_of(document):
+                if element.eClass.name == "MessageDef" and element.code:
+                    codes.add(int(element.code, _HEXADECIMAL))
+        return codes
+
+
+def in_order_of_import(documents: Iterable[Document]) -> list[Document]:
+    """Returns documents and all that they import, each behind those that it imports.
+
+    Documents that import each other stand in the order in which they are reached.
+    """
+    done: dict[Document, None] = {}
+    seen: set[Document] = set()
+    # Without recursion: a chain of imports may be long.
+    pending = [(document, False) for document in reversed(list(documents))]
+    while pending:
+        document, is_ready = pending.pop()
+        if is_ready:
+            done[document] = None
+        elif document not in seen:
+            seen.add(document)
+            pending.append((document, True))
+            pending += [(each, False) for each in reversed(document.imports)]
+    return list(done)

@@ -1,0 +1,66 @@
+"""ros2jaus text as a notation of models."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.model.notation import Fault, Notation
+from jausml.model.parsing import MAX_BYTES
+from jausml.text.document import TextDocument
+from jausml.text.rules import TEXT_RULES
+from jausml.text.tree import Document
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from jausml.metamodel import Metamodels
+    from jausml.model.rules import RuleInfo
+
+SUFFIX = ".ros2jaus"
+
+
+class Ros2Jaus:
+    """Reads ros2jaus text."""
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """The ending of the files."""
+        return (SUFFIX,)
+
+    @property
+    def rules(self) -> Mapping[str, RuleInfo]:
+        """The rules of its findings."""
+        return TEXT_RULES
+
+    def read(self, data: bytes, path: Path, metamodels: Metamodels) -> TextDocument:
+        """Reads a document, as `jausml.model.notation.Notation` says."""
+        text, fault = _decoded(data)
+        if fault is not None:
+            return TextDocument(Document(), [fault], path, metamodels)
+        # The parser takes a while to load, and models in XMI do without it.
+        from jausml.text.parsing import parse  # noqa: PLC0415
+
+        parsed = parse(text)
+        faults = [
+            Fault("JML701", each.message, each.hint, each.span.line, each.span.column)
+            for each in parsed.faults
+        ]
+        return TextDocument(parsed.document, faults, path, metamodels)
+
+
+NOTATIONS: tuple[Notation, ...] = (Ros2Jaus(),)
+"""The notations besides XMI that the toolchain reads."""
+
+
+def _decoded(data: bytes) -> tuple[str, Fault | None]:
+    if len(data) > MAX_BYTES:
+        return "", Fault("JML714", f"the file is larger than {MAX_BYTES // (1024 * 1024)} MiB")
+    try:
+        return data.decode("utf-8-sig"), None
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8-sig", errors="replace")
+        line = before.count("\n") + 1
+        column = len(before) - (before.rfind("\n") + 1) + 1
+        message = f"the file is no UTF-8 text: byte 0x{data[error.start]:02x}"
+        return "", Fault("JML714", message, "save it as UTF-8", line, column)
