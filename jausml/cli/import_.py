@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.cli.common import PROBLEMS, find_files
+from jausml.cli.import_ros import ros
+from jausml.cli.imported import counted, document, say, write_document
 from jausml.importers.jsidl import ImportResult, import_jsidl
 from jausml.importers.jsidl.library import library_model, services_by_urn
 from jausml.importers.jsidl.scopes import pick_version
 from jausml.model.comparison import ON_THE_WIRE, compare
 from jausml.model.reader import ReadResult
-from jausml.model.writer import UnwritableError, replace_file, to_xmi
 from jausml.validation.engine import check
 from jausml.validation.formats import json, text
 from jausml.validation.formats.text import one_line
@@ -30,6 +30,9 @@ _RENDERERS = {"text": text.render, "json": json.render}
 @click.group("import")
 def command() -> None:
     """Make models of foreign descriptions."""
+
+
+command.add_command(ros)
 
 
 @command.command("jsidl")
@@ -88,20 +91,21 @@ def jsidl(
     report = _report(result)
     click.echo(_RENDERERS[output_format](report), nl=False)
     if report.has_errors:
-        _say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)
     if len(result.sets) > 1 and (name or set_version):
         names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
     if output is not None:
-        state = _write(result, output, [*files, *candidates], force=force)
-        _say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
+        data = document(result.sets, result.model, output)
+        state = write_document(output, data, [*files, *candidates], force=force)
+        say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
     if compare_library:
         differences = list(_differences(result))
         for line in differences:
             click.echo(one_line(line))
         noun = "difference" if len(differences) == 1 else "differences"
-        _say(f"{len(differences)} {noun} from the library", quiet=quiet)
+        say(f"{len(differences)} {noun} from the library", quiet=quiet)
         if differences:
             raise click.exceptions.Exit(PROBLEMS)
 
@@ -112,29 +116,6 @@ def _report(result: ImportResult) -> Report:
         return check(ReadResult(result.model, result.diagnostics))
     files = tuple(document.display for document in result.model.documents if document.given)
     return Report(result.model, files, tuple(result.diagnostics))
-
-
-def _write(result: ImportResult, output: str, inputs: list[str], *, force: bool) -> str:
-    """Writes the model; returns what became of the file."""
-    path = Path(output)
-    shown = click.format_filename(output)
-    if os.path.realpath(path) in {os.path.realpath(each) for each in inputs}:
-        raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
-    if path.exists() and not path.is_file():
-        raise EnvironmentFault(f"cannot write {shown}: it is no file; name one by -o")
-    try:
-        data = to_xmi(result.sets, result.model, path).encode("utf-8")
-        if path.exists():
-            if path.read_bytes() == data:
-                return "unchanged"
-            if not force:
-                raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")
-        replace_file(path, data)
-    except UnwritableError as error:
-        raise click.ClickException(f"cannot write {shown}: {error}") from error
-    except OSError as error:
-        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
-    return "written"
 
 
 def _differences(result: ImportResult) -> Iterator[str]:
@@ -161,9 +142,4 @@ def _summary(result: ImportResult) -> str:
     services: list[Any] = [each for root in result.sets for each in root.services]
     messages = sum(len(each.inputs) + len(each.outputs) for each in services)
     counts = ((len(result.sets), "set"), (len(services), "service"), (messages, "message"))
-    return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
-
-
-def _say(line: str, *, quiet: bool) -> None:
-    if not quiet:
-        click.echo(line, err=True)
+    return counted(*counts)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.importers.ros.building import Builder, Use
 from jausml.importers.ros.rules import ROS_RULES
-from jausml.importers.ros.sources import PackageSource, Source, package_sources
+from jausml.importers.ros.sources import PackageSource, Source, installed_source
 from jausml.interfaces.parsing import PARTS, parse_definition
 from jausml.interfaces.types import is_package_name, is_type_name
 from jausml.metamodel import load_metamodels
@@ -190,10 +190,8 @@ class _Import:
     def _import_along(self, package: str, place: Location) -> None:
         folder = self._installation.folder(package) if self._installation else None
         if folder is not None:
-            (source,) = package_sources([str(folder)])
-            source.name = package
             self._report("JML662", place, f"{package} is imported along from {folder}")
-            self._read(source)
+            self._read(installed_source(package, folder))
 
     @property
     def _known(self) -> list[tuple[str, str]]:

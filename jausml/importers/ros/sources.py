@@ -12,7 +12,7 @@ from jausml.interfaces.parsing import PARTS
 from jausml.model.parsing import parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
 SUFFIXES = tuple(f".{kind}" for kind in PARTS)
 """Endings of the names of definition files."""
@@ -61,24 +61,32 @@ class PackageSource:
 def package_sources(paths: Iterable[str]) -> list[PackageSource]:
     """Returns the packages that files and folders belong to, in the order of first mention.
 
-    A package is named by the package.xml nearest above its files, else by the folder that holds
-    its folders `msg`, `srv` and `action`.
+    A package is named by the package.xml beside its folders `msg`, `srv` and `action`, else by the
+    folder that holds these.
 
     Args:
-        paths: Definition files, and folders of packages.
+        paths: Definition files, folders of packages, and folders with such folders below them.
     """
     packages: dict[str, PackageSource] = {}
     seen: set[str] = set()
-    for path in paths:
-        place = Path(path)
-        folder = place if place.is_dir() else _package_folder(place)
+    for folder, files in (found for path in paths for found in _found(Path(path))):
         name = _package_name(folder)
         package = packages.setdefault(name, PackageSource(name))
-        files = definition_files(place) if place.is_dir() else [place]
         package.files += [load(each) for each in files if not _is_known(each, seen)]
-        if place.is_dir():
-            package.idl += _idl_alone(place, files)
+        package.idl += [each for each in _idl_alone(folder) if each not in package.idl]
     return list(packages.values())
+
+
+def installed_source(name: str, folder: Path) -> PackageSource:
+    """Returns an installed package.
+
+    Args:
+        name: Its name.
+        folder: Its share folder.
+    """
+    return PackageSource(
+        name, [load(each) for each in definition_files(folder)], _idl_alone(folder)
+    )
 
 
 def load(path: Path) -> Source:
@@ -93,6 +101,45 @@ def load(path: Path) -> Source:
         return Source(str(path), None, error.strerror or str(error))
 
 
+def _found(path: Path) -> Iterator[tuple[Path, list[Path]]]:
+    """Yields folders of packages, each with its files that a path means."""
+    if not path.is_dir():
+        yield _package_folder(path), [path]
+        return
+    direct = sorted(each for each in path.iterdir() if each.suffix in SUFFIXES and each.is_file())
+    if direct:
+        yield _package_folder(direct[0]), direct
+    for folder in _package_folders(path):
+        yield folder, definition_files(folder)
+
+
+def _package_folders(path: Path) -> list[Path]:
+    """Returns a folder that holds the folders of a package, else those below it that do."""
+    if any((path / kind).is_dir() for kind in PARTS):
+        return [path]
+    found: list[Path] = []
+    for folder, names, _ in os.walk(path):
+        names[:] = sorted(name for name in names if not name.startswith("."))
+        if any(name in PARTS for name in names) and definition_files(Path(folder)):
+            found.append(Path(folder))
+            names.clear()
+    return found
+
+
+def _package_folder(path: Path) -> Path:
+    folder = path.parent
+    return folder.parent if folder.resolve().name in PARTS else folder
+
+
+def _package_name(folder: Path) -> str:
+    resolved = folder.resolve()
+    manifest = resolved / "package.xml"
+    root = parse(manifest.read_bytes()).root if manifest.is_file() else None
+    children = root.children if root is not None else []
+    stated = [child.text.strip() for child in children if child.tag == "name"]
+    return stated[0] if stated and stated[0] else resolved.name
+
+
 def _is_known(path: Path, seen: set[str]) -> bool:
     real = os.path.realpath(path)
     is_known = real in seen
@@ -100,26 +147,8 @@ def _is_known(path: Path, seen: set[str]) -> bool:
     return is_known
 
 
-def _package_folder(path: Path) -> Path:
-    folder = path.parent
-    return folder.parent if folder.name in PARTS or folder.resolve().name in PARTS else folder
-
-
-def _package_name(folder: Path) -> str:
-    resolved = folder.resolve()
-    manifest = resolved / "package.xml"
-    if manifest.is_file():
-        root = parse(manifest.read_bytes()).root
-        names = (
-            [child.text.strip() for child in root.children if child.tag == "name"] if root else []
-        )
-        if names and names[0]:
-            return names[0]
-    return resolved.name
-
-
-def _idl_alone(folder: Path, files: list[Path]) -> list[str]:
+def _idl_alone(folder: Path) -> list[str]:
     """Returns the IDL files of a package from which no definition file makes the interface."""
-    made = {(path.parent.name, path.stem) for path in files}
+    made = {(path.parent.name, path.stem) for path in definition_files(folder)}
     found = (path for kind in PARTS for path in sorted((folder / kind).glob("*.idl")))
     return [str(path) for path in found if (path.parent.name, path.stem) not in made]

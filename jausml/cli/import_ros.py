@@ -1,0 +1,162 @@
+"""`jausml import ros`: makes models of ROS 2 interface definitions."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.imported import counted, document, say, write_document
+from jausml.importers.ros import (
+    ImportResult,
+    PackageSource,
+    import_packages,
+    installed_source,
+    package_sources,
+    placed,
+)
+from jausml.importers.ros.sources import SUFFIXES
+from jausml.interfaces import Installation
+from jausml.interfaces.types import is_package_name
+from jausml.model.reader import ReadResult
+from jausml.model.values import suggest
+from jausml.validation.engine import check
+from jausml.validation.formats import json, text
+from jausml.validation.report import Report
+
+_RENDERERS = {"text": text.render, "json": json.render}
+
+
+@click.command("ros")
+@click.argument("packages", nargs=-1, required=True, metavar="PACKAGE...")
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT.xmi",
+    help="The model to write, by default <package>.xmi; a folder (DIR/) for one of each package.",
+)
+@click.option(
+    "--share",
+    "shares",
+    multiple=True,
+    metavar="DIR",
+    type=click.Path(exists=True, file_okay=False),
+    help="A share folder of installed packages, looked into before the others.",
+)
+@click.option("--without-comments", is_flag=True, help="Leave out comments and their units.")
+@click.option("--force", is_flag=True, help="Overwrite files that differ.")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(list(_RENDERERS)),
+    default="text",
+    show_default=True,
+    help="Format of the findings.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+def ros(
+    packages: tuple[str, ...],
+    output: str | None,
+    shares: tuple[str, ...],
+    without_comments: bool,
+    force: bool,
+    output_format: str,
+    quiet: bool,
+) -> None:
+    """Import ROS 2 interfaces: installed packages by name, .msg, .srv and .action files, folders.
+
+    Installed packages are looked for in the prefixes of AMENT_PREFIX_PATH and in the running
+    Python. Message types of other packages are those of the shipped library; packages that it lacks
+    are imported along. Comments become documentation. Reports all problems in one run; with an
+    error, nothing is written.
+
+    Exit status: 0 done, 1 errors in the files, 2 a package is not there, a path cannot be read or a
+    file not be written, 3 internal error.
+    """
+    installation = Installation(shares)
+    sources = _sources(packages, installation)
+    result = import_packages(sources, installation=installation, comments=not without_comments)
+    report = _report(result)
+    click.echo(_RENDERERS[output_format](report), nl=False)
+    if report.has_errors:
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
+    inputs = [file.path for source in sources for file in source.files]
+    for path, roots, data in _documents(result, output):
+        state = write_document(path, data, inputs, force=force)
+        say(f"{click.format_filename(path)}: {_summary(roots)}, {state}", quiet=quiet)
+
+
+def _sources(words: tuple[str, ...], installation: Installation) -> list[PackageSource]:
+    """Returns the packages that are meant: by their names, or by paths."""
+    sources: dict[str, PackageSource] = {}
+    for word in words:
+        folder = installation.folder(word) if is_package_name(word) else None
+        found = [installed_source(word, folder)] if folder is not None else _at(word, installation)
+        for source in found:
+            known = sources.setdefault(source.name, PackageSource(source.name))
+            paths = {os.path.realpath(file.path) for file in known.files}
+            known.files += [f for f in source.files if os.path.realpath(f.path) not in paths]
+            known.idl += source.idl
+    return list(sources.values())
+
+
+def _at(path: str, installation: Installation) -> list[PackageSource]:
+    shown = click.format_filename(path)
+    place = Path(path)
+    try:
+        if place.is_dir():
+            found = package_sources([path])
+            if not found:
+                raise EnvironmentFault(f"no {' or '.join(SUFFIXES)} files in {shown}")
+            return found
+        if place.suffix in SUFFIXES:
+            with place.open("rb"):
+                return package_sources([path])
+        if place.exists():
+            raise EnvironmentFault(f"{shown} is no {', '.join(SUFFIXES)} file")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise EnvironmentFault(f"{shown}: {reason}") from error
+    hint = suggest(path, installation.packages())
+    shares = ", ".join(str(share) for share in installation.shares if share.is_dir()) or "none"
+    message = f"no package {path!a} is installed (share folders: {shares})"
+    raise EnvironmentFault(f"{message}; {hint}" if hint else message)
+
+
+def _report(result: ImportResult) -> Report:
+    """Returns the findings of the importer; without errors, those of the rules too."""
+    if not result.has_errors:
+        return check(ReadResult(result.model, result.diagnostics))
+    files = tuple(each.display for each in result.model.documents if each.given)
+    return Report(result.model, files, tuple(result.diagnostics))
+
+
+def _documents(result: ImportResult, output: str | None) -> list[tuple[str, list[Any], bytes]]:
+    """Returns the files to be written, each with its packages and its bytes."""
+    output = output or f"{result.packages[0].name}.xmi"
+    if output.endswith(os.sep) or Path(output).is_dir():
+        places = {Path(output, f"{each.name}.xmi"): [each] for each in result.packages}
+    else:
+        places = {Path(output): result.packages}
+    model = placed(result, places)
+    made = [(str(path), roots, document(roots, model, str(path))) for path, roots in places.items()]
+    try:
+        for path in places:
+            path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        shown = click.format_filename(output)
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    return made
+
+
+def _summary(packages: list[Any]) -> str:
+    return counted(
+        (len(packages), "package"),
+        (sum(len(each.messages) for each in packages), "message"),
+        (sum(len(each.services) for each in packages), "service"),
+        (sum(len(each.actions) for each in packages), "action"),
+    )

@@ -1,0 +1,100 @@
+"""What the importing verbs share: writing a document without harm, and saying so."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+from jausml.model.writer import UnwritableError, replace_file, to_xmi
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.model.model import Model
+
+
+def document(roots: Sequence[Any], model: Model, output: str) -> bytes:
+    """Returns root elements as the bytes of a document.
+
+    Args:
+        roots: The elements.
+        model: Knows their ids and where others stand.
+        output: The file that is to hold them.
+
+    Raises:
+        click.ClickException: XMI cannot say what they hold.
+    """
+    try:
+        return to_xmi(roots, model, output).encode("utf-8")
+    except UnwritableError as error:
+        shown = click.format_filename(output)
+        raise click.ClickException(f"cannot write {shown}: {error}") from error
+
+
+def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bool) -> str:
+    """Writes a document unless that would harm; returns what became of the file.
+
+    Args:
+        output: The file.
+        data: Its new content.
+        inputs: The files that were imported, none of which is overwritten.
+        force: Whether a file that differs is overwritten.
+
+    Raises:
+        EnvironmentFault: The file cannot be written, or must not.
+    """
+    check_output(output, inputs)
+    path = Path(output)
+    shown = click.format_filename(output)
+    try:
+        if path.exists():
+            if path.read_bytes() == data:
+                return "unchanged"
+            if not force:
+                raise EnvironmentFault(f"{shown} is there and differs; --force overwrites it")
+        replace_file(path, data)
+    except OSError as error:
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
+    return "written"
+
+
+def check_output(output: str, inputs: Iterable[str]) -> None:
+    """Refuses to write over a file that was imported, or over what is no file.
+
+    Args:
+        output: The file.
+        inputs: The files that were imported.
+
+    Raises:
+        EnvironmentFault: The file must not be written.
+    """
+    shown = click.format_filename(output)
+    if os.path.realpath(output) in {os.path.realpath(each) for each in inputs}:
+        raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
+    path = Path(output)
+    if path.exists() and not path.is_file():
+        raise EnvironmentFault(f"cannot write {shown}: it is no file; name one by -o")
+
+
+def counted(*counts: tuple[int, str]) -> str:
+    """Returns numbers of things as words, such as `1 set, 2 services`.
+
+    Args:
+        counts: Numbers and nouns.
+    """
+    return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
+
+
+def say(line: str, *, quiet: bool) -> None:
+    """Prints a line of the summary.
+
+    Args:
+        line: The line.
+        quiet: Whether to keep silent.
+    """
+    if not quiet:
+        click.echo(line, err=True)
