@@ -68,6 +68,7 @@ FUNCTIONS: dict[str, Function] = {
     "sign": Function(_sign, spans.increasing(_sign, exact=True)),
     "hypot": Function(math.hypot, spans.length, 2, 2),
     "fmod": Function(math.fmod, spans.remainder, 2, 2),
+    "isfinite": Function(math.isfinite, lambda _: spans.EITHER),
 }
 """The functions by name. Angles are radians; `round` takes the even one of two neighbours."""
 

@@ -8,7 +8,8 @@
     product    = signed { ( "*" | "/" ) signed }
     signed     = "-" signed | power
     power      = single [ "^" signed ]
-    single     = number | "pi" | name [ "(" any_of { "," any_of } ")" ] | "(" any_of ")"
+    single     = number | "pi" | "inf" | "nan" | name [ arguments ] | "(" any_of ")"
+    arguments  = "(" any_of { "," any_of } ")"
 
 Comparisons and connectives yield 1 or 0, and whatever differs from 0 counts as true. A name is a
 source, and its steps are joined by dots; back quotes hold names that the grammar would read
@@ -32,6 +33,11 @@ LONGEST = 1000
 DEEPEST = 60
 """Operations within each other; more could not be nested in generated code."""
 
+COMPARISONS = frozenset({"<", "<=", ">", ">=", "==", "!="})
+"""Operators that yield 1 or 0."""
+CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan}
+"""Numbers with a name; `nan` goes to the out-of-range policy of the target."""
+
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
     r"|(?P<name>[^\W\d]\w*(?:\[[0-9]+\])?(?:\.[^\W\d]\w*(?:\[[0-9]+\])?)*)"
@@ -39,7 +45,6 @@ _TOKEN = re.compile(
     r"|(?P<sign><=|>=|==|!=|[-+*/^(),<>]))"
 )
 _WORDS = {"and", "or", "not"}
-_COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
 
 
 class ExpressionError(ValueError):
@@ -115,9 +120,9 @@ class _Parser:
         if self._takes("not"):
             return Operation("not", (self._nested(self._negation),))
         left = self._sum()
-        if sign := self._takes(*_COMPARISONS):
+        if sign := self._takes(*COMPARISONS):
             left = Operation(sign, (left, self._sum()))
-            if self._token.text in _COMPARISONS:
+            if self._token.text in COMPARISONS:
                 raise ExpressionError("comparisons are joined by 'and' or 'or'", self._token.column)
         return left
 
@@ -158,8 +163,8 @@ class _Parser:
         if token.kind == "name":
             if self._takes("("):
                 return self._call(token)
-            if token.text == "pi":
-                return Number(math.pi)
+            if token.text in CONSTANTS:
+                return Number(CONSTANTS[token.text])
         return Variable(token.text, token.column)
 
     def _call(self, name: _Token) -> Expression:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Number:
-    """A number; `pi` is one."""
+    """A number, which may be infinite or not a number."""
 
     value: float
 
@@ -95,7 +95,8 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     """Returns the names that expressions may use for sources, with the index of the source.
 
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
-    a name that fits several names none of them. A single source is also `value`.
+    a name that fits several names none of them. A single source is also `value`, and several are
+    `value1`, `value2` and so on.
 
     Args:
         paths: Paths of the sources, without surrounding blanks.
@@ -108,6 +109,6 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     names = {name: indices[0] for name, indices in found.items() if len(indices) == 1}
     # The whole path always names its source, also where it ends another one.
     names.update({path.lstrip("/"): i for i, path in enumerate(paths) if path != "."})
-    if len(paths) == 1:
-        names.setdefault("value", 0)
+    for index in range(len(paths)):
+        names.setdefault("value" if len(paths) == 1 else f"value{index + 1}", index)
     return names

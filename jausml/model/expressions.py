@@ -5,11 +5,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from . import intervals as spans
 from .expression_functions import FUNCTIONS, OPERATORS, Function
-from .expression_parsing import DEEPEST, LONGEST, ExpressionError, parse_expression
+from .expression_parsing import (
+    COMPARISONS,
+    CONSTANTS,
+    DEEPEST,
+    LONGEST,
+    ExpressionError,
+    parse_expression,
+)
 from .expression_tree import (
     Call,
     Conditional,
@@ -29,6 +37,8 @@ if TYPE_CHECKING:
     from .intervals import Interval
 
 __all__ = [
+    "COMPARISONS",
+    "CONSTANTS",
     "DEEPEST",
     "FUNCTIONS",
     "LONGEST",
@@ -108,7 +118,9 @@ def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Inter
 
 def _bound(expression: Expression, known: Mapping[str, Interval]) -> Interval:
     if isinstance(expression, Number):
-        return expression.value, expression.value
+        # What is not a number lies in no interval.
+        value = expression.value
+        return spans.EMPTY if math.isnan(value) else (value, value)
     if isinstance(expression, Variable):
         low, high = known[expression.name]
         return float(low), float(high)
@@ -118,15 +130,21 @@ def _bound(expression: Expression, known: Mapping[str, Interval]) -> Interval:
     if isinstance(expression, Operation) and expression.sign in _CONNECTIVES:
         return _bound_truth(expression.sign, operands)
     if any(map(spans.is_empty, operands)):
-        return spans.EMPTY
+        return spans.EITHER if _is_verdict(expression) else spans.EMPTY
     return _function_of(expression).bound(*operands)
+
+
+def _is_verdict(expression: Operation | Call) -> bool:
+    """Whether the result is 1 or 0 also for what is not a number."""
+    if isinstance(expression, Call):
+        return expression.function == "isfinite"
+    return expression.sign in COMPARISONS
 
 
 def _bound_choice(expression: Conditional, known: Mapping[str, Interval]) -> Interval:
     condition = _bound(expression.condition, known)
-    if spans.is_empty(condition):
-        return spans.EMPTY
-    verdict = spans.truth(condition)
+    # What is not a number counts as true.
+    verdict = spans.TRUE if spans.is_empty(condition) else spans.truth(condition)
     if verdict == spans.TRUE:
         return _bound(expression.then, known)
     if verdict == spans.FALSE:
@@ -135,9 +153,7 @@ def _bound_choice(expression: Conditional, known: Mapping[str, Interval]) -> Int
 
 
 def _bound_truth(sign: str, operands: Sequence[Interval]) -> Interval:
-    if spans.is_empty(operands[0]):
-        return spans.EMPTY
-    # An operand without a value may be one that is never asked: it leaves the others to decide.
+    # An operand without a value may be one that is never asked, and not a number counts as true.
     found = [spans.EITHER if spans.is_empty(each) else spans.truth(each) for each in operands]
     if sign == "not":
         return spans.inverse(found[0])

@@ -84,6 +84,10 @@ def value(text, **values):
         ("sign(0)", 0.0),
         ("hypot(3, 4)", 5.0),
         ("fmod(-7, 3)", -1.0),
+        ("isfinite(1)", 1.0),
+        ("isfinite(nan)", 0.0),
+        ("isfinite(-inf)", 0.0),
+        ("-inf", -INF),
     ],
 )
 def test_values(text, expected):
@@ -138,7 +142,7 @@ def test_not_a_number():
         "sqrt(x - 1)",
         "asin(x + 2)",
         "acos(x - 2)",
-        "sin(1e308 * 10 + x)",
+        "sin(inf + x)",
         "1e200 ^ (x + 2)",
     ],
 )
@@ -216,10 +220,18 @@ def test_names_of_sources():
         "value": 0,
     }
     two = source_names(["twist.linear.x", "twist.angular.x"])
-    assert two == {"linear.x": 0, "twist.linear.x": 0, "angular.x": 1, "twist.angular.x": 1}
-    assert source_names(["x", "pose.x"]) == {"x": 0, "pose.x": 1}
+    assert two == {
+        "linear.x": 0,
+        "twist.linear.x": 0,
+        "value1": 0,
+        "angular.x": 1,
+        "twist.angular.x": 1,
+        "value2": 1,
+    }
+    assert source_names(["x", "pose.x"])["x"] == 0
     assert source_names(["."]) == {"value": 0}
-    assert source_names(["/angle_min", "codes[1]"]) == {"angle_min": 0, "codes[1]": 1}
+    absolute = source_names(["/angle_min", "codes[1]"])
+    assert absolute == {"angle_min": 0, "codes[1]": 1, "value1": 0, "value2": 1}
 
 
 # --------------------------------------------------------------- bounds
@@ -266,6 +278,8 @@ def bounds(text, **intervals):
         ("fmod(x, 4)", (-1.0, 2.0)),
         ("fmod(100 * x, 3)", (-3.0, 3.0)),
         ("sin(100 * x)", (-1.0, 1.0)),
+        ("if(isfinite(x), x, nan)", (-1.0, 2.0)),
+        ("nan + x", None),
     ],
 )
 def test_bounds(text, expected):
@@ -327,7 +341,7 @@ def boxes(draw):
 
 
 OPERATORS = ["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
-LEAVES = st.sampled_from(["x", "y", "0", "1", "2", "0.5", "3", "pi"])
+LEAVES = st.sampled_from(["x", "y", "0", "1", "2", "0.5", "3", "pi", "nan"])
 
 
 def _compound(inner):

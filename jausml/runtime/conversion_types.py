@@ -1,0 +1,103 @@
+"""What the conversions of attribute maps take and yield.
+
+Messages of either side are read by attribute, so that conversions need neither; results are named
+tuples with the same attributes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+
+class ConversionError(ValueError):
+    """A value that has no counterpart on the other side."""
+
+
+class QuaternionLike(Protocol):
+    """What geometry_msgs/Quaternion offers."""
+
+    @property
+    def x(self) -> float:
+        """First part of the vector."""
+
+    @property
+    def y(self) -> float:
+        """Second part of the vector."""
+
+    @property
+    def z(self) -> float:
+        """Third part of the vector."""
+
+    @property
+    def w(self) -> float:
+        """Scalar part."""
+
+
+class TimeLike(Protocol):
+    """What builtin_interfaces/Time offers."""
+
+    @property
+    def sec(self) -> int:
+        """Seconds since 1970-01-01 UTC."""
+
+    @property
+    def nanosec(self) -> int:
+        """Nanoseconds within the second."""
+
+
+class TimeStampLike(Protocol):
+    """What the TimeStamp of a JAUS report offers (AS6009)."""
+
+    @property
+    def milliseconds(self) -> int:
+        """0..999."""
+
+    @property
+    def seconds(self) -> int:
+        """0..59."""
+
+    @property
+    def minutes(self) -> int:
+        """0..59."""
+
+    @property
+    def hour(self) -> int:
+        """0..23."""
+
+    @property
+    def day(self) -> int:
+        """Day of the month, 1..31."""
+
+
+class Quaternion(NamedTuple):
+    """An orientation, with the attributes of geometry_msgs/Quaternion."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+
+class Time(NamedTuple):
+    """An instant since 1970-01-01 UTC, with the attributes of builtin_interfaces/Time."""
+
+    sec: int
+    nanosec: int
+
+
+class TimeStamp(NamedTuple):
+    """A time of a day of an unnamed month, UTC, with the attributes of a JAUS TimeStamp."""
+
+    milliseconds: int
+    seconds: int
+    minutes: int
+    hour: int
+    day: int
+
+
+class Angles(NamedTuple):
+    """Roll, pitch and yaw in radians: turns about x, then y, then z; yaw may be a heading."""
+
+    roll: float
+    pitch: float
+    yaw: float

@@ -1,0 +1,92 @@
+"""Expressions in Python: that they compute what the expression language says."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.generators.common.expressions import python_expression
+from jausml.model.expressions import FUNCTIONS, EvaluationError, evaluate, parse_expression
+from jausml.runtime import arithmetic
+from jausml.runtime.conversions import ConversionError
+
+
+def python(text):
+    return python_expression(parse_expression(text), {"x": "source.x", "y": "y"})
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "functions"),
+    [
+        ("x * 2 + y", "source.x * 2.0 + y", set()),
+        ("x * (2 + y)", "source.x * (2.0 + y)", set()),
+        ("x - (y - 1)", "source.x - (y - 1.0)", set()),
+        ("-x * -1", "-source.x * -1.0", set()),
+        ("-(x + y)", "-(source.x + y)", set()),
+        ("x / 2 ^ y", "divide(source.x, power(2.0, y))", {"divide", "power"}),
+        ("x < 1", "float(source.x < 1.0)", set()),
+        ("if(x < 1, y, -y)", "y if source.x < 1.0 else -y", set()),
+        ("1 + if(x, 1, 2)", "1.0 + (1.0 if source.x != 0 else 2.0)", set()),
+        (
+            "not (x < 1 or y) and isfinite(x)",
+            "float(not (source.x < 1.0 or y != 0) and is_finite(source.x))",
+            {"is_finite"},
+        ),
+        ("max(0, min(x, 1))", "greatest(0.0, least(source.x, 1.0))", {"greatest", "least"}),
+        ("if(isfinite(x), 1, nan)", '1.0 if is_finite(source.x) else float("nan")', {"is_finite"}),
+        ("(x < y) < 1", "float(float(source.x < y) < 1.0)", set()),
+    ],
+)
+def test_code(text, code, functions):
+    found = python(text)
+    assert (found.code, found.functions) == (code, functions)
+
+
+def test_no_source():
+    with pytest.raises(KeyError):
+        python("z")
+
+
+LEAVES = st.sampled_from(["x", "y", "0", "1", "-2", "0.5", "3", "pi", "nan", "inf"])
+OPERATORS = ["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
+
+
+def _compound(inner):
+    def call(name, arguments):
+        return f"{name}({', '.join(arguments)})"
+
+    calls = [
+        st.builds(
+            call,
+            st.just(name),
+            st.lists(inner, min_size=each.fewest, max_size=min(each.most, 3)),
+        )
+        for name, each in FUNCTIONS.items()
+    ]
+    return st.one_of(
+        st.builds("({}) {} ({})".format, inner, st.sampled_from(OPERATORS), inner),
+        st.builds("{} ({})".format, st.sampled_from(["-", "not"]), inner),
+        st.builds("if({}, {}, {})".format, inner, inner, inner),
+        *calls,
+    )
+
+
+VALUES = st.one_of(st.integers(-3, 3), st.floats(-10, 10), st.floats())
+
+
+@given(st.recursive(LEAVES, _compound, max_leaves=8), VALUES, VALUES)
+def test_python_agrees_with_the_language(text, x, y):
+    expression = parse_expression(text)
+    found = python_expression(expression, {"x": "x", "y": "y"})
+    names = {name: getattr(arithmetic, name) for name in found.functions}
+    try:
+        expected = evaluate(expression, {"x": x, "y": y})
+    except EvaluationError:
+        with pytest.raises(ConversionError):
+            eval(found.code, {**names, "x": x, "y": y})  # noqa: S307 - written here
+        return
+    value = eval(found.code, {**names, "x": x, "y": y})  # noqa: S307 - written here
+    assert value == expected or (math.isnan(value) and math.isnan(expected))
