@@ -12,10 +12,11 @@ from tempfile import TemporaryDirectory
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from model_strategies import models
 from reader_support import ZOO_METAMODELS
 
-from jausml.metamodel import FeatureKind, ValueKind, load_metamodels
-from jausml.metamodel.filling import holds, link, new_object, set_value, set_values
+from jausml.metamodel import load_metamodels
+from jausml.metamodel.filling import link, new_object, set_value
 from jausml.model import library_root, read_models
 from jausml.model.comparison import compare
 from jausml.model.model import Model
@@ -27,85 +28,6 @@ VERDICTS = json.loads((RESAVED.parent / "verdicts.json").read_text(encoding="utf
 LIBRARY = sorted(library_root().rglob("*.xmi"))
 SHIPPED = load_metamodels()
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
-MATCHING = {
-    "MessageCode": "0x[0-9A-Fa-f]{4}",
-    "JausAddress": r"[0-9]{1,5}\.[0-9]{1,3}\.[0-9]{1,3}",
-    "ServiceVersion": r"[0-9]{1,3}\.[0-9]{1,3}",
-    "PackageName": r"[a-z][a-z0-9_\-]*",
-}
-TEXT = st.text(
-    st.characters(exclude_categories=("Cs",), exclude_characters="\ufffe\uffff").filter(
-        lambda c: c >= " " or c in "\t\n\r"
-    ),
-    max_size=8,
-)
-
-
-def values(data_type):
-    """Draws values of a data type."""
-    if data_type.kind is ValueKind.STRING:
-        if data_type.pattern is None:
-            return TEXT
-        return st.from_regex(MATCHING.get(data_type.name, data_type.pattern_text), fullmatch=True)
-    if data_type.kind is ValueKind.ENUMERATION:
-        return st.sampled_from([data_type.literals[each] for each in data_type.legal])
-    if data_type.kind is ValueKind.BOOLEAN:
-        return st.booleans()
-    if data_type.kind is ValueKind.INTEGER:
-        return st.integers(data_type.minimum, data_type.maximum)
-    return st.floats()
-
-
-@st.composite
-def models(draw, metamodels):
-    """Draws root elements with what they own and refer to, and the model that knows their ids."""
-    model = Model([], metamodels)
-    made = []
-    tables = [each for each in metamodels.classes.values() if not each.abstract]
-    roots = [
-        element(draw, draw(st.sampled_from(tables)), 3, model, made)
-        for _ in range(draw(st.integers(1, 2)))
-    ]
-    for obj in made:
-        refer(draw, obj, made, metamodels)
-    return roots, model
-
-
-def element(draw, table, depth, model, made):
-    """Draws an element with what it owns, and adds all of them to those that were made."""
-    obj = new_object(table)
-    made.append(obj)
-    if draw(st.integers(0, 3)) == 0:
-        model.name_by_id(obj, f"_{len(made)}")
-    for feature in table.features.values():
-        if not feature.settable or draw(st.booleans()):
-            continue
-        if feature.kind is FeatureKind.ATTRIBUTE and feature.many:
-            texts = st.lists(values(feature.data_type), max_size=3, unique_by=repr)
-            set_values(obj, feature, draw(texts))
-        elif feature.kind is FeatureKind.ATTRIBUTE:
-            set_value(obj, feature, draw(values(feature.data_type)))
-        elif feature.kind is FeatureKind.CONTAINMENT and depth:
-            fitting = [each for each in feature.target.subtypes if not each.abstract]
-            fitting.sort(key=lambda each: each.qualified_name)
-            for _ in range(draw(st.integers(0, 2 if feature.many else 1))):
-                child = element(draw, draw(st.sampled_from(fitting)), depth - 1, model, made)
-                link(obj, feature, child)
-    return obj
-
-
-def refer(draw, obj, made, metamodels):
-    """Draws what an element refers to; references with an opposite are left out."""
-    for feature in metamodels.class_of(obj).features.values():
-        is_plain = feature.kind is FeatureKind.CROSS_REFERENCE and feature.opposite is None
-        if not is_plain or not feature.settable or draw(st.booleans()):
-            continue
-        kinds = feature.target.subtypes
-        fitting = [each for each in made if metamodels.class_of(each) in kinds]
-        chosen = draw(st.lists(st.sampled_from(fitting), max_size=2)) if fitting else []
-        for target in chosen if feature.many else chosen[:1]:
-            if not holds(obj, feature, target):
-                link(obj, feature, target)
 
 
 @pytest.mark.parametrize("metamodels", [SHIPPED, ZOO_METAMODELS], ids=["shipped", "zoo"])
