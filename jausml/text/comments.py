@@ -60,7 +60,8 @@ def is_documentation(comment: str) -> bool:
     Args:
         comment: The comment with its marks.
     """
-    return comment.startswith("/**") and len(comment) > len("/**/") and comment[3] not in "*/"
+    is_marked = comment.startswith("/**") and comment[3] not in "*/"
+    return is_marked and bool(documentation_text(comment))
 
 
 def documentation_text(comment: str) -> str:
@@ -88,7 +89,9 @@ def _without_star(line: str) -> str:
 
 def _ordinary(comment: Token) -> str:
     """Returns a comment as it is kept: further lines as far in as they stand behind its start."""
-    text = f"/*{comment[3:]}" if is_documentation(comment) else str(comment)
+    text = str(comment)
+    if text.startswith("/**") and text[3] not in "*/":
+        text = f"/*{text[3:]}"
     first, *further = (line.rstrip() for line in text.split("\n"))
     margin = (comment.column or 1) - 1
     blank = " \t"

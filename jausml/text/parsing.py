@@ -23,7 +23,7 @@ __all__ = ["DEEPEST", "LONGEST", "MOST_FAULTS", "Fault", "Parsed", "parse"]
 
 LONGEST = 4 * 1024 * 1024
 """Characters that a text may have."""
-DEEPEST = 100
+DEEPEST = 64
 """How deep brackets may be nested."""
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
