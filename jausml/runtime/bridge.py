@@ -66,7 +66,8 @@ class BridgeSettings:
         address: Address of the JAUS component.
         description: What the bridge is for.
         namespace: ROS namespace of the node; empty means the root.
-        frequency: Diagnostics published each second.
+        frequency: Messages each second where the model states no rate. Diagnostics come at this
+            rate too, but not more often than once a second.
         services: Services that the bridge provides, inherited ones included.
         component_type: Type that Discovery reports (AS5710, ReportIdentification).
         authority: Authority code that control is requested with, 0 to 255.
@@ -119,7 +120,7 @@ class Bridge:
         self._takers: dict[tuple[type[Any], str], list[Callable[[Any], None]]] = {}
         self._reports: dict[type[Message], ReportHolder] = {}
         self._commands: dict[type[Message], list[Callable[[Any, JausAddress], None]]] = {}
-        self._period = 1 / settings.frequency
+        self._period = 1.0
         self._next_diagnostics = 0.0
 
     # ------------------------------------------------------------------ life
@@ -137,7 +138,7 @@ class Bridge:
         self.component = _BridgeComponent(self, transport)
         frequency = ros.parameter(
             "diagnostics_frequency",
-            self.settings.frequency,
+            min(self.settings.frequency, 1.0),
             "Diagnostics published each second (Hz).",
             (0.01, 100.0),
         )

@@ -12,6 +12,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from .bridge_joins import StaleJoinError
 from .bridge_limits import CLAMP, ERROR, Clamp, DropField, DropMessage, Error, OutOfRangeError
 from .bridge_statistics import AbsentFieldError, Statistics
 from .conversions import ConversionError
@@ -31,6 +32,7 @@ FILTERED = "filtered"
 FAILED = "translation_failed"
 NOT_READY = "not_ready"
 OUT_OF_RANGE = "out_of_range"
+STALE_JOIN = "stale_join"
 
 _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (AbsentFieldError, "absent_field"),
@@ -124,6 +126,10 @@ class Connection(Generic[SourceT, TargetT]):
         """Names and states of the other ends, for diagnostics."""
         raise NotImplementedError
 
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """Names and ages of the joined topics, for diagnostics."""
+        return []
+
     @property
     def declared_rate(self) -> float:
         """Messages each second that the model promises; 0 when it promises none."""
@@ -181,6 +187,9 @@ class Connection(Generic[SourceT, TargetT]):
     def _failed(self, error: Exception) -> None:
         if isinstance(error, OutOfRangeError):
             self._refuse(error)
+            return
+        if isinstance(error, StaleJoinError):
+            self.drop(f"{STALE_JOIN}_{error.join}", str(error))
             return
         for kind, reason in _REASONS:
             if isinstance(error, kind):
@@ -264,6 +273,7 @@ class Connection(Generic[SourceT, TargetT]):
             ("rate (Hz)", f"{rate:.2f}"),
             ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
+            *self.describe_joins(),
             ("safe values", str(counts.safe_values)),
             ("values limited", str(counts.limited)),
             *(

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .bridge_connection import NOT_READY, Connection
+from .bridge_joins import JoinedTopic
 from .component import ControlState, Guard
 from .packet import Priority
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from .address import JausAddress
     from .bridge import Bridge, ReportHolder
+    from .bridge_joins import Join
     from .component import ControlSession
     from .message import Message
     from .topics import Topic
@@ -28,11 +30,12 @@ class FromTopics(Connection[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[..., TargetT | None],
         *,
         type: type[SourceT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         message: type[TargetT],
+        joins: Sequence[Join] = (),
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
     ) -> None:
@@ -40,14 +43,19 @@ class FromTopics(Connection[SourceT, TargetT]):
 
         Args:
             name: Name of the connection in the model.
-            translate: Makes the JAUS message, or None to pass nothing on.
+            translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
+                their messages as keyword arguments.
             type: ROS type of the topics.
             topics: Topics that are subscribed to.
             message: JAUS message that is made.
+            joins: Further topics whose latest message the translation needs.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
             safe_value: Makes the message that is sent once when the topics are silent.
         """
-        super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
+        self._joined = tuple(map(JoinedTopic, joins))
+        # Connections without joins do not pay for them.
+        joining = partial(_translate_joined, translate, self._joined) if joins else translate
+        super().__init__(name, joining, silence_timeout=silence_timeout, safe_value=safe_value)
         self._type = type
         self._topics = tuple(topics)
         self._message = message
@@ -55,8 +63,30 @@ class FromTopics(Connection[SourceT, TargetT]):
     def open(self, bridge: Bridge) -> None:
         """Makes the subscriptions; no message is taken before the bridge runs."""
         super().open(bridge)
+        for joined in self._joined:
+            joined.open(bridge)
         for topic in self._topics:
             bridge.subscribe(self._type, topic, self.take)
+
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """The joined topics and the age of their latest message."""
+        return [
+            (f"join {each.join.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
+            for each in self._joined
+        ]
+
+    def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:
+        level, message = super()._judge(rate, measured=measured, dropping=dropping)
+        stale = ", ".join(each.join.name for each in self._joined if each.is_stale)
+        if level != "stale" and stale:
+            return "warning", f"nothing fresh from {stale}"
+        return level, message
+
+
+def _translate_joined(
+    translate: Callable[..., TargetT | None], joined: Sequence[JoinedTopic], source: Any
+) -> TargetT | None:
+    return translate(source, **{each.join.name: each.fresh() for each in joined})
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -69,7 +99,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[..., TargetT | None],
         *,
         peers: Sequence[JausAddress],
         control: Guard = Guard.ANY,
@@ -156,7 +186,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[..., TargetT | None],
         *,
         query: type[Message],
         **options: Any,

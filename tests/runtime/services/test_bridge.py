@@ -795,6 +795,14 @@ def test_diagnostics_keep_their_frequency(world, setting):
     assert 9 <= len(setting.ros.statuses) <= 11
 
 
+@pytest.mark.parametrize(("frequency", "expected"), [(20.0, 4), (0.5, 2)])
+def test_diagnostics_come_once_a_second_at_most(world, setting, frequency, expected):
+    bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, frequency=frequency))
+    bridge.open(setting.ros, world)
+    world.run(4.1)
+    assert len(setting.ros.statuses) == expected
+
+
 def test_clock_before_and_after_opening(setting):
     bridge = Bridge(BridgeSettings("bridge", OWN))
     assert bridge.now().sec > 1_700_000_000

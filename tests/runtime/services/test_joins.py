@@ -1,0 +1,196 @@
+"""Joined topics: which message a translation is given, and what is dropped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+
+from jausml.runtime.bridge_joins import Join
+from jausml.runtime.bridge_to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.core_messages import QueryTime, ReportTime, SetTime
+from jausml.runtime.topics import Topic
+
+from .test_bridge import PEER, Number, Setting, peer_component, values
+
+
+@dataclass
+class Angle:
+    """The joined ROS message."""
+
+    yaw: float = 0.0
+
+
+@pytest.fixture
+def setting(world):
+    made = Setting(world)
+    yield made
+    if made.bridge is not None:
+        made.bridge.close()
+
+
+def number_and_angle(source, angle=None):
+    """Minutes are the number; the hour is the angle, or 0 without a fresh one."""
+    hour = 0 if angle is None else int(angle.yaw)
+    return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data), hour=hour))
+
+
+def report(join, **options):
+    return TopicsToReport(
+        "pose",
+        number_and_angle,
+        message=ReportTime,
+        query=QueryTime,
+        type=Number,
+        topics=[Topic("numbers")],
+        joins=[join],
+        **options,
+    )
+
+
+def angle_join(**options):
+    return Join("angle", Angle, [Topic("angles")], freshness=0.5, **options)
+
+
+def present(setting):
+    stamp = setting.bridge.report(QueryTime, ReportTime).value.time_stamp
+    return stamp.minutes, stamp.hour
+
+
+def test_the_latest_fresh_message_is_given(world, setting):
+    setting.open(report(angle_join()))
+    setting.ros.deliver["angles"](Angle(3.0))
+    setting.ros.deliver["angles"](Angle(7.0))
+    world.run(0.4)
+    setting.ros.deliver["numbers"](Number(11.0))
+    assert present(setting) == (11, 7)
+
+
+def test_freshness_ends_when_it_says(world, setting):
+    setting.open(report(angle_join()))
+    setting.ros.deliver["angles"](Angle(7.0))
+    world.run(0.49)
+    setting.ros.deliver["numbers"](Number(1.0))
+    assert present(setting) == (1, 7)
+    world.run(0.02)
+    setting.ros.deliver["numbers"](Number(2.0))
+    assert present(setting) == (2, 0)
+    setting.ros.deliver["angles"](Angle(8.0))
+    setting.ros.deliver["numbers"](Number(3.0))
+    assert present(setting) == (3, 8)
+
+
+def test_nothing_yet_is_nothing_fresh(setting):
+    connection = setting.open(report(angle_join()))
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert present(setting) == (5, 0)
+    assert setting.drops(connection) == {}
+
+
+def test_what_needs_a_fresh_message_is_dropped_and_counted(world, setting):
+    connection = setting.open(report(angle_join(drop=True)))
+    setting.ros.deliver["numbers"](Number(1.0))
+    assert setting.bridge.report(QueryTime, ReportTime).value is None
+    setting.ros.deliver["angles"](Angle(9.0))
+    setting.ros.deliver["numbers"](Number(2.0))
+    world.run(0.6)
+    setting.ros.deliver["numbers"](Number(3.0))
+    assert present(setting) == (2, 9)
+    assert setting.drops(connection) == {"stale_join_angle": 2}
+    counters = setting.bridge.component.counters.drops()
+    assert counters["bridge.pose.stale_join_angle"] == 2
+
+
+def test_a_message_that_lacks_its_join_does_not_end_silence(world, setting):
+    peer_component(world)
+    connection = TopicsToMessage(
+        "drive",
+        lambda _source, angle: SetTime() if angle else None,
+        message=SetTime,
+        type=Number,
+        topics=[Topic("numbers")],
+        joins=[angle_join(drop=True)],
+        peers=[PEER],
+        silence_timeout=1.0,
+        safe_value=SetTime,
+    )
+    setting.open(connection)
+    for _ in range(15):
+        setting.ros.deliver["numbers"](Number(1.0))
+        world.run(0.1)
+    assert connection.is_silent
+    assert connection.statistics.safe_values == 1
+    setting.ros.deliver["angles"](Angle())
+    setting.ros.deliver["numbers"](Number(1.0))
+    assert not connection.is_silent
+
+
+def test_joined_topics_are_heard_before_the_main_one(setting):
+    """So that a latched message is there when the first main message comes."""
+    setting.open(report(angle_join()))
+    assert setting.ros.made == [("subscription", "angles"), ("subscription", "numbers")]
+
+
+def test_several_joins_and_topics(setting):
+    found = []
+
+    def translate(source, **joined):
+        found.append((source.data, {name: each and each.yaw for name, each in joined.items()}))
+
+    setting.open(
+        TopicsToReport(
+            "pose",
+            translate,
+            message=ReportTime,
+            query=QueryTime,
+            type=Number,
+            topics=[Topic("numbers")],
+            joins=[
+                Join("front", Angle, [Topic("a"), Topic("b")]),
+                Join("rear", Angle, [Topic("c")]),
+            ],
+        )
+    )
+    setting.ros.deliver["a"](Angle(1.0))
+    setting.ros.deliver["b"](Angle(2.0))
+    setting.ros.deliver["numbers"](Number(4.0))
+    assert found == [(4.0, {"front": 2.0, "rear": None})]
+
+
+def test_connections_share_the_subscription_of_a_joined_topic(setting):
+    found = []
+
+    def connection(name):
+        return TopicsToReport(
+            name,
+            lambda _source, angle: found.append((name, angle.yaw)),
+            message=ReportTime,
+            query=QueryTime,
+            type=Number,
+            topics=[Topic("numbers")],
+            joins=[angle_join()],
+        )
+
+    setting.open(connection("one"), connection("two"))
+    setting.ros.deliver["angles"](Angle(6.0))
+    setting.ros.deliver["numbers"](Number())
+    assert found == [("one", 6.0), ("two", 6.0)]
+    assert len(setting.ros.made) == 2
+
+
+def test_diagnostics_show_the_age_of_joined_topics(world, setting):
+    setting.open(report(angle_join()))
+    world.run(1.01)
+    status = setting.ros.statuses[-1]["pose"]
+    assert values(status)["join angle age (s)"] == "never"
+    assert status.message == "no message yet"
+    setting.ros.deliver["numbers"](Number())
+    world.run(1.0)
+    status = setting.ros.statuses[-1]["pose"]
+    assert (status.level, status.message) == ("warning", "nothing fresh from angle")
+    world.run(0.75)
+    setting.ros.deliver["angles"](Angle())
+    world.run(0.25)
+    status = setting.ros.statuses[-1]["pose"]
+    assert float(values(status)["join angle age (s)"]) == pytest.approx(0.25, abs=0.02)
+    assert (status.level, status.message) == ("ok", "running")
