@@ -53,6 +53,7 @@ class Attribute:
         constants: Names of single values, with the values as text.
         carries: Whether it is a JAUS field that may carry a whole JAUS message.
         count: Number of elements of a fixed array, None for others.
+        is_ros: Whether it belongs to a ROS message.
         field: The field or sub-field of the model, None where there is none.
     """
 
@@ -74,6 +75,7 @@ class Attribute:
     constants: tuple[tuple[str, str], ...] = ()
     carries: bool = False
     count: int | None = None
+    is_ros: bool = False
     field: Any = None
 
 

@@ -70,7 +70,12 @@ class RosPlace:
             return Attribute("", f"a {ros_name(self.type)}")
         value = self._array() if self.is_array else self._single()
         return replace(
-            value, units=self.units, frame=self.frame, label=self.label, field=self.field
+            value,
+            units=self.units,
+            frame=self.frame,
+            label=self.label,
+            is_ros=True,
+            field=self.field,
         )
 
     def step(self, step: str) -> RosPlace | PathFault | None:

@@ -8,6 +8,7 @@ import re
 from jausml.validation.facts.attributes import BOOL, NUMBER, TEXT, TIME, TIME_STAMP, Attribute
 
 _INTEGER = re.compile(r"[+-]?(?:0|[1-9][0-9]{0,24})")
+_NOT_FINITE = frozenset({"NaN", "Infinity", "-Infinity"})
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -19,7 +20,8 @@ def constant_fault(text: str, attribute: Attribute) -> str:
         attribute: The attribute that takes it.
     """
     if attribute.kind == NUMBER:
-        return _number_fault(text.strip(), attribute)
+        named = dict(attribute.constants).get(text.strip(), text)
+        return _number_fault(named.strip(), attribute)
     if attribute.kind == BOOL:
         return "" if text in ("true", "false") else "is not true or false"
     if attribute.kind == TEXT:
@@ -42,6 +44,8 @@ def is_real(text: str) -> bool:
 def _number_fault(text: str, attribute: Attribute) -> str:
     if attribute.integral and not is_integer(text):
         return "is not an integer"
+    if text in _NOT_FINITE and attribute.is_ros and not attribute.integral:
+        return ""
     if not is_real(text):
         return "is not a number"
     value = int(text) if attribute.integral else float(text)

@@ -42,8 +42,8 @@ _WITH_CHAIN = ("FieldAssignment", "ListAssignment")
 def conversions(subject: Subject) -> Iterator[Finding]:
     """A conversion has the arguments and the inputs that it takes, and what it works with.
 
-    The first one takes the sources, each further one the result of the one before. A quantity of the
-    map stands for the one argument of a conversion. `look_up` names a table of the map,
+    The first one takes the sources, each further one the result of the one before. A quantity of
+    the map stands for the one argument of a conversion. `look_up` names a table of the map,
     `expression` has an expression, `user` a method, `with_units` units; no other conversion has.
 
     Bad: `<conversions kind="scale"/>`, which takes a factor
@@ -62,9 +62,9 @@ def conversions(subject: Subject) -> Iterator[Finding]:
 def expressions(subject: Subject) -> Iterator[Finding]:
     """An expression is well-formed and uses names that it knows: sources, functions, pi.
 
-    A source is named by the last step of its path, by more of its last steps, or by its whole path; a
-    single one is also `value`, and what the conversion before yields is `value` too. In
-    a ListAssignment there are `index`, counted from 0, and `count`.
+    A source is named by the last step of its path, by more of its last steps, or by its whole path;
+    a single one is also `value`, and what the conversion before yields is `value` too. In a
+    ListAssignment there are `index`, counted from 0, and `count`.
 
     Bad: `expression="hypot(x, z)"` with `source="linear.x, linear.y"`
 

@@ -53,9 +53,9 @@ def types(subject: Subject) -> Iterator[Finding]:
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
     a variable-length field to a sequence of uint8 and back. A JAUS TimeStamp becomes a
-    builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields several
-    values has as many targets. Lists and arrays are translated by a ListAssignment, and whole
-    records in the skeleton of the bridge.
+    builtin_interfaces/Time, and angles become a quaternion, by a conversion; one that yields
+    several values has as many targets. Lists and arrays are translated by a ListAssignment, and
+    whole records in the skeleton of the bridge.
 
     Bad: `target="header.stamp" source="TimeStamp"` without a conversion
 
