@@ -1,0 +1,153 @@
+"""Whether ROS types of a model are those of the installed interface packages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.interfaces import PARTS, Installation, parse_definition
+from jausml.interfaces.definitions import FieldType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from jausml.interfaces import FieldDefinition, Section
+
+_KINDS = {"MessageType": "msg", "ServiceType": "srv", "ActionType": "action"}
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One difference between a type of a model and the installed one.
+
+    Attributes:
+        element: The type, field or constant of the model that it is about.
+        message: What differs.
+    """
+
+    element: Any
+    message: str
+
+
+class InstalledTypes:
+    """The installed definitions, each read once.
+
+    Args:
+        installation: Where packages are installed.
+    """
+
+    def __init__(self, installation: Installation) -> None:
+        self._installation = installation
+        self._folders: dict[str, Path | None] = {}
+
+    def differences(self, element: Any) -> Iterator[Difference]:
+        """Yields how a type of the model differs from the installed one.
+
+        Nothing is yielded when its package is not installed, or its definition cannot be
+        understood; ROS would not have built it.
+
+        Args:
+            element: A `ros.MessageType`, `ros.ServiceType` or `ros.ActionType` of a package.
+        """
+        package, kind = package_of(element), _KINDS[element.eClass.name]
+        folder = self._folder(package)
+        if folder is None:
+            return
+        try:
+            text = (folder / kind / f"{element.name}.{kind}").read_text(encoding="utf-8")
+        except FileNotFoundError:
+            yield Difference(element, f"the installed {package} has no {element.name}")
+            return
+        except (OSError, ValueError):
+            return
+        definition = parse_definition(text, kind)
+        parts = [element] if kind == "msg" else [getattr(element, part) for part in PARTS[kind]]
+        if definition.faults or None in parts:
+            return
+        for part, section in zip(parts, definition.sections, strict=True):
+            yield from _fields(part, section, package)
+            yield from _constants(part, section)
+
+    def _folder(self, package: str) -> Path | None:
+        if package not in self._folders:
+            self._folders[package] = self._installation.folder(package)
+        return self._folders[package]
+
+
+def package_of(element: Any) -> str:
+    """Returns the name of the package that owns a type or a part of one; empty without."""
+    while element is not None and element.eClass.name != "InterfacePackage":
+        element = element.eContainer()
+    return str(element.name) if element is not None else ""
+
+
+def _fields(message: Any, section: Section, package: str) -> Iterator[Difference]:
+    here = {str(each.name): each for each in message.fields}
+    there = {each.name: _installed_type(each, package) for each in section.fields}
+    renamed = _renamed(here, there)
+    for name, element in here.items():
+        if name in renamed:
+            yield Difference(element, f"field '{name}' is named '{renamed[name]}' there")
+        elif name not in there:
+            yield Difference(element, f"there is no field '{name}' there")
+        elif _type(element) != there[name]:
+            message_text = f"field '{name}' is {_type(element)} here, {there[name]} there"
+            yield Difference(element, message_text)
+    for name, kind in there.items():
+        if name not in here and name not in renamed.values():
+            yield Difference(message, f"field '{name}' ({kind}) is missing here")
+    common = [name for name in here if name in there]
+    if common != [name for name in there if name in here]:
+        yield Difference(message, "its fields stand in another order there")
+
+
+def _renamed(here: dict[str, Any], there: dict[str, str]) -> dict[str, str]:
+    """Returns new names by old ones: of fields that stand at one place and have one type."""
+    if len(here) != len(there):
+        return {}
+    pairs = zip(here.items(), there.items(), strict=True)
+    return {
+        old: new
+        for (old, element), (new, kind) in pairs
+        if old != new and old not in there and new not in here and _type(element) == kind
+    }
+
+
+def _constants(message: Any, section: Section) -> Iterator[Difference]:
+    there = {each.name: each for each in section.constants}
+    for element in message.constants:
+        installed = there.get(element.name)
+        if installed is None:
+            yield Difference(element, f"there is no constant '{element.name}' there")
+            continue
+        ours = (element.type.name, element.value or "")
+        if not _is_same(ours, (installed.type, installed.value)):
+            values = f"{' '.join(ours)} here, {installed.type} {installed.value} there"
+            yield Difference(element, f"constant '{element.name}' is {values}")
+
+
+def _is_same(ours: tuple[str, str], theirs: tuple[str, str]) -> bool:
+    if ours[0] == theirs[0] and ours[0].startswith("float"):
+        try:
+            return float(ours[1]) == float(theirs[1])
+        except ValueError:
+            return False
+    return ours == theirs
+
+
+def _type(field: Any) -> str:
+    common = (field.arrayKind.name, field.arraySize)
+    if field.eClass.name == "PrimitiveField":
+        return str(FieldType(field.type.name, "", field.stringBound, *common))
+    target = field.messageType
+    name = str(target.name) if target is not None else "nothing"
+    return str(FieldType(name, package_of(target), 0, *common))
+
+
+def _installed_type(field: FieldDefinition, package: str) -> str:
+    kind = field.type
+    if kind.is_primitive:
+        return str(kind)
+    owner = kind.package or ("std_msgs" if kind.name == "Header" else package)
+    return str(FieldType(kind.name, owner, 0, kind.array, kind.array_size))
