@@ -25,13 +25,17 @@ from jausml.generation import (
     is_on_request,
     load_targets,
     make_plan,
+    needs_system,
     read_manifest,
     render,
     unified_diff,
 )
-from jausml.validation.engine import validate
+from jausml.model import ReadResult, read_models
+from jausml.text.notation import NOTATIONS, SUFFIX
+from jausml.validation.engine import check
 from jausml.validation.formats import text
 from jausml.validation.formats.text import one_line
+from jausml.validation.rules.jaus_components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,6 +43,11 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
 
 _MODES = ("check", "diff", "dry_run")
+_EXAMPLE = """\
+bridge front {{
+  address: <subsystem>.<node>.<component>
+  connection {map} {{ map: {map}  peers: <component>  topic {map} {{ }} }}
+}}"""
 
 
 @runtime_checkable
@@ -68,6 +77,12 @@ class LaunchingTarget(Protocol):
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
 @click.option("--force", is_flag=True, help="Overwrite generated files that were edited.")
+@click.option(
+    "--frequency",
+    type=float,
+    metavar="HZ",
+    help="Frequency of every bridge, for connections that state no rate of their own.",
+)
 @click.option("--project-root", metavar="DIR", type=click.Path(exists=True, file_okay=False))
 @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not list files that stay as they are.")
@@ -77,6 +92,7 @@ def command(
     names: tuple[str, ...],
     whole_library: bool,
     force: bool,
+    frequency: float | None,
     project_root: str | None,
     allow_outside: bool,
     quiet: bool,
@@ -92,12 +108,20 @@ def command(
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
+    if frequency is not None and not 0 < frequency <= MAXIMUM_RATE:
+        raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
     folder = _out_folder(model, out)
     installed = _installed()
     targets = _targets(names, installed)
     if whole_library:
         targets = _for_whole_library(targets)
-    valid = _valid_model(model, project_root, allow_outside=allow_outside)
+    read = _read(model, project_root, allow_outside=allow_outside)
+    if frequency is not None:
+        for bridge in read.model.instances("bridge.Bridge"):
+            bridge.frequency = frequency
+    valid = _valid_model(read)
+    if any(needs_system(target) for target in targets):
+        _require_system(model, valid)
     artifacts = _rendered(valid, targets)
     manifest = read_manifest(folder)
     plan = make_plan(
@@ -120,19 +144,36 @@ def _out_folder(model: str, out: str | None) -> Path:
     return folder
 
 
-def _valid_model(path: str, project_root: str | None, *, allow_outside: bool) -> Model:
+def _read(path: str, project_root: str | None, *, allow_outside: bool) -> ReadResult:
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    report = validate(find_models([path]), project_root=project_root, allow_outside=allow_outside)
+    return read_models(
+        find_models([path]),
+        project_root=project_root,
+        allow_outside=allow_outside,
+        notations=NOTATIONS,
+    )
+
+
+def _valid_model(read: ReadResult) -> Model:
+    report = check(read)
     click.echo(text.render(report), nl=False, err=True)
     if report.has_errors:
         click.echo(f"{text.summary(report)}; nothing generated", err=True)
         raise click.exceptions.Exit(PROBLEMS)
-    systems = [root for root in report.model.documents[0].roots if root.eClass.name == "System"]
-    if len(systems) != 1 or len(report.model.instances("system.System")) != 1:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"{name} holds no system, or refers to another; generate needs one")
     return report.model
+
+
+def _require_system(path: str, model: Model) -> None:
+    systems = [root for root in model.documents[0].roots if root.eClass.name == "System"]
+    if len(systems) == len(model.instances("system.System")) == 1:
+        return
+    name = click.format_filename(path)
+    maps = model.instances("bridge.AttributeMap", library=False)
+    if maps and not systems and path.endswith(SUFFIX):
+        message = f"{name} holds maps, but no bridge that uses them; add one, for example:"
+        raise EnvironmentFault(f"{message}\n\n{_EXAMPLE.format(map=maps[0].name)}")
+    raise EnvironmentFault(f"{name} holds no system, or refers to another; generate needs one")
 
 
 def _installed() -> dict[str, Target[Any]]:

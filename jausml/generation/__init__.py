@@ -23,7 +23,13 @@ from jausml.generation.engine import (
 from jausml.generation.errors import GenerationError, InternalError, RefusedError, WriteError
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
 from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.target import LibraryTarget, Target, is_on_request, load_targets
+from jausml.generation.target import (
+    LibraryTarget,
+    Target,
+    is_on_request,
+    load_targets,
+    needs_system,
+)
 from jausml.generation.writer import apply
 
 __all__ = [
@@ -55,6 +61,7 @@ __all__ = [
     "is_on_request",
     "load_targets",
     "make_plan",
+    "needs_system",
     "read_manifest",
     "render",
     "templates_beside",

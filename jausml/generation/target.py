@@ -61,6 +61,17 @@ def is_on_request(target: Target[Any]) -> bool:
     return bool(getattr(target, "is_on_request", False))
 
 
+def needs_system(target: Target[Any]) -> bool:
+    """Tells whether a target makes something of a system alone.
+
+    One that is content with messages or types says so by an attribute `needs_system = False`.
+
+    Args:
+        target: An installed target.
+    """
+    return bool(getattr(target, "needs_system", True))
+
+
 def load_targets() -> dict[str, Target[Any]]:
     """Returns the installed targets (entry points `jausml.targets`), sorted by name.
 

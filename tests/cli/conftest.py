@@ -39,7 +39,7 @@ def folder(tmp_path, monkeypatch, model_text):
     )
     for name, text in {
         "good": model_text,
-        "bad": model_text.replace('rate="10.0"', 'rate="0"'),
+        "bad": model_text.replace('rate="10.0"', 'rate="2000"'),
         "doubtful": warning,
     }.items():
         (tmp_path / f"{name}.xmi").write_text(text, encoding="utf-8")

@@ -24,9 +24,9 @@ def test_problems_are_lines_that_editors_know(jausml, folder):
     result = jausml("validate", "./bad.xmi")
     assert result.exit_code == 1
     lines = (folder / "bad.xmi").read_text().splitlines()
-    line = next(number for number, text in enumerate(lines, 1) if 'rate="0"' in text)
+    line = next(number for number, text in enumerate(lines, 1) if 'rate="2000"' in text)
     place = f"./bad.xmi:{line}:{lines[line - 1].index('rate=') + 1}"
-    assert result.stdout.startswith(f"{place}: error: JML425 rate 0 of 'velocity' is out of range")
+    assert result.stdout.startswith(f"{place}: error: JML425 rate 2000 of 'velocity' is out of range")
     assert result.stderr == "1 error in 1 file\n"
 
 
@@ -67,7 +67,7 @@ def test_nothing_found_is_2(jausml, folder):
     (folder / "empty").mkdir()
     result = jausml("validate", "empty")
     assert result.exit_code == 2
-    assert "no .xmi files in empty" in result.stderr
+    assert "no .xmi or .ros2jaus files in empty" in result.stderr
 
 
 def test_missing_path_is_2(jausml):
