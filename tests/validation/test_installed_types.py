@@ -15,7 +15,7 @@ MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <ros:Node xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
     xmlns:ros="http://www.jausml.org/ros/1.0" name="driver">
-  <publishers topic="cmd_vel">
+  <publishers name="cmd_vel" topic="cmd_vel">
     <type href="http://www.jausml.org/library/ros/geometry_msgs.xmi#TwistStamped"/>
   </publishers>
 </ros:Node>
