@@ -22,6 +22,7 @@ VERBS = {
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
+    "convert": "Write a model as ros2jaus text, or text as XMI.",
     "import": "Make models of foreign descriptions.",
     "list": "List the JAUS services and messages that are known.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",

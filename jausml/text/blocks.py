@@ -92,7 +92,7 @@ class BlockBuilder:
                 continue
             table = self._metamodels.class_of(each)
             is_shortest = not feature.many and table is feature.target and not _is_named(table)
-            if is_shortest or not self._is_obvious(obj, table):
+            if is_shortest or not self._is_obvious(obj, feature, table):
                 yield self.value_item(each, feature)
             else:
                 yield self.element(each)
@@ -105,11 +105,9 @@ class BlockBuilder:
         item = Feature(Name(feature.name), [self._value(obj, with_class=with_class)])
         return documented(item, obj)
 
-    def _is_obvious(self, owner: Any, table: ClassTable) -> bool:
-        """Tells whether one feature of an element alone can own elements of a class."""
-        features = self._metamodels.class_of(owner).features.values()
-        owning = [each for each in features if each.kind is FeatureKind.CONTAINMENT]
-        return sum(each.target in table.supertypes for each in owning) == 1
+    def _is_obvious(self, owner: Any, feature: FeatureTable, table: ClassTable) -> bool:
+        """Tells whether a block of a class goes to a feature of its owner by itself."""
+        return owning_features(self._metamodels.class_of(owner), table) == [feature.name]
 
     def _value(self, obj: Any, *, with_class: bool) -> Element:
         table = self._metamodels.class_of(obj)
@@ -130,6 +128,21 @@ class BlockBuilder:
             else:
                 written.append(attribute_value(each, feature))
         return Feature(Name(feature.name), written)
+
+
+def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
+    """Returns the features of a class that may own an element of another class.
+
+    The feature of the very class goes before one of a class that it specialises: a bridge of a
+    system is one of its bridges, and not just one of its components.
+    """
+    taking = {
+        name: feature.target
+        for name, feature in owner.features.items()
+        if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
+    }
+    exact = [name for name, target in taking.items() if target is table]
+    return exact or list(taking)
 
 
 def _is_named(table: ClassTable) -> bool:

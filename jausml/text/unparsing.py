@@ -10,6 +10,7 @@ from jausml.model.writer import is_written
 from jausml.text import layout
 from jausml.text.blocks import BlockBuilder
 from jausml.text.references import ReferenceNames
+from jausml.text.stems import system_name
 from jausml.text.tree import Document, Import, Item
 
 if TYPE_CHECKING:
@@ -57,21 +58,27 @@ def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
     builder = BlockBuilder(model.metamodels, names)
     document = Document()
     document.items += [Import(target) for target in names.imports]
+    implied: set[str] = set()
     for root in roots:
-        if len(roots) == 1 and _is_implied(root, model, Path(path).stem):
-            parts = _PARTS[model.metamodels.class_of(root).qualified_name]
-            document.items += builder.children(root, parts)
+        qualified_class = model.metamodels.class_of(root).qualified_name
+        if qualified_class not in implied and _is_implied(root, model, Path(path)):
+            implied.add(qualified_class)
+            document.items += builder.children(root, _PARTS[qualified_class])
         else:
             document.items.append(builder.root(root))
     _space(document.items)
     return document
 
 
-def _is_implied(root: Any, model: Model, stem: str) -> bool:
+def _is_implied(root: Any, model: Model, path: Path) -> bool:
     """Tells whether a root follows from the name of the file and what stands in it."""
     table = model.metamodels.class_of(root)
     parts = _PARTS.get(table.qualified_name)
-    if parts is None or root.name != stem or not any(getattr(root, each) for each in parts):
+    if (
+        parts is None
+        or root.name != system_name(path)
+        or not any(getattr(root, each) for each in parts)
+    ):
         return False
     return not any(
         is_written(root, feature)

@@ -43,7 +43,7 @@ def any_text(feature):  # noqa: ARG001 - the same for all features
 
 
 @st.composite
-def models(draw, metamodels, *, texts=any_text, roots=None, with_ids=True, others=()):
+def models(draw, metamodels, *, texts=any_text, roots=None, model=None, others=()):
     """Draws root elements with what they own and refer to, and the model that knows their ids.
 
     Args:
@@ -51,10 +51,11 @@ def models(draw, metamodels, *, texts=any_text, roots=None, with_ids=True, other
         metamodels: The metamodels.
         texts: Gives the strategy for the texts of a feature.
         roots: Names of the classes of root elements, all when None.
-        with_ids: Whether some elements have ids.
-        others: Elements of other documents that may be referred to.
+        model: The model that knows other documents; without one, some elements have ids.
+        others: Elements of these documents that may be referred to.
     """
-    model = Model([], metamodels)
+    with_ids = model is None
+    model = model or Model([], metamodels)
     made = []
     tables = [
         each

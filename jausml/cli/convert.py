@@ -1,0 +1,134 @@
+"""`jausml convert`: turns models into ros2jaus text and back."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, SUFFIXES, EnvironmentFault, find_files
+from jausml.cli.imported import counted, say, write_document
+from jausml.model.diagnostics import Severity
+from jausml.model.identifiers import name_identifiers
+from jausml.model.reader import ReadResult, read_models
+from jausml.model.writer import UnwritableError, to_xmi
+from jausml.text.notation import NOTATIONS
+from jausml.text.scanning import scan
+from jausml.text.unparsing import to_text
+from jausml.validation.formats import text
+from jausml.validation.report import Report
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.model.model import Model
+
+_XMI, _TEXT = SUFFIXES
+
+
+@click.command("convert")
+@click.argument("source", metavar="FROM")
+@click.argument("target", metavar="TO")
+@click.option("--force", is_flag=True, help="Overwrite TO when it differs.")
+@click.option(
+    "--project-root",
+    metavar="DIR",
+    type=click.Path(exists=True, file_okay=False),
+    help="Folder that references may not leave; by default the Git checkout.",
+)
+@click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
+def command(
+    source: str,
+    target: str,
+    force: bool,
+    project_root: str | None,
+    allow_outside: bool,
+    quiet: bool,
+) -> None:
+    """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
+
+    The endings .xmi and .ros2jaus tell which. The new file says exactly what the old one says, and
+    refers to the same other files. A model that cannot be read yields findings and no file.
+
+    Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO not be written, 3
+    internal error.
+    """
+    _check_paths(source, target)
+    result = read_models(
+        [source], project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
+    )
+    _report(result, source, quiet=quiet)
+    model, document = result.model, result.model.documents[0]
+    try:
+        written = _written(document.roots, model, target)
+    except UnwritableError as error:
+        raise click.ClickException(
+            f"cannot write {click.format_filename(target)}: {error}"
+        ) from error
+    state = write_document(target, written.encode("utf-8"), (), force=force)
+    for warning in _left_behind(result, target):
+        say(f"{click.format_filename(source)}: warning: {warning}", quiet=quiet)
+    summary = f"{_summary(document.roots, model)}, {state}"
+    say(f"{click.format_filename(target)}: {summary}", quiet=quiet)
+
+
+def _check_paths(source: str, target: str) -> None:
+    """Refuses what cannot be read or must not be written."""
+    shown = click.format_filename(target)
+    if not target.endswith(SUFFIXES):
+        raise click.UsageError(f"TO must end with {_XMI} or {_TEXT}")
+    if Path(source).is_dir():
+        raise click.UsageError("FROM is a folder: convert one file at a time")
+    find_files([source], SUFFIXES)
+    if os.path.realpath(source) == os.path.realpath(target):
+        raise EnvironmentFault(f"{shown} is the file to convert")
+    if Path(target).exists() and not Path(target).is_file():
+        raise EnvironmentFault(f"cannot write {shown}: it is no file")
+
+
+def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
+    """Shows what was found in reading, and ends when the model cannot be used."""
+    report = Report(result.model, (source,), tuple(result.diagnostics))
+    shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
+    if shown:
+        click.echo(text.render(Report(result.model, (source,), tuple(shown))), nl=False)
+    if result.has_errors:
+        say(f"{text.summary(report)}; nothing written", quiet=quiet)
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _written(roots: list[Any], model: Model, target: str) -> str:
+    if target.endswith(_TEXT):
+        return to_text(roots, model, target)
+    document = model.document_of(roots[0]) if roots else None
+    if document is not None and not document.is_xml:
+        name_identifiers(roots, model)
+    return to_xmi(roots, model, target)
+
+
+def _left_behind(result: ReadResult, target: str) -> Iterator[str]:
+    """Yields what the new file does not say."""
+    document = result.model.documents[0]
+    if not document.is_xml:
+        comments = scan(document.data.decode("utf-8", "replace")).comments
+        number = sum(not each.startswith("/**") for each in comments)
+        if number:
+            noun = "comment stays" if number == 1 else "comments stay"
+            yield f"{number} {noun} behind: only documentation comments are part of a model"
+    if target.endswith(_XMI):
+        others = [
+            each for each in result.model.documents if each is not document and not each.is_xml
+        ]
+        for each in others:
+            yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
+
+
+def _summary(roots: list[Any], model: Model) -> str:
+    pending, elements = list(roots), 0
+    while pending:
+        elements += 1
+        pending += model.owned(pending.pop())
+    return counted((len(roots), "root"), (elements, "element"))

@@ -1,0 +1,154 @@
+"""`jausml convert`: what it writes, what it says, and what it leaves alone."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+import pytest
+
+from jausml.metamodel import load_metamodels
+from jausml.model import read_models
+from jausml.model.comparison import compare
+from jausml.text.notation import NOTATIONS
+
+
+def root(path):
+    result = read_models([path], notations=NOTATIONS)
+    assert not result.has_errors, result.diagnostics
+    return result.model.root
+
+
+def test_xmi_becomes_text_and_xmi_again(jausml, folder):
+    done = jausml("convert", "good.xmi", "good.ros2jaus")
+    assert done.exit_code == 0
+    assert done.stdout == ""
+    assert done.stderr.startswith("good.ros2jaus: 1 root, ")
+    assert done.stderr.endswith(" elements, written\n")
+    assert "http" not in (folder / "good.ros2jaus").read_text(encoding="utf-8")
+    assert jausml("convert", "good.ros2jaus", "back.xmi").exit_code == 0
+    differences = compare(root(folder / "good.xmi"), root(folder / "back.xmi"), load_metamodels())
+    assert differences == []
+    assert not [each for each in os.listdir() if "tmp" in each]
+
+
+def test_what_is_there_already_is_left_alone(jausml, folder):
+    assert jausml("convert", "good.xmi", "good.ros2jaus").exit_code == 0
+    before = (folder / "good.ros2jaus").stat().st_mtime_ns
+    done = jausml("convert", "good.xmi", "good.ros2jaus")
+    assert done.exit_code == 0
+    assert "unchanged" in done.stderr
+    assert (folder / "good.ros2jaus").stat().st_mtime_ns == before
+
+
+def test_a_file_that_differs_is_overwritten_by_force_alone(jausml, folder):
+    (folder / "out.ros2jaus").write_text("precious", encoding="utf-8")
+    done = jausml("convert", "good.xmi", "out.ros2jaus")
+    assert done.exit_code == 2
+    assert "--force" in done.stderr
+    assert (folder / "out.ros2jaus").read_text(encoding="utf-8") == "precious"
+    assert jausml("convert", "good.xmi", "out.ros2jaus", "--force").exit_code == 0
+    assert "precious" not in (folder / "out.ros2jaus").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("target", ["good.xmi", "./good.xmi", "link.xmi"])
+def test_the_source_is_never_overwritten(jausml, folder, target):
+    (folder / "link.xmi").symlink_to(folder / "good.xmi")
+    before = (folder / "good.xmi").read_bytes()
+    done = jausml("convert", "good.xmi", target, "--force")
+    assert done.exit_code == 2
+    assert "is the file to convert" in done.stderr
+    assert (folder / "good.xmi").read_bytes() == before
+
+
+def test_errors_are_placed_and_nothing_is_written(jausml, folder):
+    path = folder / "broken.xmi"
+    text = (folder / "good.xmi").read_text(encoding="utf-8")
+    path.write_text(text.replace("<topics ", "<topicz "), encoding="utf-8")
+    done = jausml("convert", "broken.xmi", "out.ros2jaus")
+    assert done.exit_code == 1
+    line = 1 + text[: text.index("<topics ")].count("\n")
+    assert f"broken.xmi:{line}:" in done.stdout
+    assert "nothing written" in done.stderr
+    assert not (folder / "out.ros2jaus").exists()
+
+
+def test_text_with_errors_is_placed_and_nothing_is_written(jausml, folder):
+    (folder / "bad.ros2jaus").write_text("bridge a {\n  adress: 1.1.1\n", encoding="utf-8")
+    done = jausml("convert", "bad.ros2jaus", "out.xmi")
+    assert done.exit_code == 1
+    assert "bad.ros2jaus:2:3: error" in done.stdout
+    assert not (folder / "out.xmi").exists()
+
+
+def test_models_that_break_rules_are_converted(jausml, folder):
+    """Who turns a draft into text wants to mend it there."""
+    assert jausml("validate", "bad.xmi").exit_code == 1
+    assert jausml("convert", "bad.xmi", "bad.ros2jaus").exit_code == 0
+
+
+def test_comments_that_stay_behind_are_counted(jausml, folder):
+    (folder / "a.ros2jaus").write_text(
+        "// one\n/** Kept. */\nhost here { /* two */ port: 3795 } // three\n", encoding="utf-8"
+    )
+    done = jausml("convert", "a.ros2jaus", "a.xmi")
+    assert done.exit_code == 0
+    assert "a.ros2jaus: warning: 3 comments stay behind" in done.stderr
+    assert 'documentation="Kept."' in (folder / "a.xmi").read_text(encoding="utf-8")
+    assert "comment" not in jausml("convert", "a.ros2jaus", "a.xmi", "-q").stderr
+
+
+def test_elements_that_are_referred_to_have_readable_ids(jausml, folder):
+    assert jausml("convert", "good.xmi", "good.ros2jaus").exit_code == 0
+    assert jausml("convert", "good.ros2jaus", "back.xmi").exit_code == 0
+    (bridge,) = root(folder / "good.xmi").bridges
+    written = (folder / "back.xmi").read_text(encoding="utf-8")
+    assert f'map="{bridge.maps[0].name}"' in written
+    assert f'<maps xmi:id="{bridge.maps[0].name}"' in written
+
+
+def test_xmi_keeps_its_ids(jausml, folder):
+    assert jausml("convert", "good.xmi", "copy.xmi").exit_code == 0
+    ids = [
+        [part.split('"')[0] for part in (folder / name).read_text().split('xmi:id="')[1:]]
+        for name in ("good.xmi", "copy.xmi")
+    ]
+    assert ids[0] == ids[1]
+    assert ids[0]
+
+
+def test_references_to_text_are_told(jausml, folder):
+    (folder / "hosts.ros2jaus").write_text("host here { port: 3795 }", encoding="utf-8")
+    (folder / "robot.ros2jaus").write_text(
+        'import "hosts.ros2jaus"\nplacement { host: here }', encoding="utf-8"
+    )
+    done = jausml("convert", "robot.ros2jaus", "robot.xmi")
+    assert done.exit_code == 0
+    assert "refers to hosts.ros2jaus, which Eclipse cannot read" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["absent.xmi", "a.ros2jaus"], "absent.xmi"),
+        (["good.xmi", "a.txt"], "must end with .xmi or .ros2jaus"),
+        ([".", "a.ros2jaus"], "is a folder"),
+        (["good.xmi", "nowhere/a.ros2jaus"], "nowhere"),
+        (["good.xmi", "taken.ros2jaus"], "is no file"),
+    ],
+)
+def test_faults_of_use_are_told(jausml, folder, arguments, message):
+    (folder / "taken.ros2jaus").mkdir()
+    done = jausml("convert", *arguments)
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="permissions of POSIX")
+def test_a_folder_that_cannot_be_written(jausml, folder):
+    locked = folder / "locked"
+    locked.mkdir()
+    locked.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    done = jausml("convert", "good.xmi", "locked/a.ros2jaus")
+    assert done.exit_code == 2
+    assert "cannot write locked/a.ros2jaus" in done.stderr

@@ -1,0 +1,169 @@
+"""Models in XMI become ros2jaus text and models again: nothing is lost, nothing is added."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from jausml.metamodel import load_metamodels
+from jausml.model import read_models
+from jausml.model.comparison import compare
+from jausml.model.writer import to_xmi, write_model
+from jausml.text.layout import render
+from jausml.text.notation import NOTATIONS
+from jausml.text.parsing import parse
+from jausml.text.unparsing import to_text
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "model"))
+
+from model_strategies import TEXT, models
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = load_metamodels()
+SHIPPED_FILES = sorted(each for each in (ROOT / "models").rglob("*.xmi") if "src" not in each.parts)
+QUICK = settings(deadline=None, suppress_health_check=list(HealthCheck))
+# Random elements lack what they must have, which is no fault of a notation.
+LACKING = {"JML108", "JML109", "JML110", "JML111"}
+
+WORDS = ["a", "b", "a.b", "b.a", "a/b", "x[1]", "1st", "two words", "é", "-", "true", "clock", "."]
+KEYWORDS = ["JAUS", "ROS", "new", "table", "import", "struct", "ignore", "bridge", "record", "map"]
+KNOWN = ["Management", "core", "Twist", "geometry_msgs", "Pose", "shared", "other"]
+HOSTILE = ["", " ", "back`tick", 'quo"te', "back\\slash", "tab\t", " edge ", "li\nne", "*/", "/*"]
+NAMES = st.sampled_from([*WORDS, *KEYWORDS, *KNOWN, *HOSTILE]) | TEXT
+PATHS = st.sampled_from(
+    ["x", "a.b[2].c", "/angle", ".", "Roll, Pitch", "Roll,Pitch", "x, ", "index", "true", "clock",
+     "5", "-1.5", "two words.x", "a..b", "a.", "/", "//", "[1]", "x[1", "`x`", ""]
+) | NAMES  # fmt: skip
+CONSTANTS = st.sampled_from(
+    ["0", "0.0", "-0", "+5", "1e5", "1E+5", "0x1F", "1.", ".5", "100.1.1", "Infinity", "-Infinity",
+     "NaN", "true", "false", "True", "5 ", "1_000", "absent", "clock", "odom", "D E"]
+) | NAMES  # fmt: skip
+PROSE = st.sampled_from(
+    ["One line.", "Two\nlines.", "Gap\n\nof lines.", " indented", "  first\n    second\n third",
+     "* star", "one\n* two", "ends */ early", "/* begins", "trailing ", "\n", "", "// slashes", "*",
+     "tab\tin", "carriage\rreturn", "quo\"te and back\\slash", "é \u2028 \u0085 \U0001f600"]
+) | TEXT  # fmt: skip
+
+
+def hostile(feature):
+    """Returns a strategy for the texts of a feature: what it means, and what could break text."""
+    if feature.name == "name":
+        return NAMES
+    if feature.name in ("source", "target", "path", "keys"):
+        return PATHS
+    if feature.name == "documentation":
+        return PROSE
+    return CONSTANTS
+
+
+OTHER = """<?xml version="1.0" encoding="UTF-8"?>
+<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:bridge="http://www.jausml.org/bridge/1.0" xmlns:jaus="http://www.jausml.org/jaus/1.0"
+    xmlns:ros="http://www.jausml.org/ros/1.0" xmlns:system="http://www.jausml.org/system/1.0">
+  <jaus:ServiceSet name="other">
+    <types xsi:type="jaus:Record" name="shared">
+      <fields xsi:type="jaus:FixedField" name="a"/>
+    </types>
+    <services name="Management" urn="urn:x:Management">
+      <inherits href="http://www.jausml.org/library/jaus/core-1.1.xmi#Management"/>
+      <inputs name="a" code="0xD001"/>
+      <inputs name="shared" code="0xD002"/>
+      <inputs code="0xD003"/>
+    </services>
+  </jaus:ServiceSet>
+  <ros:InterfacePackage name="geometry_msgs">
+    <messages name="Twist">
+      <fields xsi:type="ros:MessageField" name="x">
+        <messageType href="http://www.jausml.org/library/ros/geometry_msgs.xmi#Twist"/>
+      </fields>
+    </messages>
+    <messages name="shared"/>
+    <messages name="shared"/>
+  </ros:InterfacePackage>
+  <bridge:MapLibrary name="maps">
+    <maps name="a"/>
+    <maps name="shared"/>
+  </bridge:MapLibrary>
+  <system:System name="robot">
+    <components name="a" address="1.1.1"/>
+    <nodes name="b"/>
+    <hosts name="shared"/>
+  </system:System>
+</xmi:XMI>
+"""
+
+
+@pytest.fixture(scope="module")
+def surroundings(tmp_path_factory):
+    """A model of another document and of what it uses of the library."""
+    path = tmp_path_factory.mktemp("other files") / "other model.xmi"
+    path.write_text(OTHER, encoding="utf-8")
+    return read_models([path], allow_outside=True).model
+
+
+def reread(path):
+    """Returns the roots of a file and its model, which lacks nothing but what it must have."""
+    result = read_models([path], allow_outside=True, notations=NOTATIONS)
+    wrong = [each for each in result.diagnostics if each.rule not in LACKING]
+    assert [each for each in wrong if each.location.path == str(path)] == []
+    return result.model.documents[0].roots, result.model
+
+
+def check_round_trip(roots, model, folder):
+    """Checks that a model is the same in XMI and in text, and text the same in its layout."""
+    first, second = Path(folder) / "model.xmi", Path(folder) / "model.ros2jaus"
+    first.write_text(to_xmi(roots, model, first), encoding="utf-8", newline="\n")
+    text = to_text(*reread(first), second)
+    second.write_text(text, encoding="utf-8", newline="\n")
+    parsed = parse(text)
+    assert parsed.faults == []
+    assert render(parsed.document) == text
+    again, its_model = reread(second)
+    assert len(again) == len(roots)
+    for ours, theirs in zip(roots, again, strict=True):
+        assert compare(ours, theirs, SHIPPED) == []
+    assert to_xmi(again, its_model, first) == first.read_text(encoding="utf-8")
+    assert to_text(again, its_model, second) == text
+
+
+ROOTS = {
+    "all": None,
+    "system": {"system.System"},
+    "maps": {"bridge.MapLibrary", "bridge.AttributeMap", "bridge.Bridge"},
+    "services": {"jaus.ServiceSet", "jaus.Service", "jaus.StateMachine"},
+    "interfaces": {"ros.InterfacePackage", "ros.Node"},
+}
+
+
+@pytest.mark.parametrize("roots", ROOTS)
+def test_random_models_are_the_same_in_text(roots, surroundings):
+    others = [each for each in surroundings.elements() if getattr(each, "name", None)]
+    drawing = models(SHIPPED, texts=hostile, roots=ROOTS[roots], others=others, model=surroundings)
+
+    @settings(QUICK, max_examples=40)
+    @given(drawn=drawing)
+    def check(drawn):
+        with TemporaryDirectory() as folder:
+            check_round_trip(*drawn, folder)
+
+    check()
+
+
+@pytest.mark.parametrize("path", SHIPPED_FILES, ids=lambda path: path.stem)
+def test_shipped_models_are_the_same_in_text(path, tmp_path):
+    roots, model = reread(path)
+    text = tmp_path / f"{path.stem}.ros2jaus"
+    text.write_text(to_text(roots, model, text), encoding="utf-8")
+    again, its_model = reread(text)
+    back = tmp_path / "back.xmi"
+    write_model(again, its_model, back)
+    final, _ = reread(back)
+    for ours, theirs in zip(roots, final, strict=True):
+        assert compare(ours, theirs, SHIPPED) == []
+    assert to_text(again, its_model, text) == text.read_text(encoding="utf-8")
