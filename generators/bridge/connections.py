@@ -11,6 +11,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml.generators.common.assignments import (
     Body,
+    Surroundings,
     jaus_constants,
     ros_constants,
     to_jaus,
@@ -19,7 +20,7 @@ from jausml.generators.common.assignments import (
 from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
 from jausml.generators.common.guards import condition
 from jausml.generators.common.layout import Call, signature, statement
-from jausml.generators.common.names import snake_case
+from jausml.generators.common.names import Scope, snake_case
 from jausml.generators.common.ros import RosType, ros_type
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from jausml.generators.common.messages import MessageView
 
 PRESENCE_VECTOR = "PresenceVector"
+_OWN_NAMES = frozenset({"self", "source", "target"})
 _ARGUMENT = 12
 _QOS = {
     "reliability": "reliable",
@@ -42,6 +44,33 @@ _QOS = {
 
 
 @dataclass(frozen=True)
+class JoinView:
+    """A further topic that a translation takes values from.
+
+    Args:
+        join: The `bridge.Join`.
+        name: Its name in Python.
+        type_name: Name of its ROS message class in the generated modules.
+        topics: The `bridge.Topic` elements that feed it.
+    """
+
+    join: Any
+    name: str
+    type_name: str
+    topics: tuple[Any, ...]
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model."""
+        return str(self.join.name)
+
+    @property
+    def type(self) -> Any:
+        """The ROS type in the model."""
+        return self.join.type
+
+
+@dataclass(frozen=True)
 class ConnectionView:
     """A modelled connection.
 
@@ -50,6 +79,7 @@ class ConnectionView:
         name: Its name in Python.
         ros_name: Name of its ROS message class in the generated modules.
         view_of: Returns the class of a JAUS message.
+        around: What the translations of the bridge use of its class and module.
         requested: JAUS fields of the report that connections of the bridge read.
     """
 
@@ -57,6 +87,7 @@ class ConnectionView:
     name: str
     ros_name: str
     view_of: Callable[[Any], MessageView]
+    around: Surroundings
     requested: frozenset[str] = frozenset()
 
     # ------------------------------------------------------------------ both ends
@@ -165,7 +196,8 @@ class ConnectionView:
             query = self._query_call(self.query) if self.to_ros else self.query.class_name
             found.append(("query", query))
         if self.to_ros and self.exchange in {"periodicEvent", "query"}:
-            found.append(("rate", python_literal(float(connection.rate))))
+            rate = connection.rate or connection.eContainer().frequency
+            found.append(("rate", python_literal(float(rate))))
         if self._handler_guard != "ANY":
             found.append(("when", condition(self.message_element, self._handler_guard)))
         if self.kind == "TopicsToMessage":
@@ -195,7 +227,7 @@ class ConnectionView:
     @property
     def topics(self) -> tuple[Call, ...]:
         """The topics with their quality of service."""
-        return tuple(_topic(topic) for topic in self.connection.topics)
+        return tuple(_topic(topic) for topic in self.connection.topics if topic.join is None)
 
     @property
     def argument_lines(self) -> tuple[str, ...]:
@@ -204,6 +236,9 @@ class ConnectionView:
         if self.kind != "TopicsToReport":
             lines.append(list_argument("peers", self.peers, _ARGUMENT))
         lines.append(list_argument("topics", self.topics, _ARGUMENT))
+        if self.joins:
+            calls = [_join(join) for join in self.joins]
+            lines.append(list_argument("joins", calls, _ARGUMENT))
         return tuple(lines)
 
     @property
@@ -231,24 +266,46 @@ class ConnectionView:
             names.add(("component", "Guard"))
         if "priority" in keys:
             names.add(("packet", "Priority"))
-        if any(len(topic.arguments) > 1 for topic in self.topics):
-            names.add(("topics", "Qos"))
+        if any(topic.qos is not None for topic in self.connection.topics):
+            joined = [topic for join in self.joins for topic in map(_topic, join.topics)]
+            if any(len(topic.arguments) > 1 for topic in (*self.topics, *joined)):
+                names.add(("topics", "Qos"))
+        if self.joins:
+            names.add(("bridge_joins", "Join"))
         return {(f"jausml_runtime.{place}", name) for place, name in names}
 
     # ------------------------------------------------------------------ translation
+
+    @functools.cached_property
+    def joins(self) -> tuple[JoinView, ...]:
+        """The joined topics, whose latest messages are parameters of the translation."""
+        if self.to_ros:
+            return ()
+        scope = Scope(_OWN_NAMES)
+        return tuple(
+            JoinView(
+                join,
+                scope.claim(snake_case(join.name)),
+                self.around.type_name(join.type),
+                tuple(topic for topic in self.connection.topics if topic.join is join),
+            )
+            for join in self.connection.map.joins
+        )
 
     @functools.cached_property
     def body(self) -> Body:
         """The statements of the translation."""
         owner = f"self.{self.name}"
         if self.to_ros:
-            return to_ros(self.connection, self.message, owner, self.ros_name)
-        return to_jaus(self.connection, self.message, owner)
+            return to_ros(self.connection, self.message, owner, self.ros_name, self.around)
+        joins = {join.model_name: (join.name, join.type) for join in self.joins}
+        return to_jaus(self.connection, self.message, owner, joins, self.around)
 
     @property
     def translate_signature(self) -> str:
         """First line of the translation."""
         parameters = ["self", f"source: {self.source_name}"]
+        parameters += [f"{join.name}: {join.type_name} | None = None" for join in self.joins]
         result = f"{self.target_name} | None"
         return signature(f"def translate_{self.name}", parameters, result, 4)
 
@@ -315,6 +372,15 @@ def list_argument(name: str, items: Sequence[Call], column: int) -> str:
         return line
     inner = [indent(f"{statement(item, '', column + 5)},", "    ") for item in items]
     return "\n".join([f"{name}=[", *inner, "]"])
+
+
+def _join(join: JoinView) -> Call:
+    topics = ", ".join(map(str, map(_topic, join.topics)))
+    arguments = [python_string(join.name), join.type_name, f"[{topics}]"]
+    arguments.append(f"freshness={python_literal(float(join.join.freshness))}")
+    if join.join.whenStale.name == "dropMessage":
+        arguments.append("drop=True")
+    return Call("Join", tuple(arguments))
 
 
 def _topic(topic: Any) -> Call:

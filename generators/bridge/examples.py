@@ -192,7 +192,7 @@ class _ToRos(_Builder):
     def source(self, path: str) -> float | None:
         field = jaus_field(self.view.message, path)
         for place, container in field.containers:
-            line = f"source.{place} = {container}()"
+            line = f"{place} = {container}"
             if line not in self.source_lines:
                 self.source_lines.append(line)
         if field.kind in _NUMBERS:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import functools
+from contextlib import suppress
 from dataclasses import dataclass
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
+from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, argument, query_of
 from jausml.generators.bridge.examples import Example, example_of
+from jausml.generators.bridge.ros_classes import RosClasses
+from jausml.generators.common.assignments import AssignmentError, Surroundings, used_maps
 from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
@@ -20,30 +24,27 @@ from jausml.generators.common.components import (
 )
 from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.message_builder import build_message, build_messages
-from jausml.generators.common.names import Scope, class_name, package_name, snake_case
-from jausml.generators.common.ros import RosType, import_lines, ros_type
+from jausml.generators.common.names import Scope, class_name, names_in, package_name, snake_case
+from jausml.generators.common.ros import import_lines
+from jausml.generators.common.ros_fields import PathError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterator
 
     from jausml.generators.common.messages import MessageView
 
 _ARGUMENT = 16
 
 
-def _names(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
 # Attributes that the base class has anyway.
-_TAKEN_ATTRIBUTES = _names(
+_TAKEN_ATTRIBUTES = names_in(
     """
     accept close component connections loop now on_not_ready open publisher rate_parameter report
     ros settings silence_parameter subscribe
     """
 )
 # Classes of the runtime that generated modules import.
-_TAKEN_CLASSES = _names(
+_TAKEN_CLASSES = names_in(
     """
     AbsentFieldError Bridge BridgeSettings ComponentSettings ConversionError EventToTopics Guard
     JausAddress MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
@@ -99,13 +100,14 @@ class BridgeView:
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
         """The connections in model order, under names that are unique in Python."""
-        scope = Scope(_TAKEN_ATTRIBUTES)
+        scope = self._around.attributes
         return tuple(
             ConnectionView(
                 connection,
                 scope.claim(snake_case(connection.name)),
-                self.ros_names[ros_type(connection.map.type)],
+                self.ros_classes.name_of(connection.map.type),
                 self.message_of,
+                self._around,
                 self._requested(connection.map.message),
             )
             for connection in self.bridge.bridgeConnections
@@ -117,27 +119,30 @@ class BridgeView:
         return build_messages(
             element
             for connection in self.bridge.bridgeConnections
-            for element in (connection.map.message, query_of(connection))
+            for element in (*_messages_of(connection), query_of(connection))
             if element is not None
         )
 
     @functools.cached_property
-    def ros_names(self) -> dict[RosType, str]:
-        """Names of the ROS message classes in the generated modules.
-
-        A class that shares its name with another, as messages that mirror JAUS do, is imported
-        under a name with its package.
-        """
+    def ros_classes(self) -> RosClasses:
+        """Names of the ROS message classes in the generated modules."""
         taken = {view.class_name for view in self.messages} | _TAKEN_CLASSES
-        taken |= {self.class_name, self.base_name}
-        found: dict[RosType, str] = {}
-        for connection in self.bridge.bridgeConnections:
-            kind = ros_type(connection.map.type)
-            if kind not in found:
-                package = "".join(word.capitalize() for word in kind.package.split("_"))
-                found[kind] = f"{package}{kind.name}" if kind.name in taken else kind.name
-                taken.add(found[kind])
-        return found
+        return RosClasses(taken | {self.class_name, self.base_name})
+
+    @functools.cached_property
+    def _around(self) -> Surroundings:
+        """What the translations use of the class and the module; complete once all are written."""
+        overrides = {str(each.name): each for each in self.bridge.quantities}
+        return Surroundings(
+            self.message_of, self.ros_classes.name_of, overrides, Scope(_TAKEN_ATTRIBUTES)
+        )
+
+    @functools.cached_property
+    def around(self) -> Surroundings:
+        """What the translations use of the class and the module."""
+        for connection in self.connections:
+            connection.body  # noqa: B018 - writing a translation collects what it uses
+        return self._around
 
     def message_of(self, element: Any) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
@@ -202,8 +207,12 @@ class BridgeView:
         runtime |= transport_names(self.system, self.bridge)
         for view in self.connections:
             runtime |= view.runtime_names
-        own = import_lines((".messages", name) for name in self.message_names)
-        return (*import_lines(runtime | self._ros_names(self.ros_names.values())), "", *own)
+        return self.module.import_lines(runtime)
+
+    @functools.cached_property
+    def module(self) -> BaseModule:
+        """What stands in the module of the base besides the connections."""
+        return BaseModule(self.around, self.connections, self.ros_classes)
 
     @functools.cached_property
     def examples(self) -> tuple[Example, ...]:
@@ -215,7 +224,7 @@ class BridgeView:
         """Import lines of the generated tests."""
         package = self.package
         shown = [example.connection for example in self.examples]
-        third = self._ros_names(view.ros_name for view in shown)
+        third = self.ros_classes.imports(view.ros_name for view in shown)
         if any(example.refuses_absent for example in self.examples):
             third.add(("jausml_runtime.bridge_statistics", "AbsentFieldError"))
         own = {(f"{package}.{package}", self.class_name)}
@@ -223,24 +232,22 @@ class BridgeView:
         return ("import pytest", *import_lines(third), "", *import_lines(own))
 
     @property
-    def message_names(self) -> tuple[str, ...]:
-        """JAUS message classes that the base imports."""
-        return tuple(sorted({name for view in self.connections for name in view.message_names}))
-
-    @property
     def dependencies(self) -> tuple[str, ...]:
         """ROS packages that the package needs at run time, sorted."""
-        used = {view.ros_type.package for view in self.connections}
+        # A translation that cannot be written is reported by the template that it stands in.
+        with suppress(AssignmentError, PathError):
+            self.around  # noqa: B018 - writing the translations names the types inside messages
+        used = {kind.package for kind in self.ros_classes.names}
         return tuple(
             sorted(used | {"diagnostic_msgs", "jausml_runtime", "rcl_interfaces", "rclpy"})
         )
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
-        methods = tuple(
+        translations = tuple(
             MethodContract(
                 f"translate_{view.name}",
-                ("source",),
+                ("source", *(join.name for join in view.joins)),
                 "",  # nothing stays when a connection is renamed
                 _stub(view),
                 optional=True,
@@ -248,15 +255,20 @@ class BridgeView:
             for view in self.connections
         )
         hook = MethodContract("on_not_ready", (), "hook:on_not_ready", "", optional=True)
-        return SkeletonContract(self.class_name, self.base_name, (*methods, hook))
+        conversions = tuple(
+            MethodContract(each.name, names_of(each), f"conversion:{each.model_name}", stub(each))
+            for each in self.module.methods
+        )
+        return SkeletonContract(
+            self.class_name, self.base_name, (*translations, hook, *conversions)
+        )
 
-    def _ros_names(self, used: Iterable[str]) -> set[tuple[str, str]]:
-        wanted = set(used)
-        return {
-            (kind.module, kind.name if name == kind.name else f"{kind.name} as {name}")
-            for kind, name in self.ros_names.items()
-            if name in wanted
-        }
+    @property
+    def skeleton_standard_lines(self) -> tuple[str, ...]:
+        """Import statements of the standard library that the skeleton needs."""
+        words = " ".join(f"{' '.join(each.inputs)} {each.output}" for each in self.module.methods)
+        names = [name for name in ("Any",) if name in words.replace("|", " ").split()]
+        return import_lines(("typing", name) for name in names)
 
     def _requested(self, message: Any) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""
@@ -270,9 +282,18 @@ class BridgeView:
         )
 
 
+def _messages_of(connection: Any) -> Iterator[Any]:
+    """Yields the message of a connection and those inside it that have maps of their own."""
+    to_ros = connection.direction.name == "jausToRos"
+    for attribute_map in used_maps(connection.map, to_ros=to_ros):
+        yield attribute_map.message
+
+
 def _stub(view: ConnectionView) -> str:
+    parameters = "".join(f", {join.name}: {join.type_name} | None = None" for join in view.joins)
+    arguments = "".join(f", {join.name}" for join in view.joins)
     return (
-        f"    def translate_{view.name}(self, source: {view.source_name})"
+        f"    def translate_{view.name}(self, source: {view.source_name}{parameters})"
         f" -> {view.target_name} | None:\n"
-        f"        return super().translate_{view.name}(source)\n"
+        f"        return super().translate_{view.name}(source{arguments})\n"
     )

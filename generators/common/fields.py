@@ -106,6 +106,7 @@ class Fixed:
         reader: Function that turns the wire item into the value, instead of `back`.
         range_text: Its legal values in words.
         scale: Lower and upper limit of a scaled field.
+        listed: Names and values of single legal integers, as the model has them.
     """
 
     kind: ClassVar[str] = "fixed"
@@ -118,6 +119,7 @@ class Fixed:
     reader: str = ""
     range_text: str = ""
     scale: tuple[float, float] | None = None
+    listed: tuple[tuple[str, int], ...] = ()
 
     @property
     def size(self) -> int:
@@ -253,6 +255,19 @@ def value_ranges(value_set: Any, lower: int, upper: int) -> Ranges:
     return legal or ((lower, upper),)
 
 
+def listed_values(value_set: Any) -> tuple[tuple[str, int], ...]:
+    """Returns names and values of the single integers of a value set.
+
+    Args:
+        value_set: The ValueSet, or None.
+    """
+    return tuple(
+        (str(value.name), int(value.value))
+        for value in (value_set.values if value_set is not None else ())
+        if value.eClass.name == "EnumeratedValue"
+    )
+
+
 def merge(ranges: Iterable[tuple[int, int]]) -> Ranges:
     """Returns as few ranges as hold the same integers.
 
@@ -311,7 +326,8 @@ def number(numeric_type: str, scale: Any, value_set: Any) -> Fixed:
         return _real(numeric_type, value_set)
     if scale is not None:
         return _scaled(numeric_type, scale)
-    return integer(FORMATS[numeric_type], value_ranges(value_set, *integer_limits(numeric_type)))
+    ranges = value_ranges(value_set, *integer_limits(numeric_type))
+    return replace(integer(FORMATS[numeric_type], ranges), listed=listed_values(value_set))
 
 
 def integer(struct_format: str, ranges: Ranges) -> Fixed:

@@ -1,26 +1,69 @@
-"""Paths into JAUS message bodies: what stands at the end of `Velocity_X` or `TimeStamp.Day`."""
+"""Paths into JAUS message bodies: what stands at the end of `Velocity_X` or `TimeStamp.Day`.
+
+A path starts at the flattened body of a message or at an element of a list. It goes on by the names
+of members, of the options of variants and of the alternatives of variable fields; `[2]` behind a
+name is an element of a list or array.
+"""
 
 from __future__ import annotations
 
 import ast
 import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.fields import Bits, Blob, Fixed
 from jausml.generators.common.members import Member
-from jausml.generators.common.nested import BitFieldClass, SubField
+from jausml.generators.common.nested import (
+    Alternative,
+    BitFieldClass,
+    ContainerClass,
+    SubField,
+    VariableFieldClass,
+)
 from jausml.generators.common.ros_fields import PathError
-from jausml.generators.common.values import PartValue
+from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
 
 if TYPE_CHECKING:
     from jausml.generators.common.messages import MessageView
 
 REAL, INTEGER, TEXT, OCTETS, BITS, OTHER = "real", "integer", "text", "octets", "bits", "other"
+LIST, FORMAT = "list", "format"
 
 Limits = tuple[float, float]
+Value = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
 _KINDS = {"float": REAL, "int": INTEGER, "str": TEXT, "bytes": OCTETS}
 _UNLIMITED = (-math.inf, math.inf)
+_INDEXED = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])+)", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What must hold for a value to be there, as Python text.
+
+    Attributes:
+        holds: The condition.
+        fails: Its opposite.
+    """
+
+    holds: str
+    fails: str
+
+
+@dataclass(frozen=True)
+class JausStart:
+    """Where paths start.
+
+    Attributes:
+        root: Python name of the message or element.
+        value: The element of a list; None for the body of the message.
+        label: Path of the list in the message, for counters.
+    """
+
+    root: str
+    value: Value | None = None
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -28,104 +71,263 @@ class JausField:
     """The end of a path.
 
     Attributes:
-        path: The path as the model writes it.
-        attribute: The path as it stands in Python, e.g. `pose_rec.x`.
-        may_be_absent: Python paths on the way, and the end, that are None when absent.
-        containers: Python path and class of each nested container on the way.
-        kind: `real`, `integer`, `text`, `octets`, `bits` or `other`.
-        limits: Least and greatest value of a number, or fewest and most characters of a text or
-            bytes of octets; infinite when nothing limits it.
+        path: The path as counters and errors name it.
+        attribute: The path as it stands in Python behind the root, e.g. `pose_rec.x`.
+        place: The same with the root, e.g. `source.pose_rec.x`; of a variable field, the whole.
+        conditions: What must hold for the value to be there.
+        containers: Place and Python text of each container and element on the way that a message
+            lacks as it is made.
+        kind: `real`, `integer`, `text`, `octets`, `bits`, `list`, `format` or `other`.
+        limits: Least and greatest value of a number, fewest and most characters of a text, bytes
+            of octets or elements of a list; infinite when nothing limits it.
         brought: Least and greatest integer that the wire can bring, legal or not.
         values: Legal ranges of an integer with named values or gaps; empty for others.
+        listed: Names and values of single legal integers.
+        is_float: Whether a number is a float in Python, which integers in variable fields may be.
         is_scaled: Whether a real stands on the wire as an integer, and so is finite.
         is_optional: Whether the end itself may be left out.
         units: Unit of the value; empty when the model has none.
-        class_name: Class of a bit field, e.g. `ReportLocalPose.TimeStamp`.
+        class_name: Class of a bit field, variable field or variable format field.
         sub_fields: Python names of the parts of a bit field.
+        index: Index that chooses the alternative of a variable field; None for others.
+        element: What a list holds; None for others.
     """
 
     path: str
     attribute: str
-    may_be_absent: tuple[str, ...]
+    place: str
+    conditions: tuple[Condition, ...]
     containers: tuple[tuple[str, str], ...]
     kind: str
     limits: Limits = _UNLIMITED
     brought: Limits | None = None
     values: tuple[tuple[int, int], ...] = ()
+    listed: tuple[tuple[str, int], ...] = ()
+    is_float: bool = False
     is_scaled: bool = False
     is_optional: bool = False
     units: str = ""
     class_name: str = ""
     sub_fields: tuple[str, ...] = ()
+    index: int | None = None
+    element: Value | None = None
+
+    @property
+    def code(self) -> str:
+        """The value that stands there, as Python text."""
+        return self.place if self.index is None else f"{self.place}.value"
 
 
-def jaus_field(message: MessageView, path: str) -> JausField:
+def jaus_field(message: MessageView, path: str, start: JausStart | None = None) -> JausField:
     """Follows a path through the body of a message.
 
     Args:
         message: The message.
-        path: JAUS names joined by dots, relative to the flattened body.
+        path: JAUS names joined by dots, relative to the start; `.` for the start itself.
+        start: Where the path starts; the body of the message `source` when it is not given.
 
     Raises:
         PathError: There is no such field.
     """
-    steps = message.find(path)
-    if not steps:
-        raise PathError(f"{message.jaus_name} has no field '{path}'")
-    attributes: list[str] = []
-    absent: list[str] = []
-    containers: list[tuple[str, str]] = []
-    for step in steps:
-        attributes.append(step.attribute)
-        place = ".".join(attributes)
-        if isinstance(step, Member) and step.is_optional:
-            absent.append(place)
-        if step is not steps[-1] and isinstance(step.value, (Bits, PartValue)):
-            containers.append((place, step.value.python_type))
-    end = steps[-1]
-    return JausField(
-        path,
-        ".".join(attributes),
-        tuple(absent),
-        tuple(containers),
-        is_optional=isinstance(end, Member) and end.is_optional,
-        units=end.units if isinstance(end, Member) else "",
-        **_facts(message, end),
-    )
+    walk = _Walk(message, start or JausStart("source"), path)
+    for step in [] if path == "." else path.split("."):
+        walk.step(step)
+    return walk.end()
 
 
-def _facts(message: MessageView, end: Member | SubField) -> dict[str, Any]:
-    value = end.value
-    if isinstance(value, Bits):
-        return {
-            "kind": BITS,
-            "class_name": value.python_type,
-            "sub_fields": _sub_fields(message, value.python_type),
-        }
-    if isinstance(value, Fixed):
+class _Walk:
+    """A walk along one path."""
+
+    def __init__(self, message: MessageView, start: JausStart, path: str) -> None:
+        self._message = message
+        self._path = path
+        self._start = start
+        self._place = start.root
+        self._at: Value | None = start.value
+        self._end: Member | SubField | Alternative | None = None
+        self._holder = ""
+        self._is_optional = False
+        self._conditions: list[Condition] = []
+        self._containers: list[tuple[str, str]] = []
+        self._is_made = True
+        self._unwrap()
+
+    # -- steps -----------------------------------------------------------------------------------
+
+    def step(self, step: str) -> None:
+        """Goes on by one step."""
+        name, indices = self._split(step)
+        if isinstance(self._at, VariantValue):
+            self._choose(self._at, name)
+        else:
+            self._enter(name)
+        for index in self._flat(indices):
+            self._index(index)
+        self._unwrap()
+
+    def _split(self, step: str) -> tuple[str, list[int]]:
+        found = _INDEXED.fullmatch(step)
+        if found is None or any(name == step for name in self._names()):
+            return step, []
+        return found["name"], [int(each) for each in re.findall("[0-9]+", found["indices"])]
+
+    def _names(self) -> list[str]:
+        if isinstance(self._at, VariantValue):
+            return [option.part.jaus_name for option in self._at.options]
+        return [member.jaus_name for member in self._members()]
+
+    def _members(self) -> tuple[Member | SubField | Alternative, ...]:
+        at = self._at
+        if at is None and self._end is None:
+            return self._message.body.members
+        if isinstance(at, Bits):
+            return next(
+                item.sub_fields
+                for item in self._message.nested
+                if isinstance(item, BitFieldClass) and item.path == at.python_type
+            )
+        if isinstance(at, PartValue) and isinstance(at.part, VariableFieldClass):
+            return at.part.alternatives
+        if isinstance(at, PartValue) and isinstance(at.part, ContainerClass):
+            return () if at.part.is_format else at.part.members
+        return ()
+
+    def _enter(self, name: str) -> None:
+        """Goes on to a member, a part of a bit field or an alternative."""
+        member = next((each for each in self._members() if each.jaus_name == name), None)
+        if member is None:
+            raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
+        if isinstance(member, Alternative):
+            test = f"{self._place}.index"
+            self._conditions.append(
+                Condition(f"{test} == {member.index}", f"{test} != {member.index}")
+            )
+            self._holder = getattr(self._at, "python_type", "")
+            self._end, self._at = member, member.value
+            return
+        self._make()
+        self._place = f"{self._place}.{member.attribute}"
+        if isinstance(member, Member) and member.is_optional:
+            self._conditions.append(
+                Condition(f"{self._place} is not None", f"{self._place} is None")
+            )
+        self._end, self._at, self._is_made = member, member.value, False
+        self._is_optional = isinstance(member, Member) and member.is_optional
+
+    def _choose(self, variant: VariantValue, name: str) -> None:
+        """Goes on to an option of a variant, whose members then follow."""
+        option = next((each for each in variant.options if each.part.jaus_name == name), None)
+        if option is None:
+            raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
+        if len(variant.options) > 1:
+            test = f"isinstance({self._place}, {option.python_type})"
+            self._conditions.append(Condition(test, f"not {test}"))
+            self._is_made = False
+        self._at = option
+
+    def _flat(self, indices: list[int]) -> list[int]:
+        """The indices of the dimensions of an array as the one of its list."""
+        if not isinstance(self._at, ArrayValue) or len(indices) != len(self._at.dimensions):
+            return indices
+        flat = 0
+        for index, size in zip(indices, self._at.dimensions, strict=True):
+            flat = flat * size + index
+        return [flat]
+
+    def _index(self, index: int) -> None:
+        at = self._at
+        if isinstance(at, ListValue):
+            length = f"len({self._place})"
+            self._conditions.append(Condition(f"{length} > {index}", f"{length} <= {index}"))
+            if self._is_optional:
+                self._containers.append((self._place, "[]"))
+        elif not isinstance(at, ArrayValue) or index >= at.count:
+            raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
+        self._at, self._place = at.element, f"{self._place}[{index}]"
+        self._is_made, self._is_optional = isinstance(at, ArrayValue), False
+
+    def _unwrap(self) -> None:
+        """Goes through classes that only give a class to a list, array, variant or field."""
+        at = self._at
+        while isinstance(at, PartValue) and getattr(at.part, "is_wrapper", False):
+            self._make()
+            (member,) = at.part.members  # type: ignore[union-attr]
+            self._place = f"{self._place}.{member.attribute}"
+            self._end, at = member, member.value
+            self._at, self._is_made = at, False
+
+    def _make(self) -> None:
+        """Notes that what stands at the present place must be there before what is in it."""
+        if not self._is_made and isinstance(self._at, Bits | PartValue):
+            self._containers.append((self._place, f"{self._at.python_type}()"))
+            self._is_made = True
+
+    def _make_last(self) -> None:
+        """Notes that the element at the end must be there before it gets its value."""
+        if not self._place.endswith("]") or self._is_made:
+            return
+        if isinstance(self._at, Fixed | Blob) and not isinstance(self._at, Bits):
+            self._containers.append((self._place, self._at.default))
+        else:
+            self._make()
+
+    # -- the end ---------------------------------------------------------------------------------
+
+    def end(self) -> JausField:
+        """Returns where the walk has led."""
+        self._make_last()
+        end = self._end
+        label = ".".join(each for each in (self._start.label, self._path) if each not in ("", "."))
+        return JausField(
+            label,
+            self._place.removeprefix(f"{self._start.root}."),
+            self._place,
+            tuple(self._conditions),
+            tuple(self._containers),
+            is_optional=self._is_optional,
+            units=end.units if isinstance(end, Member | Alternative) else "",
+            **self._facts(),
+        )
+
+    def _facts(self) -> dict[str, Any]:
+        at = self._at
+        if isinstance(at, Bits):
+            sub_fields = tuple(sub.attribute for sub in self._members())  # type: ignore[union-attr]
+            return {"kind": BITS, "class_name": at.python_type, "sub_fields": sub_fields}
+        if isinstance(at, Fixed):
+            return self._number(at)
+        if isinstance(at, Blob):
+            return {"kind": TEXT if at.is_text else OCTETS, "limits": (at.lower, at.upper)}
+        if isinstance(at, ListValue):
+            return {"kind": LIST, "limits": (0, at.upper), "element": at.element}
+        if isinstance(at, ArrayValue):
+            return {"kind": LIST, "limits": (at.count, at.count), "element": at.element}
+        if isinstance(at, PartValue) and getattr(at.part, "is_format", False):
+            return {"kind": FORMAT, "class_name": at.python_type}
+        return {"kind": OTHER}
+
+    def _number(self, value: Fixed) -> dict[str, Any]:
+        end = self._end
         kind = _KINDS[value.python_type]
-        brought = _brought(end, value) if kind == INTEGER else None
+        facts: dict[str, Any] = {}
+        if isinstance(end, Alternative):
+            facts = {"index": end.index, "class_name": self._holder}
+            # The number of a variable field is a float when another alternative is one.
+            kind = INTEGER if value.check.startswith(("whole", "integer", "one_of")) else kind
+        brought = _brought(end, value) if kind == INTEGER and not facts else None
         return {
+            **facts,
             "kind": kind,
             "limits": _limits(value, kind, brought),
             "brought": brought,
-            "values": _values(value, is_named=bool(end.enumeration)),
+            "values": _values(value),
+            "listed": value.listed,
+            "is_float": value.python_type == "float",
             "is_scaled": value.scale is not None,
         }
-    if isinstance(value, Blob):
-        return {"kind": TEXT if value.is_text else OCTETS, "limits": (value.lower, value.upper)}
-    return {"kind": OTHER}
 
 
-def _sub_fields(message: MessageView, path: str) -> tuple[str, ...]:
-    return next(
-        tuple(sub.attribute for sub in item.sub_fields)
-        for item in message.nested
-        if isinstance(item, BitFieldClass) and item.path == path
-    )
-
-
-def _brought(end: Member | SubField, value: Fixed) -> Limits:
+def _brought(end: object, value: Fixed) -> Limits:
     if isinstance(end, SubField):
         return 0, end.mask
     bits = 8 * value.size
@@ -135,7 +337,7 @@ def _brought(end: Member | SubField, value: Fixed) -> Limits:
 def _limits(value: Fixed, kind: str, brought: Limits | None) -> Limits:
     if value.scale is not None:
         return value.scale
-    if value.check == "integer":
+    if value.check in {"integer", "whole"}:
         return int(value.limits[0]), int(value.limits[1])
     if value.check == "real":
         return float(value.limits[0]), float(value.limits[1])
@@ -144,10 +346,10 @@ def _limits(value: Fixed, kind: str, brought: Limits | None) -> Limits:
     return (0, value.size) if kind == TEXT else _UNLIMITED
 
 
-def _values(value: Fixed, *, is_named: bool) -> tuple[tuple[int, int], ...]:
-    if value.check == "one_of":
+def _values(value: Fixed) -> tuple[tuple[int, int], ...]:
+    if value.check in {"one_of", "whole_of"}:
         ranges: tuple[tuple[int, int], ...] = ast.literal_eval(value.limits[0])
         return ranges
-    if value.check == "integer" and is_named:
+    if value.check in {"integer", "whole"} and value.listed:
         return ((int(value.limits[0]), int(value.limits[1])),)
     return ()

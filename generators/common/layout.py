@@ -81,23 +81,45 @@ def annotated(name: str, annotation: str, value: Expression, column: int = 0) ->
     return f"{name}: (\n{_INDENT}{annotation}\n) = {value}"
 
 
-def comprehension(name: str, element: Expression, source: str, column: int = 0) -> str:
-    """Returns an assignment of a list of one expression for each `item` of a source.
+def comprehension(
+    name: str, element: Expression, source: str, column: int = 0, item: str = "item"
+) -> str:
+    """Returns an assignment of a list of one expression for each item of a source.
 
     Args:
         name: The name.
         element: The expression.
         source: What is iterated over, as Python text.
         column: Column at which the statement will stand; the lines themselves begin at 0.
+        item: Name of the item in the expression.
     """
-    inner = f"{element} for item in {source}"
+    inner = f"{element} for {item} in {source}"
     if len(name) + len(inner) + 5 + column <= LINE_WIDTH:
         return f"{name} = [{inner}]"
     lines = [inner]
     if len(inner) + column + len(_INDENT) > LINE_WIDTH:
         first = statement(element, "", column + len(_INDENT))
-        lines = [*first.split("\n"), f"for item in {source}"]
+        lines = [*first.split("\n"), f"for {item} in {source}"]
     return "\n".join([f"{name} = [", *(_INDENT + text for text in lines), "]"])
+
+
+def collection(
+    before: str, opening: str, items: Sequence[str], closing: str, column: int = 0
+) -> str:
+    """Returns a statement that ends with a dictionary, tuple or list of some items.
+
+    Args:
+        before: Text before the opening bracket.
+        opening: The opening bracket.
+        items: The items, as Python text.
+        closing: The closing bracket.
+        column: Column at which the statement will stand; the lines themselves begin at 0.
+    """
+    lone = "," if opening == "(" and len(items) == 1 else ""
+    line = f"{before}{opening}{', '.join(items)}{lone}{closing}"
+    if len(line) + column <= LINE_WIDTH:
+        return line
+    return "\n".join([f"{before}{opening}", *(f"{_INDENT}{item}," for item in items), closing])
 
 
 def text(value: str, before: str, after: str, column: int = 0) -> str:

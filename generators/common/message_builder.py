@@ -264,13 +264,15 @@ class MessageBuilder:
         alternatives = []
         for element, value in zip(field.type.alternatives, numbers, strict=True):
             self._nest.use(value.format)
-            text = " ".join(filter(None, [value.range_text, docs.clean(element.units)]))
             number = fields.as_real(value) if python_type == "float" else value
-            description = text or docs.clean(element.name)
-            alternatives.append(Alternative(int(element.index), number, description))
+            alternatives.append(
+                Alternative(
+                    int(element.index), number, str(element.name), docs.clean(element.units)
+                )
+            )
         self._nest.use("B")
         return VariableFieldClass(
-            name, self._nest.path(name), summary, python_type, tuple(alternatives)
+            name, self._nest.path(name), summary, python_type, tuple(alternatives), field.name
         )
 
     def _format(self, field: Resolved, name: str, summary: str) -> ContainerClass:
@@ -289,7 +291,10 @@ class MessageBuilder:
         blob = self._counted(field, "format", is_text=False)
         data = Member("hex", "data", blob, blob.default)
         members = (index, data)
-        return ContainerClass(name, path, summary, (), members, self._segments(members, ""))
+        segments = self._segments(members, "")
+        return ContainerClass(
+            name, path, summary, (), members, segments, jaus_name=field.name, is_format=True
+        )
 
     # -- values ----------------------------------------------------------------------------------
 

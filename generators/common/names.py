@@ -12,12 +12,17 @@ import sys
 from jausml.model import words as split
 
 
-def _names(text: str) -> frozenset[str]:
+def names_in(text: str) -> frozenset[str]:
+    """Returns the words of a text.
+
+    Args:
+        text: Names with white space between them.
+    """
     return frozenset(text.split())
 
 
 # Spelled out, because dir(builtins) differs from version to version.
-_BUILTIN_FUNCTIONS = _names(
+_BUILTIN_FUNCTIONS = names_in(
     """
     abs aiter all anext any ascii bin bool breakpoint bytearray bytes callable chr classmethod
     compile complex copyright credits delattr dict dir divmod enumerate eval exec exit filter
@@ -27,7 +32,7 @@ _BUILTIN_FUNCTIONS = _names(
     super tuple type vars zip
     """
 )
-_BUILTIN_CLASSES = _names(
+_BUILTIN_CLASSES = names_in(
     """
     ArithmeticError AssertionError AttributeError BaseException BaseExceptionGroup BlockingIOError
     BrokenPipeError BufferError BytesWarning ChildProcessError ConnectionAbortedError
@@ -45,13 +50,13 @@ _BUILTIN_CLASSES = _names(
     """
 )
 # Modules that some supported version has and another has not; a package must hide none of them.
-_PASSING_MODULES = _names(
+_PASSING_MODULES = names_in(
     """
     aifc asynchat asyncore audioop cgi cgitb chunk crypt distutils imghdr imp lib2to3 mailcap
     msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib tomllib uu xdrlib
     """
 )
-_FOREIGN_PACKAGES = _names(
+_FOREIGN_PACKAGES = names_in(
     """
     ament_copyright ament_flake8 ament_index_python ament_pep257 builtin_interfaces colcon
     diagnostic_msgs geometry_msgs jausml jausml_runtime launch launch_ros nav_msgs numpy pip
@@ -61,7 +66,7 @@ _FOREIGN_PACKAGES = _names(
 )
 
 # What generated code calls its own: imports, parameters and locals of the codecs' methods.
-RESERVED_ATTRIBUTES = _names(
+RESERVED_ATTRIBUTES = names_in(
     """
     annotations buffer check_count check_presence raw take_text
     cls dataclass decode encode exactly field integer item latin1
@@ -70,7 +75,7 @@ RESERVED_ATTRIBUTES = _names(
     """
 )
 # Imports of the modules that use generated messages.
-RESERVED_CLASSES = _names(
+RESERVED_CLASSES = names_in(
     """
     Callable ClassVar ComponentSettings DecodeError EncodeError Guard IntEnum JausAddress
     Kind ModelledComponent On State

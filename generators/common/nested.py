@@ -126,12 +126,20 @@ class Alternative:
     Attributes:
         index: Its index on the wire.
         value: The number.
-        description: Unit and range in words.
+        jaus_name: Name in the model.
+        units: Unit of the number, as the model says it.
     """
 
     index: int
     value: Fixed
-    description: str
+    jaus_name: str
+    units: str
+
+    @property
+    def description(self) -> str:
+        """Unit and range in words."""
+        facts = " ".join(filter(None, [self.value.range_text, self.units]))
+        return facts or docs.clean(self.jaus_name)
 
 
 @dataclass(frozen=True)
@@ -144,6 +152,7 @@ class VariableFieldClass:
         summary: First line of the docstring.
         python_type: Type of the number.
         alternatives: What may be chosen.
+        jaus_name: Name in the model.
     """
 
     kind: ClassVar[str] = "variable_field"
@@ -152,6 +161,7 @@ class VariableFieldClass:
     summary: str
     python_type: str
     alternatives: tuple[Alternative, ...]
+    jaus_name: str = ""
 
     @property
     def min_size(self) -> int:
@@ -204,6 +214,7 @@ class ContainerClass:
         tag: Position in the variant that it is an option of.
         jaus_name: Name in the model of what it is the class of.
         is_wrapper: Whether it only gives a class to a list, array, variant or single field.
+        is_format: Whether it is the index of a format and bytes (AS5684 variable_format_field).
     """
 
     kind: ClassVar[str] = "container"
@@ -218,6 +229,7 @@ class ContainerClass:
     tag: int | None = None
     jaus_name: str = ""
     is_wrapper: bool = False
+    is_format: bool = False
 
     @property
     def min_size(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import docstrings as docs
@@ -125,18 +125,17 @@ class Nest:
             attribute=scope.claim(names.snake_case(resolved.name)),
             low=low,
             mask=mask,
-            value=fields.integer("", fields.value_ranges(element.values, 0, mask)),
+            value=replace(
+                fields.integer("", fields.value_ranges(element.values, 0, mask)),
+                listed=fields.listed_values(element.values),
+            ),
             documentation=resolved.documentation,
             enumeration=self.enumeration(resolved, element.values),
         )
 
     def enumeration(self, field: Resolved, value_set: Any) -> str:
         """Returns the name of the class of the listed values of a field, or nothing."""
-        listed = [
-            (int(value.value), str(value.name))
-            for value in (value_set.values if value_set is not None else ())
-            if value.eClass.name == "EnumeratedValue"
-        ]
+        listed = [(value, name) for name, value in fields.listed_values(value_set)]
         return self.listed(names.class_name(field.name), docs.clean(field.name), listed)
 
     def listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:

@@ -126,11 +126,12 @@ def parameter_value(parameter: Any) -> bool | int | float | str:
     return float(text) if kind == "double" else text
 
 
-def import_lines(names: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+def import_lines(names: Iterable[tuple[str, str]], column: int = 0) -> tuple[str, ...]:
     """Returns `from module import names` lines as ruff's import sorter writes them.
 
     Args:
         names: Pairs of module and name; the name may be `Pose as TurtlesimPose`.
+        column: Column at which they will stand; the lines themselves begin at 0.
     """
     statements: dict[tuple[str, str], set[str]] = defaultdict(set)
     for module, name in names:
@@ -142,7 +143,7 @@ def import_lines(names: Iterable[tuple[str, str]]) -> tuple[str, ...]:
         ),
         key=lambda line: (_natural(line[0]), _member_order(line[1][0])),
     )
-    return tuple(_import_line(module, members) for module, members in ordered)
+    return tuple(_import_line(module, members, column) for module, members in ordered)
 
 
 def _member_order(name: str) -> tuple[int, str, str]:
@@ -155,8 +156,8 @@ def _natural(text: str) -> str:
     return re.sub(r"\d+", lambda number: number.group().zfill(20), text.lower())
 
 
-def _import_line(module: str, names: list[str]) -> str:
+def _import_line(module: str, names: list[str], column: int) -> str:
     line = f"from {module} import {', '.join(names)}"
-    if len(line) <= LINE_WIDTH:
+    if len(line) + column <= LINE_WIDTH:
         return line
     return "\n".join([f"from {module} import (", *(f"    {name}," for name in names), ")"])

@@ -20,53 +20,102 @@ class PathError(ValueError):
 
 
 @dataclass(frozen=True)
+class RosStart:
+    """Where paths start.
+
+    Attributes:
+        root: Python name of the message or element.
+        type: The `ros.MessageType` of the message or element; None for an element without fields.
+        field: The `ros.Field` of which an element without fields is one.
+        label: Path of the array in the message, for counters.
+    """
+
+    root: str
+    type: Any
+    field: Any = None
+    label: str = ""
+
+
+@dataclass(frozen=True)
 class RosField:
     """The end of a path.
 
     Attributes:
-        path: The path as it stands in Python, e.g. `pose.covariance[7]`.
+        path: The path as counters and errors name it, e.g. `pose.covariance[7]`.
         type: Primitive type (`float64`) or full name of a message type
             (`geometry_msgs/Quaternion`).
         is_array: True when the end is a whole array.
         bound: Most characters of a string; 0 when nothing limits it.
+        place: The path as it stands in Python, e.g. `source.pose.covariance[7]`.
+        counts: Fewest and most elements of a whole array; None when nothing limits them.
+        message_type: The `ros.MessageType` of the end or of the elements of the array; None for
+            primitive types.
+        field: The `ros.Field` at the end; None for a whole message.
+        constants: Names and values of the constants of the type that has the field.
     """
 
     path: str
     type: str
     is_array: bool
     bound: int = 0
+    place: str = ""
+    counts: tuple[int, int] | None = None
+    message_type: Any = None
+    field: Any = None
+    constants: tuple[tuple[str, str], ...] = ()
 
 
-def ros_field(message_type: Any, path: str) -> RosField:
+def ros_field(message_type: Any, path: str, start: RosStart | None = None) -> RosField:
     """Follows a path through the fields of a modelled message type.
 
     Args:
-        message_type: The `ros.MessageType`.
-        path: Field names joined by dots; `name[i]` is an element of an array.
+        message_type: The `ros.MessageType` of the message.
+        path: Field names joined by dots; `name[i]` is an element of an array, `.` the start.
+        start: Where the path starts; the message `source` when it is not given.
 
     Raises:
-        PathError: There is no such field, or the path goes on behind a value.
+        PathError: There is no such field.
     """
-    current = message_type
-    kind, is_array, bound = full_name(message_type), False, 0
-    for step in path.split("."):
+    begin = start or RosStart("source", message_type)
+    current, field, is_array = begin.type, begin.field, False
+    constants = _constants(message_type)
+    for step in [] if path == "." else path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
             raise PathError(f"'{path}' does not lead to a field of {full_name(message_type)}")
         field = _field_named(current, found["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
+        constants = _constants(current)
         is_array = field.arrayKind.name != "single" and found["index"] is None
-        if field.eClass.name == "MessageField":
-            current, kind = field.messageType, full_name(field.messageType)
-        else:
-            current, kind, bound = None, str(field.type.name), int(field.stringBound)
-    return RosField(path, kind, is_array, bound)
+        current = field.messageType if field.eClass.name == "MessageField" else None
+    is_primitive = current is None and field is not None
+    return RosField(
+        ".".join(each for each in (begin.label, path) if each not in ("", ".")),
+        str(field.type.name) if is_primitive else full_name(current),
+        is_array,
+        int(field.stringBound) if is_primitive else 0,
+        begin.root if path == "." else f"{begin.root}.{path}",
+        _counts(field) if is_array else None,
+        current,
+        field,
+        constants,
+    )
 
 
 def full_name(message_type: Any) -> str:
     """Returns package and name, e.g. `geometry_msgs/Quaternion`."""
     return f"{message_type.eContainer().name}/{message_type.name}"
+
+
+def _counts(field: Any) -> tuple[int, int] | None:
+    size = int(field.arraySize)
+    kinds = {"fixedArray": (size, size), "boundedSequence": (0, size)}
+    return kinds.get(field.arrayKind.name)
+
+
+def _constants(message_type: Any) -> tuple[tuple[str, str], ...]:
+    return tuple((str(each.name), str(each.value)) for each in message_type.constants)
 
 
 def _field_named(message_type: Any, name: str) -> Any:

@@ -16,7 +16,7 @@ from .bridge_joins import StaleJoinError
 from .bridge_limits import CLAMP, ERROR, Clamp, DropField, DropMessage, Error, OutOfRangeError
 from .bridge_statistics import AbsentFieldError, Statistics
 from .conversions import ConversionError
-from .message import EncodeError
+from .message import DecodeError, EncodeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,6 +38,7 @@ _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (AbsentFieldError, "absent_field"),
     (ConversionError, "no_counterpart"),
     (EncodeError, "not_encodable"),
+    (DecodeError, "not_decodable"),
 )
 
 

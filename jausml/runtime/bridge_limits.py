@@ -15,7 +15,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Sequence, Sized
 
 CLAMP = "clamp"
 NOT_CLAMPABLE = "not_clampable"
@@ -30,6 +30,7 @@ _ROUNDING = 2.0**-40
 Absent = TypeVar("Absent")
 T = TypeVar("T")
 Number = TypeVar("Number", int, float)
+Many = TypeVar("Many", bound="Sized")
 
 
 class OutOfRangeError(ValueError):
@@ -141,6 +142,13 @@ class Limit(Generic[Absent]):
         if shortest <= len(value) <= longest:
             return value
         reason = f"length {len(value)} is outside {shortest} .. {longest}"
+        return self._outside(field, reason, None)
+
+    def sized(self, field: str, values: Many, shortest: int, longest: int) -> Many | Absent:
+        """Returns a list of a legal length; others have no nearest."""
+        if shortest <= len(values) <= longest:
+            return values
+        reason = f"{len(values)} elements are not {shortest} .. {longest}"
         return self._outside(field, reason, None)
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:

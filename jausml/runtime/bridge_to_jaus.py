@@ -12,6 +12,7 @@ from .packet import Priority
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from typing import Concatenate
 
     from .address import JausAddress
     from .bridge import Bridge, ReportHolder
@@ -30,7 +31,7 @@ class FromTopics(Connection[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[..., TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         type: type[SourceT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
@@ -99,7 +100,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[..., TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         peers: Sequence[JausAddress],
         control: Guard = Guard.ANY,
@@ -186,7 +187,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[..., TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         query: type[Message],
         **options: Any,

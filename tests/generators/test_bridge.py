@@ -113,13 +113,13 @@ def test_same_model_gives_the_same_bytes(loop_files):
         """
         target.propulsive_linear_effort_x = self.drive.error(
             "PropulsiveLinearEffortX", scale(source.linear.x, 10.0), -100.0, 100.0
-        )
+        )  # percent
 """,
         # Conversions in order, within the range of the target.
         """
         target.propulsive_rotational_effort_z = self.drive.clamp(
             "PropulsiveRotationalEffortZ", scale(negate(source.angular.z), 100.0), -100.0, 100.0
-        )
+        )  # percent
 """,
         """
         target.time_stamp = ReportLocalPose.TimeStamp(*time_to_timestamp(source.header.stamp))
@@ -151,7 +151,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
     def safe_drive(self) -> SetWrenchEffort:
         \"\"\"Sent once when drive hears nothing for 0.4 s.\"\"\"
         target = SetWrenchEffort()
-        target.propulsive_linear_effort_x = 0.0
+        target.propulsive_linear_effort_x = 0.0  # percent
         return target
 """,
     ],

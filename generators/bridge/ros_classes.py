@@ -1,0 +1,57 @@
+"""Names of the ROS message classes in the modules of one bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.common.ros import RosType, ros_type
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class RosClasses:
+    """Gives each ROS type a name, in the order in which they are asked for.
+
+    A class that shares its name with another, as messages that mirror JAUS do, is imported under a
+    name with its package.
+
+    Attributes:
+        names: The names by type.
+    """
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        """Starts without names.
+
+        Args:
+            taken: Names of other classes.
+        """
+        self.names: dict[RosType, str] = {}
+        self._taken = set(taken)
+
+    def name_of(self, element: Any) -> str:
+        """Returns the name of the class of a type.
+
+        Args:
+            element: The `ros.MessageType`.
+        """
+        kind = ros_type(element)
+        if kind not in self.names:
+            package = "".join(word.capitalize() for word in kind.package.split("_"))
+            name = f"{package}{kind.name}" if kind.name in self._taken else kind.name
+            self.names[kind] = name
+            self._taken.add(name)
+        return self.names[kind]
+
+    def imports(self, used: Iterable[str]) -> set[tuple[str, str]]:
+        """Returns modules and names to import.
+
+        Args:
+            used: Names of the classes that a module uses.
+        """
+        wanted = set(used)
+        return {
+            (kind.module, kind.name if name == kind.name else f"{kind.name} as {name}")
+            for kind, name in self.names.items()
+            if name in wanted
+        }

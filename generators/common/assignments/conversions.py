@@ -1,0 +1,203 @@
+"""Values through the conversions of an assignment, in order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import python_literal
+from jausml.generators.common.assignments.tables import look_up
+from jausml.generators.common.assignments.values import (
+    NUMBERS,
+    PYTHON_TYPES,
+    QUATERNION,
+    TIME,
+    AssignmentError,
+    Value,
+)
+from jausml.generators.common.expressions import ARITHMETIC, python_expression
+from jausml.generators.common.jaus_fields import BITS, REAL
+from jausml.generators.common.layout import Call, unpacking
+from jausml.generators.common.names import snake_case
+from jausml.model.expressions import parse_expression, source_names
+from jausml.validation.facts.conversions import conversion_signature
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.generators.common.assignments.body import Body
+    from jausml.generators.common.assignments.surroundings import Surroundings
+    from jausml.generators.common.assignments.targets import Target
+
+_RESULTS = {
+    "number": REAL,
+    "geometry_msgs/Quaternion": QUATERNION,
+    "builtin_interfaces/Time": TIME,
+    "TimeStamp": BITS,
+}
+
+
+class Chain:
+    """The conversions of one assignment.
+
+    Args:
+        body: Takes statements that the values need before the last one.
+        surroundings: The class and the module around.
+        target: Where the results go.
+        target_paths: To which of its places.
+        to_ros: Whether the target is of ROS.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        surroundings: Surroundings,
+        target: Target,
+        target_paths: Sequence[str],
+        *,
+        to_ros: bool,
+    ) -> None:
+        self._body = body
+        self._surroundings = surroundings
+        self._target = target
+        self._target_paths = target_paths
+        self._to_ros = to_ros
+
+    def apply(
+        self, conversions: Sequence[Any], values: Sequence[Value], source_paths: Sequence[str]
+    ) -> list[Value]:
+        """Returns the values for the targets.
+
+        Args:
+            conversions: The `bridge.Conversion` elements.
+            values: The values of the sources.
+            source_paths: Their paths, by which expressions name them.
+
+        Raises:
+            AssignmentError: A conversion does not take what it gets.
+        """
+        current, paths = list(values), list(source_paths)
+        for position, conversion in enumerate(conversions):
+            is_last = position == len(conversions) - 1
+            before = len(current)
+            current = self._convert(conversion, current, paths, is_last=is_last)
+            paths = paths if len(current) == before else [f"value{i + 1}" for i in range(99)]
+        if len(current) != len(self._target_paths):
+            raise AssignmentError(
+                f"{', '.join(self._target_paths)}: {len(current)} values for"
+                f" {len(self._target_paths)} targets"
+            )
+        return current
+
+    def scaled(self, values: Sequence[Value], step: tuple[float, float] | None) -> list[Value]:
+        """Returns the values in the unit of the target.
+
+        Args:
+            values: The results of the conversions.
+            step: Factor and offset between the units; None when they are the same.
+        """
+        if step is None:
+            return list(values)
+        factor, offset = step
+        function, arguments = ("linear", (factor, offset)) if offset else ("scale", (factor,))
+        name = self._body.use("conversions", function)
+        numbers = tuple(python_literal(each) for each in arguments)
+        return [
+            replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None)
+            for each in values
+        ]
+
+    # -- one conversion --------------------------------------------------------------------------
+
+    def _convert(
+        self, conversion: Any, values: list[Value], paths: list[str], *, is_last: bool
+    ) -> list[Value]:
+        kind = conversion.kind.name
+        if kind == "with_units":
+            return values
+        if kind == "look_up":
+            return [self._look_up(conversion, values, is_last=is_last)]
+        if kind == "expression":
+            return [self._expression(conversion, values, paths)]
+        if kind == "user":
+            return self._user(conversion, values, is_last=is_last)
+        return self._call(conversion, values)
+
+    def _call(self, conversion: Any, values: list[Value]) -> list[Value]:
+        """The function of the runtime that has the name of the conversion."""
+        signature = conversion_signature(conversion.kind)
+        if len(values) != len(signature.inputs):
+            raise AssignmentError(f"{conversion.kind.name} does not take {len(values)} values")
+        function = self._body.use("conversions", conversion.kind.name)
+        arguments = [python_literal(float(each)) for each in conversion.arguments]
+        if conversion.quantity is not None:
+            arguments = [self._surroundings.quantity(conversion.quantity)]
+        if function == "timestamp_to_time":
+            arguments.append("near=self.now()")
+        call = Call(function, (*(each.code for each in values), *arguments))
+        kinds = [_RESULTS[output] for output in signature.outputs]
+        return self._results(call, kinds, values)
+
+    def _results(self, call: Call, kinds: list[str], values: list[Value]) -> list[Value]:
+        """The results of a call; several get a local name each."""
+        first = replace(values[0], limits=None, listed=())
+        if len(kinds) == 1:
+            return [replace(first, code=call, kind=kinds[0])]
+        places = [
+            self._body.local_names.claim(snake_case(name.rpartition(".")[2]))
+            for name in _names_for(kinds, self._target_paths)
+        ]
+        unpacked = unpacking(places, str(call), self._body.column)
+        if "\n" in unpacked:
+            self._body.store(call, ", ".join(places))
+        else:
+            self._body.add(unpacked)
+        pairs = zip(places, kinds, strict=True)
+        return [replace(first, code=place, kind=kind) for place, kind in pairs]
+
+    def _look_up(self, conversion: Any, values: list[Value], *, is_last: bool) -> Value:
+        (value,) = values
+        kind = self._target.kind(self._target_paths[0]) if is_last else REAL
+        listed = self._target.listed(self._target_paths[0]) if is_last else ()
+        table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
+        name = self._surroundings.constant(*table.constant)
+        function = self._body.use("conversions", "look_up")
+        code = Call(function, (value.code, name))
+        return replace(value, code=code, kind=kind, limits=table.limits, listed=())
+
+    def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
+        expression = parse_expression(conversion.expression or "")
+        names = source_names(paths)
+        codes: dict[int, str] = {}
+        for index in dict.fromkeys(names.values()):
+            if index < len(values):
+                codes[index] = self._plain(values[index], paths[index])
+        sources = {name: codes[index] for name, index in names.items() if index in codes}
+        written = python_expression(expression, sources)
+        for name in written.functions:
+            self._body.use(ARITHMETIC, name)
+        return replace(values[0], code=written.code, kind=REAL, limits=None, listed=())
+
+    def _plain(self, value: Value, path: str) -> str:
+        """The value as Python text that may stand several times."""
+        if value.kind not in NUMBERS:
+            raise AssignmentError(f"{path}: an expression needs numbers")
+        if isinstance(value.code, str):
+            return value.code
+        return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
+
+    def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
+        inputs = [PYTHON_TYPES.get(value.kind, "Any") for value in values]
+        kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
+        outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
+        output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
+        method = self._surroundings.user_method(conversion.method or "", inputs, output)
+        call = Call(method, tuple(each.code for each in values))
+        return self._results(call, kinds, values)
+
+
+def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:
+    """Names for several results: those of the targets when there are as many."""
+    if len(paths) == len(kinds):
+        return list(paths)
+    return ["value"] * len(kinds)

@@ -1,0 +1,85 @@
+"""Tables of JAUS and ROS values as constants of the generated module."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.common.assignments.values import (
+    BOOLEAN,
+    PYTHON_TYPES,
+    AssignmentError,
+    constant,
+)
+from jausml.generators.common.jaus_fields import INTEGER
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.generators.common.assignments.values import Value
+
+_UNLIMITED = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table in one direction.
+
+    Attributes:
+        constant: Name, type, items, brackets and description of the constant.
+        limits: Least and greatest integer that it yields; None when it yields others.
+    """
+
+    constant: tuple[str, str, Sequence[str], str, str]
+    limits: tuple[float, float] | None
+
+
+def look_up(
+    table: Any, value: Value, kind: str, listed: Sequence[tuple[str, str]], *, to_ros: bool
+) -> Table:
+    """Returns a table as the dictionary that a look_up needs.
+
+    Args:
+        table: The `bridge.ValueTable`.
+        value: What is looked up; its kind is that of the keys.
+        kind: Kind of what is found.
+        listed: Names and values of what is found, as its field names them.
+        to_ros: Whether JAUS values are looked up.
+
+    Raises:
+        AssignmentError: An entry is no value of its side.
+    """
+    pairs: dict[str, str] = {}
+    for entry in table.entries:
+        texts = (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus)
+        key = _literal(str(texts[0] or ""), value.kind, value.listed, table.name)
+        pairs.setdefault(key, _literal(str(texts[1] or ""), kind, listed, table.name))
+    ends = "JAUS to ROS" if to_ros else "ROS to JAUS"
+    about = f"Table {table.name}, {ends}."
+    annotation = f"dict[{_type(value.kind)}, {_type(kind)}]"
+    items = [f"{key}: {found}" for key, found in pairs.items()]
+    name = f"{table.name} to {'ros' if to_ros else 'jaus'}"
+    limits = None
+    if kind == INTEGER and pairs:
+        numbers = [int(found) for found in pairs.values()]
+        limits = (min(numbers), max(numbers))
+    return Table((name, annotation, items, "{}", about), limits)
+
+
+def _literal(text: str, kind: str, listed: Sequence[tuple[str, str]], table: str) -> str:
+    """A value of a table as a literal; names of values come before the values themselves."""
+    named = dict(reversed(listed))
+    try:
+        return constant(kind, named.get(text, text), _UNLIMITED, f"table {table}")
+    except AssignmentError:
+        # true and false are 1 and 0 where JAUS has no bool.
+        if kind == INTEGER and text in {"true", "false"}:
+            return str(int(text == "true"))
+        if kind == BOOLEAN and text in {"0", "1"}:
+            return str(text == "1")
+        raise
+
+
+def _type(kind: str) -> str:
+    return PYTHON_TYPES.get(kind, "Any")
