@@ -23,6 +23,7 @@ VERBS = {
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
+    "format": "Lay out ros2jaus text.",
     "import": "Make models of foreign descriptions.",
     "list": "List the JAUS services and messages that are known.",
     "decode": "Show JAUS messages: from hex, from captures, or live.",
@@ -51,7 +52,7 @@ class Verbs(click.Group):
         """Returns a verb, or None when there is none of the name."""
         if cmd_name not in VERBS:
             return None
-        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
         command: click.Command = import_module(f"jausml.cli.{module}").command
         return command
 

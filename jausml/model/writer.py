@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 from urllib.parse import quote
@@ -74,7 +75,7 @@ def replace_file(path: Path, data: bytes) -> None:
     """Writes a file so that it is either old or new at any moment.
 
     Args:
-        path: The file; a symbolic link is followed.
+        path: The file; a symbolic link is followed. A file that is there keeps its permissions.
         data: Its new content.
 
     Raises:
@@ -84,6 +85,8 @@ def replace_file(path: Path, data: bytes) -> None:
     temporary = real.with_name(f".{real.name}.{os.getpid()}.jausml-tmp")
     try:
         temporary.write_bytes(data)
+        if real.exists():
+            shutil.copymode(real, temporary)
         temporary.replace(real)
     except BaseException:
         temporary.unlink(missing_ok=True)

@@ -112,12 +112,15 @@ def _bracketed(
 def _can_share_line(items: Sequence[Item], laid_out: Sequence[list[str]]) -> bool:
     """Tells whether items can stand on one line: short ones without comments."""
     return all(
-        isinstance(item, _SHORT) and len(lines) == 1 and not _is_commented(item)
+        isinstance(item, _SHORT) and len(lines) == 1 and not _needs_line(item)
         for item, lines in zip(items, laid_out, strict=True)
     )
 
 
-def _is_commented(item: Item) -> bool:
+def _needs_line(item: Item) -> bool:
+    """Tells whether an item cannot share a line: it has comments, or lacks the name at its end."""
+    if isinstance(item, Member) and item.name is None:
+        return True
     return bool(item.documentation or item.comments or item.trailing or item.spaced)
 
 

@@ -35,7 +35,7 @@ class Ros2Jaus:
 
     def read(self, data: bytes, path: Path, metamodels: Metamodels) -> TextDocument:
         """Reads a document, as `jausml.model.notation.Notation` says."""
-        text, fault = _decoded(data)
+        text, fault = decode(data)
         if fault is not None:
             return TextDocument(Document(), [fault], path, metamodels)
         # The parser takes a while to load, and models in XMI do without it.
@@ -53,7 +53,12 @@ NOTATIONS: tuple[Notation, ...] = (Ros2Jaus(),)
 """The notations besides XMI that the toolchain reads."""
 
 
-def _decoded(data: bytes) -> tuple[str, Fault | None]:
+def decode(data: bytes) -> tuple[str, Fault | None]:
+    """Returns the text of a file; or an empty text, and why the file is none.
+
+    Args:
+        data: The bytes of the file.
+    """
     if len(data) > MAX_BYTES:
         return "", Fault("JML714", f"the file is larger than {MAX_BYTES // (1024 * 1024)} MiB")
     try:

@@ -1,0 +1,107 @@
+"""`jausml format`: lays out ros2jaus text anew."""
+
+from __future__ import annotations
+
+from difflib import unified_diff
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
+from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.writer import replace_file
+from jausml.text.notation import SUFFIX, decode
+from jausml.validation.formats.text import lines_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.text.parsing import Parsed
+
+
+@click.command("format")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
+@click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not list the files that change.")
+def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> None:
+    """Lay out ros2jaus text anew: files, or all *.ros2jaus files below folders.
+
+    Changes neither what the text means nor its comments. When a file has syntax errors they are
+    reported, and no file is written.
+
+    Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would
+    change), 2 a file cannot be read or written or is no ros2jaus text, 3 internal error.
+    """
+    from jausml.text.layout import render  # noqa: PLC0415 - `--help` is quick
+    from jausml.text.parsing import parse  # noqa: PLC0415 - as above
+
+    texts = {name: _read(name) for name in find_files(files, (SUFFIX,))}
+    parsed = {name: parse(text) for name, text in texts.items()}
+    if _report(parsed):
+        raise click.exceptions.Exit(PROBLEMS)
+    laid_out = {name: render(each.document) for name, each in parsed.items()}
+    changed = {name: new for name, new in laid_out.items() if new != texts[name]}
+    for name, new in changed.items():
+        if diff:
+            click.echo(_patch(name, texts[name], new), nl=False)
+        elif not quiet:
+            click.echo(click.format_filename(name))
+        if not (check or diff):
+            _write(name, new)
+    if check and changed:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _read(name: str) -> str:
+    """Returns the text of a file as it is, line ends and byte order mark included."""
+    if not name.endswith(SUFFIX):
+        raise EnvironmentFault(f"{click.format_filename(name)}: the file is no *{SUFFIX} file")
+    try:
+        data = Path(name).read_bytes()
+    except OSError as error:
+        raise EnvironmentFault(f"{click.format_filename(name)}: {error.strerror}") from error
+    _, fault = decode(data)
+    if fault is not None:
+        place = Location(name, fault.line, fault.column)
+        raise EnvironmentFault(f"{place}: {fault.message}")
+    return data.decode("utf-8")
+
+
+def _report(parsed: Mapping[str, Parsed]) -> bool:
+    """Reports the syntax errors of files, and tells whether there are any."""
+    findings = [
+        Diagnostic(
+            "JML701",
+            Severity.ERROR,
+            Location(name, fault.span.line, fault.span.column),
+            fault.message,
+            fault.hint,
+        )
+        for name, each in parsed.items()
+        for fault in each.faults
+    ]
+    for finding in sorted(findings):
+        for line in lines_of(finding):
+            click.echo(line)
+    return bool(findings)
+
+
+def _patch(name: str, old: str, new: str) -> str:
+    # Lines end at line feeds alone, not at all that Unicode has.
+    before, after = (list(StringIO(text, newline="\n")) for text in (old, new))
+    lines = unified_diff(before, after, f"a/{name}", f"b/{name}")
+    marked = (
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+    )
+    return "".join(marked)
+
+
+def _write(name: str, text: str) -> None:
+    try:
+        replace_file(Path(name), text.encode("utf-8"))
+    except OSError as error:
+        shown = click.format_filename(name)
+        raise EnvironmentFault(f"cannot write {shown}: {error.strerror}") from error
