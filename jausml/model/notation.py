@@ -69,6 +69,9 @@ class Known(Protocol):
             None of them, the one, or all that it may mean.
         """
 
+    def alike(self, qualified_class: str, name: str) -> Sequence[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+
     def message_codes(self) -> set[int]:
         """Returns the codes of the messages of the document, its imports and the library."""
 

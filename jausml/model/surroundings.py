@@ -34,6 +34,11 @@ class Surroundings:
         wanted = self._model.metamodels.classes[qualified_class]
         return self._names.find(name, wanted, self._document, None)
 
+    def alike(self, qualified_class: str, name: str) -> list[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+        wanted = self._model.metamodels.classes[qualified_class]
+        return self._names.alike(name, wanted, self._document)
+
     def message_codes(self) -> set[int]:
         """Returns the codes of the messages of the document, its imports and the library."""
         codes = set(library_codes())

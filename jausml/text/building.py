@@ -12,7 +12,7 @@ from jausml.text.keywords import classes_by_keyword, snake_case
 from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from jausml.model.parsing import Node
     from jausml.text.nodes import NodeMaker
@@ -281,8 +281,3 @@ def decimal(number: str) -> str:
     if digits[:2] in ("0x", "0X"):
         return f"{sign}{int(digits, 16)}"
     return sign + digits
-
-
-def as_classes(keywords: Mapping[str, ClassTable]) -> list[ClassTable]:
-    """Returns the classes of keywords, each once."""
-    return list(dict.fromkeys(keywords.values()))

@@ -8,13 +8,15 @@ from jausml.model.notation import Fault
 from jausml.model.notation import Import as ImportedUri
 from jausml.text import imports
 from jausml.text.building import BlockBuilder
+from jausml.text.declaring import Declarer
 from jausml.text.map_building import MapBuilder
+from jausml.text.members import MemberCheck
 from jausml.text.nodes import NodeMaker
 from jausml.text.roots import RootBuilder
 from jausml.text.tree import Import
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from jausml.metamodel import Metamodels
@@ -41,6 +43,7 @@ class TextDocument:
         blocks = BlockBuilder(metamodels, self._nodes)
         self._maps = MapBuilder(metamodels, self._nodes, blocks)
         self._roots = RootBuilder(metamodels, self._nodes, blocks, path)
+        self._declarer = Declarer(metamodels, self._nodes, blocks, path, self._roots.types)
         self.imports: list[ImportedUri] = []
         for item in document.items:
             if isinstance(item, Import):
@@ -58,13 +61,25 @@ class TextDocument:
         """What is wrong with the text."""
         return self._nodes.faults
 
-    def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:  # noqa: ARG002
+    def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
         """Returns the messages and types that maps use and nobody knows."""
-        return [], []
+        before = len(self._nodes.faults)
+        self._declarer.run(self._maps.ends, known)
+        return self._declarer.roots, self._nodes.faults[before:]
 
     def check(self) -> Sequence[Fault]:
         """Returns what listed members say wrongly about known messages."""
-        return []
+        ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
+        check = MemberCheck(self._declarer.types)
+        return [*check.run(ends), *self._unused()]
+
+    def _unused(self) -> Iterator[Fault]:
+        types = self._declarer.types
+        for name, member in types.named.items():
+            if name not in types.used and member.name is not None:
+                span = member.name.span
+                message = f"no member is of type '{name}'"
+                yield Fault("JML706", message, line=span.line, column=span.column)
 
     def _import(self, item: Import) -> None:
         found = imports.resolve(item)

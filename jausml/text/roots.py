@@ -41,8 +41,8 @@ class RootBuilder:
         self._path = path
         self._implicit: dict[str, Node] = {}
         self.roots: list[Node] = []
-        self.types: list[Member] = []
-        """Named types that members of messages may have."""
+        self.types: dict[str, Member] = {}
+        """The named types that members of messages may have, by name."""
 
     def add(self, item: Item) -> None:
         """Builds an item of the top level."""
@@ -100,11 +100,11 @@ class RootBuilder:
             message = "a struct without a name declares nothing"
             hint = "write a name behind it: struct [ ... ] pose"
             self._nodes.fault("JML706", member.span, message, hint)
-        elif any(each.name and each.name.text == member.name.text for each in self.types):
+        elif member.name.text in self.types:
             message = f"type '{member.name.text}' is declared twice"
             self._nodes.fault("JML707", member.span, message)
         else:
-            self.types.append(member)
+            self.types[member.name.text] = member
 
     def _takes(self, root: str, table: ClassTable) -> bool:
         features = self._metamodels.classes[root].features.values()

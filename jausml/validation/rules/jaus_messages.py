@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _PRESENCE_BITS = {"none": 0, **UNSIGNED_BITS}
 # What the runtime puts together from fragments, in bytes.
 _LARGEST = 4 << 20
+_IN_RECORD = "a member of a record"
 _COUNTS = {
     "List": ("countType", "minimumCount", "maximumCount"),
     "VariableLengthString": ("countType", "minimumLength", "maximumLength"),
@@ -51,7 +52,9 @@ def reference_cycle(subject: Subject) -> Iterator[Finding]:
 def member_kinds(subject: Subject) -> Iterator[Finding]:
     """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
 
-    Containers are records, lists, variants and sequences (AS5684, JSIDL).
+    Containers are records, lists, variants and sequences (AS5684, JSIDL). A container inside a
+    record is an information only: the bytes are those of a sequence with records in turn, but
+    JSIDL cannot say it so.
 
     Bad: a sequence with a FixedField as its member
 
@@ -60,7 +63,7 @@ def member_kinds(subject: Subject) -> Iterator[Finding]:
     for message in subject.instances("jaus.MessageDef"):
         yield from _kind_findings([message.body], "the body of a message", containers=True)
     for record in subject.instances("jaus.Record"):
-        yield from _kind_findings(record.fields, "a member of a record", containers=False)
+        yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
     for sequence in subject.instances("jaus.Sequence"):
         yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
     for each in subject.instances("jaus.List"):
@@ -270,7 +273,9 @@ def _kind_findings(fields: Any, role: str, *, containers: bool) -> Iterator[Find
         kind = class_name(target)
         if (kind in CONTAINERS) is not containers:
             wanted = "a record, list, variant or sequence" if containers else "a field"
-            yield Finding(field, f"'{field.name}' is a {kind}, but {role} is {wanted}")
+            severity = Severity.INFO if role == _IN_RECORD else None
+            message = f"'{field.name}' is a {kind}, but {role} is {wanted}"
+            yield Finding(field, message, severity=severity)
 
 
 def _vector_hint(count: int) -> str:
