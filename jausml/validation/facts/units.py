@@ -64,8 +64,17 @@ def unit_step(attribute_map: Any, assignment: Any, *, to_ros: bool) -> tuple[flo
         of them is not known.
     """
     placed = place(attribute_map, assignment, to_ros=to_ros)
-    result = result_measure(placed) if placed is not None else None
-    if placed is None or not isinstance(result, Measure):
+    return result_step(placed) if placed is not None else None
+
+
+def result_step(placed: Placed) -> tuple[float, float] | None:
+    """Returns what `unit_step` does, of an assignment with its places.
+
+    Args:
+        placed: A FieldAssignment.
+    """
+    result = result_measure(placed)
+    if not isinstance(result, Measure):
         return None
     for _, found in placed.targets:
         wanted = attribute_measure(found)
@@ -93,6 +102,19 @@ def result_measure(placed: Placed) -> Measure | UnitFault | None:
         else:
             return following
     return current
+
+
+def units_clash(placed: Placed) -> bool:
+    """Tells whether an assignment makes one thing of another: its axes and range mean nothing then.
+
+    Args:
+        placed: A FieldAssignment.
+    """
+    result = result_measure(placed)
+    if not isinstance(result, Measure):
+        return result is not None
+    wanted = [attribute_measure(found) for _, found in placed.targets]
+    return any(each is not None and not each.unit.is_compatible(result.unit) for each in wanted)
 
 
 def attribute_measure(found: Any) -> Measure | None:

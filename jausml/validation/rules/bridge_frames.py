@@ -20,6 +20,7 @@ from jausml.validation.facts.frames import (
     UP,
     Axis,
 )
+from jausml.validation.facts.units import units_clash
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def _turns_local_axes(placed: Placed) -> bool | None:
 
 
 def _finding(placed: Placed) -> Finding | None:
-    if not placed.source_attributes or not placed.target_attributes:
+    if not placed.source_attributes or not placed.target_attributes or units_clash(placed):
         return None
     conversions = placed.assignment.conversions
     passage = frames.passage(conversions, placed.source_attributes)
