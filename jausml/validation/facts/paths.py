@@ -49,7 +49,8 @@ class Scope:
             if join is not None and join.type is None:
                 return None
             if join is not None:
-                return RosPlace(type=join.type).follow(rest or ".")
+                is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
+                return RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".")
         return self.source.follow(path)
 
     def find_target(self, path: str) -> FoundPlace:
@@ -115,14 +116,16 @@ class Placed:
         return _attribute(found)
 
 
-def outer_scope(attribute_map: Any, *, to_ros: bool) -> Scope:
+def outer_scope(attribute_map: Any, *, to_ros: bool, indexed: bool = False) -> Scope:
     """Returns the scope of the assignments of a map.
 
     Args:
         attribute_map: A `bridge.AttributeMap` with its message and type.
         to_ros: Which direction.
+        indexed: Whether the elements of ROS sequences may be named by index.
     """
-    ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
+    ros = RosPlace(type=attribute_map.type, indexed=indexed)
+    ends = message_place(attribute_map.message), ros
     return Scope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
 
 

@@ -36,6 +36,7 @@ class RosPlace:
         frame: Frame of the field or of those around it.
         label: Name of the innermost field.
         constants: Constants of the type that has the field.
+        indexed: Whether the elements of sequences may be named by index, as in test vectors.
     """
 
     type: Any = None
@@ -45,6 +46,7 @@ class RosPlace:
     frame: str = UNSTATED
     label: str = ""
     constants: tuple[tuple[str, str], ...] = ()
+    indexed: bool = False
 
     def follow(self, path: str) -> RosPlace | PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read.
@@ -93,7 +95,7 @@ class RosPlace:
         if field is None:
             message = f"{ros_name(self.type)} has no field '{name}'"
             return PathFault(message, nearest_name(name, self.type.fields))
-        fault = _index_fault(field, indices)
+        fault = _index_fault(field, indices, is_free=self.indexed)
         return fault if fault is not None else self._inside(field, is_element=bool(indices))
 
     def _inside(self, field: Any, *, is_element: bool) -> RosPlace:
@@ -108,6 +110,7 @@ class RosPlace:
             frame=frame if frame != UNSTATED else self.frame,
             label=field.name,
             constants=tuple((each.name, each.value) for each in self.type.constants),
+            indexed=self.indexed,
         )
 
     def _array(self) -> Attribute:
@@ -150,12 +153,14 @@ def _split(step: str, known: list[str]) -> tuple[str, list[int]]:
     return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
 
 
-def _index_fault(field: Any, indices: list[int]) -> PathFault | None:
+def _index_fault(field: Any, indices: list[int], *, is_free: bool) -> PathFault | None:
     if not indices:
         return None
     if field.arrayKind.name == "single":
         return PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
     if field.arrayKind.name != "fixedArray":
+        if is_free and len(indices) == 1:
+            return None
         return PathFault(
             f"'{field.name}' is a sequence whose length is not known beforehand",
             "translate it as a whole by a ListAssignment",

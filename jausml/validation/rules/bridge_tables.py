@@ -1,0 +1,117 @@
+"""Rules about the value tables of maps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Severity
+from jausml.validation.facts.attributes import BOOL, NUMBER, TEXT, Attribute
+from jausml.validation.facts.directions import directions
+from jausml.validation.facts.values import constant_fault, is_real
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.validation.facts.paths import Placed
+    from jausml.validation.subject import Subject
+
+_VALUES = (NUMBER, BOOL, TEXT)
+_MOST_NAMES = 5
+
+
+@rule("JML440", Severity.ERROR, "table that does not fit")
+def tables(subject: Subject) -> Iterator[Finding]:
+    """The entries of a table are values of what look_up reads and fills.
+
+    A number stands for itself; the name of an enumerated JAUS value or of a constant of the ROS
+    type stands for its number. Of several entries with one value the first counts; one whose values
+    both stand in earlier entries is never found. Each enumerated value of the source should be in
+    the table, since one that is not drops the message.
+
+    Bad: a table `OPEN <-> true` for a JAUS field with the values Opened and Closed
+
+    Good: `Opened <-> true`, `Closed <-> false`
+    """
+    reported: set[tuple[Any, str]] = set()
+    for direction in directions(subject):
+        for placed in direction.of_kind("FieldAssignment"):
+            for position, conversion in enumerate(placed.assignment.conversions):
+                if conversion.kind.name != "look_up" or conversion.table is None:
+                    continue
+                for finding in _findings(placed, position, conversion):
+                    key = (finding.element, finding.message)
+                    if key not in reported:
+                        reported.add(key)
+                        yield finding
+
+
+def _findings(placed: Placed, position: int, conversion: Any) -> Iterator[Finding]:
+    to_ros = placed.scope.to_ros
+    given, taken = ("ros", "jaus") if to_ros else ("jaus", "ros")
+    conversions, table = placed.assignment.conversions, conversion.table
+    if position == 0 and len(placed.source_attributes) == 1:
+        source = placed.source_attributes[0]
+        yield from _entry_findings(table, taken, source)
+        yield from _lacking(conversion, taken, source)
+    if len(conversions) == len(placed.source_attributes) == len(placed.target_attributes) == 1:
+        yield from _repeated(table, taken, placed)
+    if position == len(conversions) - 1 and len(placed.target_attributes) == 1:
+        yield from _entry_findings(table, given, placed.target_attributes[0])
+
+
+def _entry_findings(table: Any, feature: str, attribute: Attribute) -> Iterator[Finding]:
+    if attribute.kind not in _VALUES:
+        return
+    for entry in table.entries:
+        value = getattr(entry, feature)
+        fault = constant_fault(value, attribute) if value is not None else ""
+        if fault:
+            hint = _known(attribute)
+            yield Finding(entry, f"{value!a} {fault} ({attribute.label})", feature, hint)
+
+
+def _repeated(table: Any, feature: str, placed: Placed) -> Iterator[Finding]:
+    """Yields findings for entries that neither direction finds."""
+    ends = [placed.source_attributes[0], placed.target_attributes[0]]
+    jaus, ros = ends if feature == "jaus" else reversed(ends)
+    seen: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
+    for entry in table.entries:
+        values = _resolved(entry.jaus, jaus), _resolved(entry.ros, ros)
+        firsts = [known.setdefault(value, entry) for known, value in zip(seen, values, strict=True)]
+        if all(first is not entry for first in firsts):
+            message = f"{entry.jaus!a} and {entry.ros!a} stand in earlier entries, which count"
+            note = Note(firsts[0], "the earlier entry", "jaus")
+            yield Finding(entry, message, "jaus", related=(note,), severity=Severity.WARNING)
+
+
+def _lacking(conversion: Any, feature: str, attribute: Attribute) -> Iterator[Finding]:
+    table = conversion.table
+    known = {_resolved(getattr(entry, feature), attribute) for entry in table.entries}
+    listed = attribute.constants if not attribute.is_ros else ()
+    if attribute.kind == BOOL:
+        listed = (("true", "true"), ("false", "false"))
+    names = [name for name, value in listed if _resolved(value, attribute) not in known]
+    if names:
+        more = " ..." if len(names) > _MOST_NAMES else ""
+        message = f"table '{table.name}' lacks {', '.join(names[:_MOST_NAMES])}{more}"
+        message += f" of '{attribute.label}', which drops the message"
+        yield Finding(table, message, "entries", severity=Severity.WARNING)
+
+
+def _resolved(value: str | None, attribute: Attribute) -> str:
+    """One text for one value: numbers and their names alike."""
+    text = dict(attribute.constants).get(value or "", value or "").strip()
+    if attribute.kind == NUMBER and is_real(text):
+        return f"{float(text):.17g}"
+    return text
+
+
+def _known(attribute: Attribute) -> str:
+    names = [name for name, _ in attribute.constants]
+    if attribute.is_ros or not 0 < len(names) <= 2 * _MOST_NAMES:
+        return ""
+    return f"it has {', '.join(names)}"
+
+
+RULES = (tables,)
