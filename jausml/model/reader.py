@@ -57,6 +57,7 @@ def read_models(
     projects: Mapping[str, str | os.PathLike[str]] | None = None,
     metamodels: Metamodels | None = None,
     notations: Sequence[Notation] = (),
+    contents: Mapping[Path, bytes] | None = None,
 ) -> ReadResult:
     """Reads model files and all that they refer to.
 
@@ -69,6 +70,7 @@ def read_models(
         projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
         metamodels: The metamodels, by default the shipped ones.
         notations: What reads files that are no XMI, by the endings of their names.
+        contents: What an editor holds of files, by real path; it is read instead of what is stored.
 
     Returns:
         The model and the findings.
@@ -80,7 +82,7 @@ def read_models(
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
     uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
     with _without_collector():
-        reading = _Reading(metamodels or load_metamodels(), uris, notations)
+        reading = _Reading(metamodels or load_metamodels(), uris, notations, contents or {})
         model, diagnostics = reading.run(names)
     return ReadResult(model, diagnostics, root)
 
@@ -101,10 +103,15 @@ class _Reading:
     """One run of the reader."""
 
     def __init__(
-        self, metamodels: Metamodels, uris: UriResolver, notations: Sequence[Notation]
+        self,
+        metamodels: Metamodels,
+        uris: UriResolver,
+        notations: Sequence[Notation],
+        contents: Mapping[Path, bytes],
     ) -> None:
         self._metamodels = metamodels
         self._notations = notations
+        self._contents = contents
         self._uris = uris
         self._documents: dict[Path, Document] = {}
         self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
@@ -179,7 +186,8 @@ class _Reading:
     def _load(self, document: Document) -> str | None:
         """Reads and builds a document; returns why its file cannot be read, else None."""
         try:
-            document.data = document.path.read_bytes()
+            held = self._contents.get(document.path)
+            document.data = document.path.read_bytes() if held is None else held
         except (OSError, ValueError) as error:
             return getattr(error, "strerror", None) or str(error)
         for notation in self._notations:
