@@ -127,17 +127,16 @@ def _package_folders(path: Path) -> list[Path]:
 
 
 def _package_folder(path: Path) -> Path:
-    folder = path.parent
-    return folder.parent if folder.resolve().name in PARTS else folder
+    folder = path.parent.resolve()
+    return folder.parent if folder.name in PARTS else folder
 
 
 def _package_name(folder: Path) -> str:
-    resolved = folder.resolve()
-    manifest = resolved / "package.xml"
+    manifest = folder / "package.xml"
     root = parse(manifest.read_bytes()).root if manifest.is_file() else None
     children = root.children if root is not None else []
     stated = [child.text.strip() for child in children if child.tag == "name"]
-    return stated[0] if stated and stated[0] else resolved.name
+    return stated[0] if stated and stated[0] else folder.resolve().name
 
 
 def _is_known(path: Path, seen: set[str]) -> bool:
