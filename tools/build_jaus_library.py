@@ -2,8 +2,8 @@
 """Writes the JAUS service sets of models/library/jaus from a facts file.
 
 The facts file is JSON: the services of each set with their messages, described with the words of
-SAE AS5684 (names, codes, field order, types, units, ranges). Axes, and units that the facts lack, come
-from jaus_frames.ini beside this tool. The same facts give the same bytes.
+SAE AS5684 (names, codes, field order, types, units, ranges). Axes, and units that the facts lack,
+come from jaus_frames.ini beside this tool. The same facts give the same bytes.
 
 Usage: python tools/build_jaus_library.py FACTS.json OUTPUT_FOLDER
 """

@@ -1,0 +1,208 @@
+"""Bridges that use the ready maps in all of their directions: as text, generated, imported."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import Quaternion
+from std_msgs.msg import Header
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from jausml.model.reader import ReadResult
+
+ROOT = Path(__file__).resolve().parents[3]
+MAPPINGS = ROOT / "models" / "library" / "mappings"
+FILES = sorted(MAPPINGS.glob("*.ros2jaus"))
+
+
+def read(*paths: Path) -> ReadResult:
+    """Reads models, text among them."""
+    return read_models(list(paths), notations=NOTATIONS)
+
+
+@cache
+def ready_maps() -> dict[str, list[Any]]:
+    """Returns the attribute maps of each file of ready maps by its name."""
+    model = read(*FILES).model
+    found: dict[str, list[Any]] = {path.stem: [] for path in FILES}
+    for each in model.instances("bridge.AttributeMap"):
+        found[Path(model.location(each).path).stem].append(each)
+    return found
+
+
+def system_text() -> str:
+    """Returns a system with a bridge for each file, which uses its maps in all directions.
+
+    A bridge provides the services of the commands that come to it and of the reports that it
+    makes; a peer of its own provides the others.
+    """
+    imports = [f"import mappings.{stem}" for stem in ready_maps()]
+    bridges = [
+        line
+        for number, (stem, maps) in enumerate(ready_maps().items())
+        for line in _bridge_lines(stem, maps, number)
+    ]
+    return "\n".join([*imports, *bridges, ""])
+
+
+def _bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
+    given: set[str] = set()
+    used: set[str] = set()
+    connections = []
+    for each in maps:
+        for to_ros in (True, False):
+            if each.toRos if to_ros else each.toJaus:
+                is_provider = bool(each.message.isCommand) == to_ros
+                (given if is_provider else used).add(_address(each.message.eContainer()))
+                peer = "" if is_provider else f"{stem}_peer"
+                connections.append(_connection(each, to_ros=to_ros, peer=peer))
+    lines = [f"bridge {stem}_bridge {{", f"  address: 10.1.{number + 1}"]
+    lines += [f"  provides: {', '.join(sorted(given))}"] if given else []
+    lines += [f"  uses: {', '.join(sorted(used))}"] if used else []
+    lines += [*connections, "}"]
+    if used:
+        lines += [f"component {stem}_peer {{", f"  address: 10.1.{number + 101}"]
+        lines += [f"  provides: {', '.join(sorted(used))}", "}"]
+    return lines
+
+
+def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
+    way = "to_ros" if to_ros else "to_jaus"
+    exchange = "message" if attribute_map.message.isCommand else "query"
+    topics = [f"    topic {attribute_map.name} {{ }}"]
+    if not to_ros:
+        topics += [
+            f"    topic {each.name} {{ join: {attribute_map.name}.{each.name} }}"
+            for each in attribute_map.joins
+        ]
+    return "\n".join(
+        [
+            f"  connection {attribute_map.name}_{way} {{",
+            f"    map: {attribute_map.name}",
+            f"    direction: {'jausToRos' if to_ros else 'rosToJaus'}",
+            f"    exchange: {exchange}",
+            *([f"    peers: {peer}"] if peer else []),
+            *topics,
+            "  }",
+        ]
+    )
+
+
+def _address(service: Any) -> str:
+    return f'@"http://www.jausml.org/library/jaus/{_library_files()[service.urn]}#{service.name}"'
+
+
+@cache
+def _library_files() -> dict[str, str]:
+    """Names of the files of the library by the URNs of services; newer versions win."""
+    return {
+        urn: path.name
+        for path in sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))
+        for urn in re.findall('urn="([^"]*)"', path.read_text(encoding="utf-8"))
+    }
+
+
+def generate(folder: Path) -> None:
+    """Generates the bridges of `system_text`, each as a package, with the runtime.
+
+    Args:
+        folder: Where to put the system and the packages.
+    """
+    text = folder / "system.ros2jaus"
+    text.write_text(system_text(), encoding="utf-8")
+    result = read(text)
+    assert not result.diagnostics, [str(each) for each in result.diagnostics]
+    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+        file = folder / artifact.path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(artifact.text, encoding="utf-8")
+
+
+@dataclass
+class GeoPoint:
+    """Stands for geographic_msgs/GeoPoint, which no wheel brings."""
+
+    latitude: float = 0.0
+    longitude: float = 0.0
+    altitude: float = 0.0
+
+
+@dataclass
+class GeoPose:
+    """Stands for geographic_msgs/GeoPose."""
+
+    position: GeoPoint = field(default_factory=GeoPoint)
+    orientation: Quaternion = field(default_factory=Quaternion)
+
+
+@dataclass
+class GeoPoseStamped:
+    """Stands for geographic_msgs/GeoPoseStamped."""
+
+    header: Header = field(default_factory=Header)
+    pose: GeoPose = field(default_factory=GeoPose)
+
+
+@dataclass
+class GeoPath:
+    """Stands for geographic_msgs/GeoPath."""
+
+    header: Header = field(default_factory=Header)
+    poses: list[GeoPoseStamped] = field(default_factory=list)
+
+
+def stand_in() -> None:
+    """Puts the stand-ins in the place of geographic_msgs, if that is not installed."""
+    if "geographic_msgs.msg" in sys.modules:
+        return
+    package, module = ModuleType("geographic_msgs"), ModuleType("geographic_msgs.msg")
+    for each in (GeoPoint, GeoPose, GeoPoseStamped, GeoPath):
+        setattr(module, each.__name__, each)
+    sys.modules.update({"geographic_msgs": package, "geographic_msgs.msg": module})
+
+
+class Translator:
+    """The translations of a generated bridge.
+
+    Attributes:
+        messages: The module of the JAUS messages.
+        bridge: The bridge, not opened.
+    """
+
+    def __init__(self, package: Path) -> None:
+        """Imports a generated package.
+
+        Args:
+            package: Folder of the package; the runtime lies beside it.
+        """
+        stand_in()
+        name = package.name
+        for folder in (package, package.parent / "jausml_runtime"):
+            if str(folder) not in sys.path:
+                sys.path.insert(0, str(folder))
+        self.messages = importlib.import_module(f"{name}.messages")
+        module = importlib.import_module(f"{name}.{name}")
+        self.bridge = getattr(module, "".join(word.capitalize() for word in name.split("_")))()
+
+    def to_ros(self, attribute_map: str, source: Any) -> Any:
+        """Translates a JAUS message as it comes from the wire."""
+        received = type(source).decode(source.encode())
+        return getattr(self.bridge, f"translate_{attribute_map}_to_ros")(received)
+
+    def to_jaus(self, attribute_map: str, source: Any, **joined: Any) -> Any:
+        """Translates a ROS message to a JAUS message as it arrives at the other end of the wire."""
+        made = getattr(self.bridge, f"translate_{attribute_map}_to_jaus")(source, **joined)
+        return None if made is None else type(made).decode(made.encode())

@@ -1,0 +1,88 @@
+"""The ready maps as files: free of findings, used by bridges, listed, with vectors that hold."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mapping_support import FILES, MAPPINGS, ROOT, read, ready_maps, system_text
+
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import validate
+
+EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
+
+
+MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
+
+
+def findings(*paths: Path) -> list[str]:
+    report = validate([str(path) for path in paths], notations=NOTATIONS)
+    return [str(each) for each in report.diagnostics]
+
+
+def test_the_files_are_free_of_findings() -> None:
+    assert findings(*FILES, EXAMPLE) == []
+
+
+def test_bridges_that_use_each_map_are_free_of_findings(tmp_path: Path) -> None:
+    system = tmp_path / "system.ros2jaus"
+    system.write_text(system_text(), encoding="utf-8")
+    assert findings(system) == []
+
+
+@pytest.mark.parametrize("each", [each for _, each in MAPS], ids=[each.name for _, each in MAPS])
+def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) -> None:
+    tested = {vector.direction.name for vector in each.vectors}
+    has = {"jausToRos"} if each.toRos else set()
+    has |= {"rosToJaus"} if each.toJaus else set()
+    assert tested == has
+    assert each.documentation
+
+
+def test_names_are_unique_over_all_files() -> None:
+    names = [each.name for _, each in MAPS]
+    assert len(set(names)) == len(names)
+    assert all(ready_maps().values())
+
+
+def test_the_list_has_each_map_and_no_other() -> None:
+    text = (MAPPINGS / "README.md").read_text(encoding="utf-8")
+    rows = [line.split("|") for line in text.splitlines() if line.startswith("| ")]
+    listed = set(re.findall(r"`(\w+)`", " ".join(row[4] for row in rows)))
+    names = {each.name for _, each in MAPS}
+    lamps = {each.name for stem, each in MAPS if stem == "illumination" and each.toRos}
+    assert len(lamps) == 24
+    assert listed - lamps == names - lamps
+    assert set(ready_maps()) <= set(re.findall(r"`(\w+)`", text))
+
+
+def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
+    """The tests that come with the generated bridges check them."""
+    packages = [workspace / f"{stem}_bridge" for stem in ready_maps()]
+    paths = [*packages, workspace / "jausml_runtime", Path(__file__).parent]
+    tests = [str(package / "test") for package in packages]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "mapping_stand_in", *tests],
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(map(str, paths)),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        },
+        cwd=workspace,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout[-4000:]
+
+
+def test_the_example_uses_ready_maps_alone() -> None:
+    (bridge,) = read(EXAMPLE).model.instances("bridge.Bridge")
+    assert len(bridge.bridgeConnections) == 6
+    assert not bridge.maps
