@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generators.bridge.checks.module import TestModule
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.messages import MessagesModule
 from jausml.generators.common.package import (
@@ -33,6 +34,7 @@ class BridgeTarget:
         """Returns the files of every bridge."""
         system, source = system_of(model), source_of(model)
         bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
+        tests = [TestModule(bridge) for bridge in bridges]
         packages = [
             package_view(
                 system,
@@ -42,9 +44,10 @@ class BridgeTarget:
                 description=bridge.documentation,
                 element=bridge.bridge,
                 dependencies=bridge.dependencies,
+                test_dependencies=test.dependencies,
                 executables=((bridge.package, f"{bridge.package}.main"),),
             )
-            for bridge in bridges
+            for bridge, test in zip(bridges, tests, strict=True)
         ]
         messages = {bridge.element_id: bridge for bridge in bridges}
         return [
@@ -59,7 +62,7 @@ class BridgeTarget:
             ),
             FileTask(
                 "test_translations.py.j2",
-                bridges,
+                tests,
                 lambda view: f"{view.package}/test/test_{view.package}_translations.py",
             ),
         ]

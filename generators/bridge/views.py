@@ -12,7 +12,6 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, argument, query_of
-from jausml.generators.bridge.examples import Example, example_of
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.common.assignments import AssignmentError, Surroundings, used_maps
 from jausml.generators.common.components import (
@@ -213,23 +212,6 @@ class BridgeView:
     def module(self) -> BaseModule:
         """What stands in the module of the base besides the connections."""
         return BaseModule(self.around, self.connections, self.ros_classes)
-
-    @functools.cached_property
-    def examples(self) -> tuple[Example, ...]:
-        """One example for each translation that has one, for the generated tests."""
-        return tuple(filter(None, map(example_of, self.connections)))
-
-    @property
-    def test_import_lines(self) -> tuple[str, ...]:
-        """Import lines of the generated tests."""
-        package = self.package
-        shown = [example.connection for example in self.examples]
-        third = self.ros_classes.imports(view.ros_name for view in shown)
-        if any(example.refuses_absent for example in self.examples):
-            third.add(("jausml_runtime.bridge_statistics", "AbsentFieldError"))
-        own = {(f"{package}.{package}", self.class_name)}
-        own |= {(f"{package}.messages", view.message_name) for view in shown}
-        return ("import pytest", *import_lines(third), "", *import_lines(own))
 
     @property
     def dependencies(self) -> tuple[str, ...]:

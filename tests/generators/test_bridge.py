@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import InternalError, Kind, render
+from jausml.generators.bridge.checks.ends import Ends
+from jausml.generators.bridge.checks.samples import sample_of
 from jausml.generators.bridge.target import TARGET
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.system import system_of
@@ -560,13 +562,13 @@ def test_policy_of_the_field_comes_before_that_of_the_connection(
 @pytest.mark.parametrize(
     ("target", "conversion", "expected"),
     [
-        # The first choices would be 0.125 and 50.
-        ("Head.Mode", "", "source.real = 1.0"),
-        ("Head.Effort", "", "source.real = 0.125"),
-        ("Head.Effort", "scale 1000", "source.real = 0.0"),
+        # The first choice would be 0.125.
+        ("Head.Mode", "", 1.0),
+        ("Head.Effort", "", 0.125),
+        ("Head.Effort", "scale 1000", 0.001),
         ("Head.Effort", "linear 2.0 5.0", None),
-        ("Head.Percent", "linear 1.0 -3", "source.real = 50.0"),
-        ("Head.Flags.Gear", "linear 1.0 -3", "source.real = 3.0"),
+        ("Head.Percent", "linear 1.0 -3", 3.0),
+        ("Head.Flags.Gear", "linear 1.0 -3", 3.0),
     ],
 )
 def test_examples_are_values_that_the_target_carries(tmp_path, target, conversion, expected):
@@ -576,7 +578,8 @@ def test_examples_are_values_that_the_target_carries(tmp_path, target, conversio
     line = assignment("FieldAssignment", "toJaus", target, source="real", conversions=conversions)
     model = small(tmp_path, assignments=line, direction="rosToJaus")
     view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
-    assert [each.source_lines for each in view.examples] == ([(expected,)] if expected else [])
+    sample = sample_of(Ends(view.connections[0], view.ros_classes.name_of))
+    assert (sample and sample.values) == (expected and {"real": expected})
     for artifact in render(model, [TARGET]):
         if artifact.path.endswith("_translations.py"):
             assert ("Thing" in artifact.text.partition("fixture")[0]) is (expected is not None)

@@ -1,0 +1,104 @@
+"""One function of the generated tests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import LINE_WIDTH, python_literal
+from jausml.generators.common.layout import Call, statement
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+MARGIN = 4
+_LEAST_TOLERANCE = 1e-9
+_DEFAULT_OF_APPROX = 1e-6
+
+
+@dataclass(frozen=True)
+class Check:
+    """A test of one translation.
+
+    Attributes:
+        name: Name of the function behind `test_`, unique in the module.
+        documentation: What the test shows, one sentence.
+        lines: Its statements.
+        decorators: Lines above the function.
+        parameters: Its parameters with their types.
+    """
+
+    name: str
+    documentation: str
+    lines: tuple[str, ...]
+    decorators: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()
+
+    @property
+    def body(self) -> tuple[str, ...]:
+        """The statements as single lines."""
+        return tuple(line for text in self.lines for line in text.split("\n"))
+
+    @property
+    def text(self) -> str:
+        """All that stands in the function and above it, for a search of names."""
+        return "\n".join((*self.decorators, *self.parameters, *self.lines))
+
+
+def unique(lines: Iterable[str]) -> tuple[str, ...]:
+    """Returns lines without those that stood before."""
+    return tuple(dict.fromkeys(lines))
+
+
+def store(place: str, code: str | Call, column: int = MARGIN) -> str:
+    """Returns the statement that stores a value, laid out.
+
+    Args:
+        place: Where to.
+        code: The value, as Python text.
+        column: Column at which it stands.
+    """
+    return statement(code, f"{place} = ", column)
+
+
+def equals(place: str, code: str, column: int = MARGIN) -> str:
+    """Returns the assertion that a place holds a value.
+
+    Args:
+        place: The place.
+        code: The value, as Python text.
+        column: Column at which it stands.
+    """
+    return _fitted(f"assert {place} == {code}", place, f"== {code}", column)
+
+
+def holds(condition: str) -> str:
+    """Returns the assertion that a condition holds."""
+    return f"assert {condition}"
+
+
+def close_to(place: str, value: float, tolerance: float = 0.0, column: int = MARGIN) -> str:
+    """Returns the assertion that a place holds a number.
+
+    Args:
+        place: The place.
+        value: The number.
+        tolerance: Largest difference; 0 means the default of pytest, a millionth of the number.
+        column: Column at which it stands.
+    """
+    if math.isnan(value):
+        return holds(f"math.isnan({place})")
+    arguments = [python_literal(float(value))]
+    if tolerance > _DEFAULT_OF_APPROX * abs(value) or value == 0.0:
+        arguments.append(f"abs={python_literal(float(max(tolerance, _LEAST_TOLERANCE)))}")
+    elif tolerance > 0.0:
+        arguments.append(f"rel=0.0, abs={python_literal(float(tolerance))}")
+    return statement(Call("pytest.approx", tuple(arguments)), f"assert {place} == ", column)
+
+
+def _fitted(line: str, place: str, rest: str, column: int) -> str:
+    """A line, or two when it is too long for one."""
+    if column + len(line) <= LINE_WIDTH:
+        return line
+    return f"found = {place}\nassert found {rest}"
