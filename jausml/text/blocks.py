@@ -9,7 +9,7 @@ from jausml.model.writer import is_written
 from jausml.text.heads import IN_THE_HEAD, documented, head_name, needs_feature
 from jausml.text.keywords import snake_case
 from jausml.text.literals import attribute_value
-from jausml.text.maps import MapBuilder
+from jausml.text.maps import MAP, MapBuilder, is_map
 from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value
 
 if TYPE_CHECKING:
@@ -49,11 +49,11 @@ class BlockBuilder:
     def element(self, obj: Any) -> Element:
         """Returns an element as a block by itself."""
         table = self._metamodels.class_of(obj)
-        if table.qualified_name == "bridge.AttributeMap":
-            return self._maps.element(obj)
-        keyword, name = Name(snake_case(table.name)), head_name(obj)
-        block = Element(keyword, name) if name is not None else Element(None, keyword)
-        block.items += self._items(obj)
+        keyword, name, items = Name(snake_case(table.name)), head_name(obj), self._items(obj)
+        if name is None:
+            block = Element(None, keyword, items)
+        else:
+            block = Element(None if is_map(items) else keyword, name, items)
         return documented(block, obj)
 
     def values(self, obj: Any, *, without: frozenset[str]) -> Iterator[Feature]:
@@ -69,12 +69,16 @@ class BlockBuilder:
             if said_here and feature.kind in _VALUES and is_written(obj, feature):
                 yield self._feature(obj, feature)
 
-    def _items(self, obj: Any) -> Iterator[BlockItem]:
-        """Yields what stands in the block of an element, values before owned elements."""
-        yield from self.values(obj, without=IN_THE_HEAD)
-        for feature in self._metamodels.class_of(obj).features.values():
+    def _items(self, obj: Any) -> list[BlockItem]:
+        """Returns what stands in the block of an element, values before owned elements."""
+        table = self._metamodels.class_of(obj)
+        if table.qualified_name == MAP:
+            return list(self._maps.items(obj))
+        items: list[BlockItem] = list(self.values(obj, without=IN_THE_HEAD))
+        for feature in table.features.values():
             if feature.kind is FeatureKind.CONTAINMENT and is_written(obj, feature):
-                yield from self.owned(obj, feature)
+                items += self.owned(obj, feature)
+        return items
 
     def children(self, obj: Any, names: Sequence[str]) -> list[BlockItem]:
         """Returns the elements that an element owns by some features, as items."""
@@ -91,8 +95,9 @@ class BlockBuilder:
                 yield Feature(Name(feature.name), [self._names.href(each)])
                 continue
             table = self._metamodels.class_of(each)
-            is_shortest = not feature.many and table is feature.target and not _is_named(table)
-            if is_shortest or not self._is_obvious(obj, feature, table):
+            is_said_best = table is feature.target and _is_said_by(feature, table)
+            is_unclear = table.qualified_name == MAP and head_name(each) is None
+            if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
                 yield self.value_item(each, feature)
             else:
                 yield self.element(each)
@@ -111,10 +116,9 @@ class BlockBuilder:
 
     def _value(self, obj: Any, *, with_class: bool) -> Element:
         table = self._metamodels.class_of(obj)
-        keyword = Name(snake_case(table.name)) if with_class else None
-        block = Element(keyword, head_name(obj) if with_class else None)
-        block.items += self._items(obj)
-        return block
+        if not with_class:
+            return Element(None, None, self._items(obj))
+        return Element(Name(snake_case(table.name)), head_name(obj), self._items(obj))
 
     def _feature(self, obj: Any, feature: FeatureTable) -> Feature:
         value = getattr(obj, feature.name)
@@ -145,5 +149,7 @@ def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
     return exact or list(taking)
 
 
-def _is_named(table: ClassTable) -> bool:
-    return "name" in table.features
+def _is_said_by(feature: FeatureTable, table: ClassTable) -> bool:
+    """Tells whether `qos: { ... }` says more than `qos_profile { ... }`, which has no name."""
+    is_keyword = feature.many and feature.name.startswith(snake_case(table.name))
+    return "name" not in table.features and not is_keyword

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.writer import is_written
-from jausml.text.heads import IN_THE_HEAD, documented, head_name, is_comment
+from jausml.text.heads import IN_THE_HEAD, documented, is_comment
 from jausml.text.literals import constant, is_name, number, word_or_constant
 from jausml.text.tree import (
     Assignment,
@@ -30,11 +30,13 @@ from jausml.text.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from jausml.metamodel import FeatureTable, Metamodels
     from jausml.text.blocks import BlockBuilder
     from jausml.text.references import ReferenceNames
+
+MAP = "bridge.AttributeMap"
 
 _ARGUMENT_OF = {
     "expression": "expression",
@@ -43,8 +45,7 @@ _ARGUMENT_OF = {
     "user": "method",
 }
 """Conversions whose argument is not a number, with the feature that holds it."""
-_ENDS = ("message", "type")
-_BY_ARROW = frozenset({"target", "source", "conversions", "assignments", "documentation"})
+_BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
 
 
 class MapBuilder:
@@ -61,23 +62,17 @@ class MapBuilder:
         self._names = names
         self._metamodels = metamodels
 
-    def element(self, obj: Any) -> Element:
-        """Returns an attribute map with all that it owns."""
-        name = head_name(obj)
-        ends = [self._end(obj, each) for each in _ENDS]
-        if name is not None and all(ends):
-            element = Element(None, name, [each for each in ends if each is not None])
-            element.items += self._blocks.values(obj, without=IN_THE_HEAD | {*_ENDS})
-        else:
-            keyword = Name("attribute_map")
-            element = Element(keyword, name) if name is not None else Element(None, keyword)
-            element.items += self._blocks.values(obj, without=IN_THE_HEAD)
-        element.items += [self._table(each) for each in obj.tables]
-        element.items += [self._blocks.element(each) for each in [*obj.quantities, *obj.joins]]
+    def items(self, obj: Any) -> Iterator[BlockItem]:
+        """Yields what stands in the block of an attribute map."""
+        ends = {each: self._end(obj, each) for each in ("message", "type")}
+        said = {name for name, end in ends.items() if end is not None}
+        yield from (end for end in ends.values() if end is not None)
+        yield from self._blocks.values(obj, without=IN_THE_HEAD | said)
+        yield from (self._table(each) for each in obj.tables)
+        yield from (self._blocks.element(each) for each in [*obj.quantities, *obj.joins])
         for direction in ("toRos", "toJaus"):
-            element.items += self._directions(obj, self._feature(obj, direction))
-        element.items += [self._vector(each) for each in obj.vectors]
-        return documented(element, obj)
+            yield from self._directions(obj, self._feature(obj, direction))
+        yield from (self._vector(each) for each in obj.vectors)
 
     def _end(self, obj: Any, name: str) -> End | None:
         """Returns the clause of one end, None when it cannot be named."""
@@ -201,6 +196,11 @@ class MapBuilder:
         feature = self._feature(obj, "assignments")
         for each in obj.assignments:
             yield self._arrow(each) or self._blocks.value_item(each, feature)
+
+
+def is_map(items: Sequence[BlockItem]) -> bool:
+    """Tells whether a block is that of a map by what stands in it, so that it needs no keyword."""
+    return any(isinstance(each, End | Direction) for each in items)
 
 
 def _are(kind: type, values: list[Any]) -> bool:

@@ -25,7 +25,7 @@ from jausml.text.tree import Href, Name, Text
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel import ClassTable, FeatureTable
+    from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.model import Model
 
 _Reference: TypeAlias = "tuple[Any, Any, FeatureTable]"
@@ -48,7 +48,7 @@ class ReferenceNames:
         self._folder = Path(os.path.realpath(path)).parent
         self._library = Path(os.path.realpath(library_root()))
         self._home = model.document_of(roots[0]) if roots else None
-        self._finder = NameFinder(model, cache(self._open_library))
+        self._finder = NameFinder(model, self._open_library)
         self._fragments = self._name_fragments(roots)
         self._document = Document(path, str(path), is_library=False, given=True)
         self._document.root_nodes = [self._node(root, None) for root in roots]
@@ -188,7 +188,13 @@ class ReferenceNames:
         for document in self._model.documents:
             if document.path == path:
                 return document
-        return read_models([path], metamodels=self._model.metamodels).model.documents[0]
+        return _library_document(path, self._model.metamodels)
+
+
+@cache
+def _library_document(path: Path, metamodels: Metamodels) -> Document:
+    """Returns a file of the library that the model does not have: its names count all the same."""
+    return read_models([path], metamodels=metamodels).model.documents[0]
 
 
 def _path(obj: Any) -> list[str]:

@@ -11,7 +11,7 @@ from jausml.text import layout
 from jausml.text.blocks import BlockBuilder
 from jausml.text.references import ReferenceNames
 from jausml.text.stems import system_name
-from jausml.text.tree import Document, Import, Item
+from jausml.text.tree import BlockItem, Document, Element, Import, Item
 
 if TYPE_CHECKING:
     import os
@@ -61,30 +61,25 @@ def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
     implied: set[str] = set()
     for root in roots:
         qualified_class = model.metamodels.class_of(root).qualified_name
-        if qualified_class not in implied and _is_implied(root, model, Path(path)):
+        parts = [] if qualified_class in implied else _parts(root, builder, model, Path(path))
+        if parts:
             implied.add(qualified_class)
-            document.items += builder.children(root, _PARTS[qualified_class])
-        else:
-            document.items.append(builder.root(root))
+        document.items += parts or [builder.root(root)]
     _space(document.items)
     return document
 
 
-def _is_implied(root: Any, model: Model, path: Path) -> bool:
-    """Tells whether a root follows from the name of the file and what stands in it."""
+def _parts(root: Any, builder: BlockBuilder, model: Model, path: Path) -> list[BlockItem]:
+    """Returns what stands in a root that follows from the file and its contents; else nothing."""
     table = model.metamodels.class_of(root)
-    parts = _PARTS.get(table.qualified_name)
-    if (
-        parts is None
-        or root.name != system_name(path)
-        or not any(getattr(root, each) for each in parts)
-    ):
-        return False
-    return not any(
-        is_written(root, feature)
-        for name, feature in table.features.items()
-        if name != "name" and name not in parts
-    )
+    names = _PARTS.get(table.qualified_name)
+    if names is None or root.name != system_name(path):
+        return []
+    others = (each for name, each in table.features.items() if name not in ("name", *names))
+    if any(is_written(root, each) for each in others):
+        return []
+    parts = builder.children(root, names)
+    return parts if all(isinstance(each, Element) for each in parts) else []
 
 
 def _space(items: Sequence[Item]) -> None:

@@ -133,20 +133,21 @@ def check_round_trip(roots, model, folder):
 
 
 ROOTS = {
-    "all": None,
-    "system": {"system.System"},
-    "maps": {"bridge.MapLibrary", "bridge.AttributeMap", "bridge.Bridge"},
-    "services": {"jaus.ServiceSet", "jaus.Service", "jaus.StateMachine"},
-    "interfaces": {"ros.InterfacePackage", "ros.Node"},
+    "all": (None, 40),
+    "system": ({"system.System"}, 12),
+    "maps": ({"bridge.MapLibrary", "bridge.AttributeMap", "bridge.Bridge"}, 25),
+    "services": ({"jaus.ServiceSet", "jaus.Service", "jaus.StateMachine"}, 15),
+    "interfaces": ({"ros.InterfacePackage", "ros.Node"}, 30),
 }
+"""Classes of root elements, and how many examples to try: large ones take longer."""
 
 
-@pytest.mark.parametrize("roots", ROOTS)
-def test_random_models_are_the_same_in_text(roots, surroundings):
+@pytest.mark.parametrize(("roots", "examples"), ROOTS.values(), ids=ROOTS)
+def test_random_models_are_the_same_in_text(roots, examples, surroundings):
     others = [each for each in surroundings.elements() if getattr(each, "name", None)]
-    drawing = models(SHIPPED, texts=hostile, roots=ROOTS[roots], others=others, model=surroundings)
+    drawing = models(SHIPPED, texts=hostile, roots=roots, others=others, model=surroundings)
 
-    @settings(QUICK, max_examples=40)
+    @settings(QUICK, max_examples=examples)
     @given(drawn=drawing)
     def check(drawn):
         with TemporaryDirectory() as folder:
