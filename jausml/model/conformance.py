@@ -54,7 +54,9 @@ def _report(
         problems.report("JML109", place, message)
     elif number == 0 and feature.can_be_missing:
         message = f"required {what} is missing"
-        problems.report("JML108", place, message, _how(feature))
+        notation = document.notation
+        hint = _how(feature) if notation is None else notation.how_to_give(table, feature)
+        problems.report("JML108", place, message, hint)
     elif 0 < number < feature.lower:
         message = f"{what} has {number} values, at least {feature.lower} are required"
         problems.report("JML110", place, message)

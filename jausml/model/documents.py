@@ -10,6 +10,7 @@ from jausml.model.scanning import attribute_position
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from jausml.model.notation import Notation
     from jausml.model.parsing import Node
 
 _FEW = 8
@@ -29,7 +30,7 @@ class Document:
         roots: Its root elements.
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
         readable: False when the file could not be parsed.
-        is_xml: False for a document of another notation.
+        notation: The notation of a document that is no XMI, else None.
         imports: The documents whose names it uses.
         lacks_imports: True when a document that it imports could not be read.
     """
@@ -44,7 +45,7 @@ class Document:
         self.root_nodes: list[Node] = []
         self.ids: dict[str, Node] = {}
         self.readable = False
-        self.is_xml = True
+        self.notation: Notation | None = None
         self.imports: list[Document] = []
         self.lacks_imports = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
@@ -53,6 +54,11 @@ class Document:
 
     def __repr__(self) -> str:
         return f"<document {self.display}>"
+
+    @property
+    def is_xml(self) -> bool:
+        """Whether the document is XMI."""
+        return self.notation is None
 
     @property
     def roots(self) -> list[Any]:

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
     from jausml.model.uris import UriFault
 
-_NAMED = re.compile(r'<([A-Za-z]+)\s[^<]*?\bname="([^"<]*)"')
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
-_LIBRARY_FEATURES = frozenset({"services", "inputs", "outputs", "types", "messages", "actions"})
+_NAMED = re.compile(r'<(services|inputs|outputs|types|messages|actions)\s[^<]*?\bname="([^"<]*)"')
+"""What of the library is referred to by name: its containment feature and its name."""
 
 
 class NameFinder:
@@ -148,8 +148,7 @@ def library_index() -> Mapping[str, frozenset[tuple[str, str]]]:
     index: dict[str, set[tuple[str, str]]] = {}
     for path, text in _library_texts():
         for tag, name in _NAMED.findall(text):
-            if tag in _LIBRARY_FEATURES:
-                index.setdefault(_last_step(name), set()).add((path, tag))
+            index.setdefault(_last_step(name), set()).add((path, tag))
     return {name: frozenset(places) for name, places in index.items()}
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from jausml.metamodel import Metamodels
+    from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.parsing import Node
     from jausml.model.rules import RuleInfo
 
@@ -117,6 +117,9 @@ class Notation(Protocol):
     @property
     def rules(self) -> Mapping[str, RuleInfo]:
         """The rules of its findings, by id."""
+
+    def how_to_give(self, table: ClassTable, feature: FeatureTable) -> str:
+        """Returns how a feature of a class is given a value, for a hint where it has none."""
 
     def read(self, data: bytes, path: Path, metamodels: Metamodels) -> Written:
         """Reads a document.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.metamodel import FeatureKind
 from jausml.model.notation import Fault, Notation
 from jausml.model.parsing import MAX_BYTES
 from jausml.text.document import TextDocument
+from jausml.text.keywords import snake_case
 from jausml.text.rules import TEXT_RULES
 from jausml.text.tree import Document
 
@@ -14,10 +16,19 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from jausml.metamodel import Metamodels
+    from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.rules import RuleInfo
 
 SUFFIX = ".ros2jaus"
+
+_SPECIAL = {
+    "source": "source -> target",
+    "target": "source -> target",
+    "assignments": "list -> list { source -> target }",
+    "AttributeMap.message": "JAUS Message",
+    "AttributeMap.type": "ROS package/Type",
+}
+"""How features are given that have a notation of their own, by name or by class and name."""
 
 
 class Ros2Jaus:
@@ -32,6 +43,11 @@ class Ros2Jaus:
     def rules(self) -> Mapping[str, RuleInfo]:
         """The rules of its findings."""
         return TEXT_RULES
+
+    def how_to_give(self, table: ClassTable, feature: FeatureTable) -> str:
+        """Returns how a feature of a class is given a value."""
+        special = _SPECIAL.get(f"{table.name}.{feature.name}") or _SPECIAL.get(feature.name)
+        return f"write '{special or _usual(feature)}'"
 
     def read(self, data: bytes, path: Path, metamodels: Metamodels) -> TextDocument:
         """Reads a document, as `jausml.model.notation.Notation` says."""
@@ -69,3 +85,17 @@ def decode(data: bytes) -> tuple[str, Fault | None]:
         column = len(before) - (before.rfind("\n") + 1) + 1
         message = f"the file is no UTF-8 text: byte 0x{data[error.start]:02x}"
         return "", Fault("JML714", message, "save it as UTF-8", line, column)
+
+
+def _usual(feature: FeatureTable) -> str:
+    target = feature.target
+    if target is None:
+        return f"{feature.name}: <{feature.type_name}>"
+    if feature.kind is not FeatureKind.CONTAINMENT:
+        return f"{feature.name}: <name of a {target.name}>"
+    if target.abstract:
+        return f"{feature.name}: new ... {{ }}"
+    if not feature.many:
+        return f"{feature.name}: {{ }}"
+    name = " name" if "name" in target.features else ""
+    return f"{snake_case(target.name)}{name} {{ }}"
