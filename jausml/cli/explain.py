@@ -7,6 +7,8 @@ from difflib import get_close_matches
 import click
 
 from jausml.importers.jsidl.rules import JSIDL_RULES
+from jausml.importers.ros.rules import ROS_RULES
+from jausml.text.rules import TEXT_RULES
 from jausml.validation.catalogue import catalogue
 
 
@@ -14,7 +16,7 @@ from jausml.validation.catalogue import catalogue
 @click.argument("rule_id", metavar="RULE")
 def command(rule_id: str) -> None:
     """Explain a rule: what it demands and why, with a bad and a good example."""
-    entries = {entry.id: entry for entry in catalogue(JSIDL_RULES)}
+    entries = {entry.id: entry for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES)}
     entry = entries.get(rule_id.upper())
     if entry is None:
         near = get_close_matches(rule_id.upper(), entries, n=1)
