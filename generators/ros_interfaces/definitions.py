@@ -1,0 +1,180 @@
+"""Definition files as text, from the same facts that the importer reads out of them."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import printable
+from jausml.interfaces.definitions import SINGLE, TEXTS, FieldType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
+
+
+@dataclass(frozen=True, slots=True)
+class FieldLine:
+    """A field of a definition.
+
+    Attributes:
+        name: Its name.
+        type: Its type.
+        comment: What is said about it.
+        default: Its default as models write it, None without one.
+    """
+
+    name: str
+    type: FieldType
+    comment: str = ""
+    default: str | None = None
+
+    @property
+    def code(self) -> str:
+        """The line without comments.
+
+        Raises:
+            GenerationError: A definition cannot say the default.
+        """
+        if self.default is None:
+            return f"{self.type} {self.name}"
+        if "=" in self.default:
+            raise GenerationError(f"default of '{self.name}': a definition cannot hold a =")
+        return f"{self.type} {self.name} {value_text(self.default, self.type, self.name)}"
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantLine:
+    """A constant of a definition.
+
+    Attributes:
+        name: Its name.
+        type: A primitive type.
+        value: Its value as models write it.
+        comment: What is said about it.
+    """
+
+    name: str
+    type: str
+    value: str
+    comment: str = ""
+
+    @property
+    def code(self) -> str:
+        """The line without comments.
+
+        Raises:
+            GenerationError: A definition cannot say the value.
+        """
+        value = value_text(self.value, FieldType(self.type), self.name)
+        return f"{self.type} {self.name}={value}"
+
+
+@dataclass(slots=True)
+class DefinitionSection:
+    """A message, or a part of a service or an action.
+
+    Attributes:
+        comment: What is said about it.
+        constants: Its constants.
+        fields: Its fields.
+    """
+
+    comment: str = ""
+    constants: list[ConstantLine] = field(default_factory=list)
+    fields: list[FieldLine] = field(default_factory=list)
+
+    @property
+    def comment_lines(self) -> list[str]:
+        """The lines of its comment."""
+        return comment_lines(self.comment)
+
+    @property
+    def lines(self) -> Iterator[str]:
+        """The lines of its constants and fields, comments before them."""
+        elements: list[ConstantLine | FieldLine] = [*self.constants, *self.fields]
+        for each in elements:
+            yield from comment_lines(each.comment)
+            yield each.code
+
+    @property
+    def packages(self) -> set[str]:
+        """The packages of its fields' types."""
+        return {each.type.package for each in self.fields if each.type.package}
+
+
+@dataclass(frozen=True)
+class DefinitionFile:
+    """A .msg, .srv or .action file.
+
+    Attributes:
+        package: Name of the package.
+        name: Name of the interface.
+        kind: `msg`, `srv` or `action`.
+        sections: Its sections.
+        element_id: Identity of the element that it is made of.
+        source: Model file.
+    """
+
+    package: str
+    name: str
+    kind: str
+    sections: tuple[DefinitionSection, ...]
+    element_id: str
+    source: str
+
+    @property
+    def place(self) -> str:
+        """Path in the package."""
+        return f"{self.kind}/{self.name}.{self.kind}"
+
+    @property
+    def path(self) -> str:
+        """Path in the output folder."""
+        return f"{self.package}/{self.place}"
+
+    @property
+    def packages(self) -> set[str]:
+        """The other packages whose types it uses."""
+        found = {name for section in self.sections for name in section.packages}
+        return found - {self.package}
+
+
+def comment_lines(text: str) -> list[str]:
+    """Returns a text as the lines of a comment.
+
+    Args:
+        text: Text of the model.
+    """
+    lines = [line.strip() for line in printable(text).splitlines()]
+    return [f"# {line}".rstrip() for line in lines]
+
+
+def value_text(value: str, kind: FieldType, name: str) -> str:
+    """Returns a default or a constant as a definition writes it.
+
+    Args:
+        value: The value as models write it.
+        kind: Its type.
+        name: What has it, for errors.
+
+    Raises:
+        GenerationError: A definition cannot say it: a text with a # or a line end.
+    """
+    if _UNSAYABLE.search(value):
+        message = f"value of '{name}': a definition cannot hold {value!a}: a # starts a comment"
+        raise GenerationError(message)
+    if kind.name not in TEXTS:
+        return value
+    if kind.array == SINGLE:
+        return _quoted(value)
+    return f"[{', '.join(_quoted(each) for each in json.loads(value))}]"
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace('"', '\\"')
+    return f'"{escaped}"'

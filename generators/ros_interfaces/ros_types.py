@@ -1,0 +1,89 @@
+"""Interface packages that a model declares, as definition files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.ros_interfaces.definitions import (
+    ConstantLine,
+    DefinitionFile,
+    DefinitionSection,
+    FieldLine,
+)
+from jausml.interfaces.definitions import FieldType
+from jausml.interfaces.parsing import PARTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def package_files(package: Any, source: str) -> Iterator[DefinitionFile]:
+    """Yields the definition files of a package.
+
+    Args:
+        package: The `ros.InterfacePackage`.
+        source: Model file.
+    """
+    name = str(package.name)
+    kinds = (("msg", package.messages), ("srv", package.services), ("action", package.actions))
+    for kind, elements in kinds:
+        for element in elements:
+            parts = [element] if kind == "msg" else [getattr(element, part) for part in PARTS[kind]]
+            sections = [_section(part, name) for part in parts]
+            if kind != "msg" and element.documentation:
+                # What stands at the head of the file is said of the whole.
+                texts = (str(element.documentation), sections[0].comment)
+                sections[0].comment = "\n\n".join(filter(None, texts))
+            identity = f"interface:{name}/{element.name}"
+            yield DefinitionFile(name, str(element.name), kind, tuple(sections), identity, source)
+
+
+def _section(message: Any, package: str) -> DefinitionSection:
+    constants = [
+        ConstantLine(
+            str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")
+        )
+        for each in message.constants
+    ]
+    fields = [_field(each, package) for each in message.fields]
+    return DefinitionSection(str(message.documentation or ""), constants, fields)
+
+
+def _field(field: Any, package: str) -> FieldLine:
+    common = (field.arrayKind.name, field.arraySize)
+    if field.eClass.name == "PrimitiveField":
+        kind = FieldType(field.type.name, "", field.stringBound, *common)
+        comment = described(field.documentation, field.units, limits_of(field))
+        return FieldLine(str(field.name), kind, comment, field.defaultValue)
+    target = field.messageType
+    owner = str(target.eContainer().name)
+    kind = FieldType(str(target.name), owner if owner != package else "", 0, *common)
+    return FieldLine(str(field.name), kind, described(field.documentation, field.units))
+
+
+def limits_of(field: Any) -> str:
+    """Returns the range of a field in words, empty without one.
+
+    Args:
+        field: A `ros.PrimitiveField`.
+    """
+    if field.minimum < field.maximum:
+        return f"{field.minimum:.15g} to {field.maximum:.15g}"
+    return ""
+
+
+def described(documentation: Any, units: Any, limits: str = "") -> str:
+    """Returns what is said about a field: its documentation, its unit and its range.
+
+    The unit stands in square brackets, from where rosidl and the importer take it; brackets of the
+    documentation would hide it.
+
+    Args:
+        documentation: Text of the model, or None.
+        units: Its unit, or None.
+        limits: Its range in words.
+    """
+    text = str(documentation or "")
+    unit = f"[{units}]" if units and f"[{units}]" not in text else ""
+    facts = " ".join(part for part in (unit, limits) if part)
+    return "\n".join(part for part in (text, facts) if part)

@@ -1,0 +1,64 @@
+"""Which JAUS messages get a ROS message."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.common.components import CORE, with_inherited
+from jausml.generators.common.system import system_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.model.model import Model
+
+
+def all_messages(model: Model) -> list[Any]:
+    """Returns the messages of all services of a model and of those that it uses.
+
+    Args:
+        model: A valid model.
+    """
+    own = model.instances("jaus.Service", library=False)
+    return _messages([*own, *with_inherited(_used_services(model))])
+
+
+def unmapped_messages(model: Model) -> list[Any]:
+    """Returns messages that no attribute map of the model is about.
+
+    They are those of services that the model declares, and of the library's services that a
+    component, a bridge or a connection of the system uses, core services apart: the runtime speaks
+    these.
+
+    Args:
+        model: A valid model.
+    """
+    mapped = {each.message for each in model.instances("bridge.AttributeMap")}
+    own = model.instances("jaus.Service", library=False)
+    used = [each for each in _used_services(model) if not str(each.urn).startswith(CORE)]
+    return [each for each in _messages([*own, *used]) if each not in mapped]
+
+
+def _messages(services: Iterable[Any]) -> list[Any]:
+    """Returns the messages of services, each once, those of one name and code by the first."""
+    found: dict[tuple[str, str], Any] = {}
+    for service in dict.fromkeys(services):
+        for message in (*service.inputs, *service.outputs):
+            found.setdefault((str(message.name), str(message.code)), message)
+    return list(found.values())
+
+
+def _used_services(model: Model) -> Iterator[Any]:
+    system = system_of(model)
+    for component in (*system.components, *system.bridges):
+        yield from component.provides
+        yield from component.uses
+        for connection in component.connections:
+            yield from _owners(connection.message, connection.query)
+    for bridge in system.bridges:
+        for connection in bridge.bridgeConnections:
+            yield from _owners(connection.map.message, connection.query)
+
+
+def _owners(*messages: Any) -> Iterator[Any]:
+    yield from (message.eContainer() for message in messages if message is not None)
