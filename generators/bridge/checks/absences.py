@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.assertions import has_value
 from jausml.generators.bridge.checks.check import Check, equals, unique
-from jausml.generators.bridge.checks.filling import JausMessage, ValueTextError
-from jausml.generators.common.names import snake_case
+from jausml.generators.bridge.checks.filling import JausMessage, ValueTextError, short_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,11 +43,10 @@ def _policy(chain: Chain) -> str:
 def _refused(ends: Ends, sample: Sample, path: str) -> Check:
     lines = [
         *ends.source.fill(sample.without(path)),
-        "with pytest.raises(AbsentFieldError):",
-        f"    {ends.call('source')}",
+        *ends.refused("AbsentFieldError"),
     ]
     about = f"A message without {path} is refused."
-    return Check(f"{ends.name}_needs_{_word(path)}", about, tuple(lines))
+    return Check(f"{ends.name}_needs_{short_name(path)}", about, tuple(lines))
 
 
 def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check]:
@@ -76,10 +74,6 @@ def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check
         about = f"Without {path} {target} keeps its last value."
     else:
         return
-    name = f"{ends.name}_{_word(target)}_without_{_word(path)}"
+    name = f"{ends.name}_{short_name(target)}_without_{short_name(path)}"
     lines = (*absent, *outcome)
     yield Check(name, about, lines if policy == "lastValue" else unique(lines))
-
-
-def _word(path: str) -> str:
-    return snake_case(path.replace(".", "_").replace("[", "_").replace("]", ""))

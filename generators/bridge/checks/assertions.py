@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
@@ -13,6 +14,8 @@ from jausml.generators.common.jaus_fields import INTEGER
 if TYPE_CHECKING:
     from jausml.generators.bridge.checks.filling import Place, Scalar
 
+# A longer place leaves no room for what is said about it.
+_LONG = 60
 SINGLE = 1e-6
 """More than the relative error of single precision."""
 
@@ -25,7 +28,7 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
         value: Its value.
         tolerance: Largest difference of a number; 0 means what single precision may lose.
     """
-    lines = [holds(each) for each in place.conditions]
+    lines, place = shortened(place)
     if isinstance(value, str):
         return [*lines, equals(place.code, python_string(value))]
     if place.kind == BOOLEAN:
@@ -39,9 +42,24 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
     return [*lines, close_to(place.code, float(value), tolerance)]
 
 
-def is_absent(place: Place) -> str:
+def is_absent(place: Place) -> list[str]:
     """Returns the assertion that an optional attribute is left out."""
-    optional = [each for each in place.conditions if each.endswith(" is not None")]
-    if not optional:
-        return holds(f"{place.code} is None")
-    return holds(optional[-1].replace(" is not None", " is None"))
+    lines, place = shortened(replace(place, conditions=()))
+    return [*lines, holds(f"{place.code} is None")]
+
+
+def shortened(place: Place) -> tuple[list[str], Place]:
+    """Returns the assertions that an attribute is there, and the attribute under a handy name.
+
+    Args:
+        place: The attribute.
+    """
+    prefix, _, last = place.code.rpartition(".")
+    if len(place.code) <= _LONG:
+        return [holds(each) for each in place.conditions], place
+    handy = f"holder.{last}"
+    own = [each for each in place.conditions if place.code in each]
+    outer = [each for each in place.conditions if place.code not in each]
+    lines = [*map(holds, outer), f"holder = {prefix}"]
+    lines += [holds(each.replace(place.code, handy)) for each in own]
+    return lines, replace(place, code=handy)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 MARGIN = 4
+_CALL = re.compile(r"(\w+)\(([^()]*)\)")
 _LEAST_TOLERANCE = 1e-9
 _DEFAULT_OF_APPROX = 1e-6
 
@@ -59,7 +61,10 @@ def store(place: str, code: str | Call, column: int = MARGIN) -> str:
         code: The value, as Python text.
         column: Column at which it stands.
     """
-    return statement(code, f"{place} = ", column)
+    text = statement(code, f"{place} = ", column)
+    if isinstance(code, str) and column + len(text) > LINE_WIDTH:
+        return f"{place} = (\n    {code}\n)"
+    return text
 
 
 def equals(place: str, code: str, column: int = MARGIN) -> str:
@@ -75,7 +80,11 @@ def equals(place: str, code: str, column: int = MARGIN) -> str:
 
 def holds(condition: str) -> str:
     """Returns the assertion that a condition holds."""
-    return f"assert {condition}"
+    line = f"assert {condition}"
+    found = _CALL.fullmatch(condition)
+    if found is None or MARGIN + len(line) <= LINE_WIDTH:
+        return line
+    return statement(Call(found[1], tuple(found[2].split(", "))), "assert ", MARGIN)
 
 
 def close_to(place: str, value: float, tolerance: float = 0.0, column: int = MARGIN) -> str:

@@ -6,8 +6,10 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.generators.bridge.checks.check import MARGIN, store
 from jausml.generators.bridge.checks.figures import Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
+from jausml.generators.common.layout import Call, statement
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -106,18 +108,24 @@ class Ends:
             given: Names of joins, in Python, whose message is a variable of that name.
         """
         present = set(given)
-        lines = [
-            f"{join.name} = {join.type_name}()"
-            for join in self.view.joins
-            if join.name not in present and join.join.whenStale.name == "dropMessage"
-        ]
         return [
-            *lines,
-            f"target = {self.call('source', present)}",
+            *self.joined(present),
+            store("target", self.call("source", present)),
             f"assert isinstance(target, {self.view.target_name})",
         ]
 
-    def call(self, source: str, given: Iterable[str] = ()) -> str:
+    def refused(self, error: str, before: str = "") -> list[str]:
+        """Returns the statements that show that `source` is not translated.
+
+        Args:
+            error: Class of the error.
+            before: What keeps the error, e.g. ` as caught`.
+        """
+        call = statement(self.call("source"), column=2 * MARGIN)
+        inner = [f"    {line}" for line in call.split("\n")]
+        return [*self.joined(), "\n".join([f"with pytest.raises({error}){before}:", *inner])]
+
+    def call(self, source: str, given: Iterable[str] = ()) -> Call:
         """Returns the call that translates a message.
 
         Args:
@@ -129,7 +137,20 @@ class Ends:
             f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
             for join in self.view.joins
         ]
-        return f"bridge.translate_{self.name}({', '.join([source, *arguments])})"
+        return Call(f"bridge.translate_{self.name}", (source, *arguments))
+
+    def joined(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the statements that make joined messages without which nothing is translated.
+
+        Args:
+            given: Names of joins, in Python, whose message is there.
+        """
+        present = set(given)
+        return [
+            f"{join.name} = {join.type_name}()"
+            for join in self.view.joins
+            if join.name not in present and self._is_given(join, present)
+        ]
 
     @staticmethod
     def _is_given(join: JoinView, present: set[str]) -> bool:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.literals import python_literal
-from jausml.generators.bridge.checks.check import store
+from jausml.generators.bridge.checks.check import MARGIN, store
 from jausml.generators.common.assignments.values import BOOLEAN, ros_kind
 from jausml.generators.common.jaus_fields import INTEGER, REAL, TEXT, JausStart, jaus_field
-from jausml.generators.common.layout import Call
+from jausml.generators.common.layout import Call, statement
+from jausml.generators.common.names import snake_case
 from jausml.generators.common.ros_fields import INTEGER_RANGES, RosStart, ros_field
 from jausml.validation.facts.jaus_paths import JausPlace, message_place
 
@@ -23,10 +24,22 @@ if TYPE_CHECKING:
     from jausml.generators.common.ros_fields import RosField
 
 _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
+# A shorter last step, such as x, says little alone.
+_SHORT = 8
 _ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""'}
 Scalar = float | int | bool | str
 PRESENT = "\0present"
 """Stands for a bit field as it is made."""
+
+
+def short_name(path: str) -> str:
+    """Returns a word for an attribute, made of the last steps of its path.
+
+    Args:
+        path: Its path in the model.
+    """
+    steps = [step for step in re.split(r"[^A-Za-z0-9_]+", path) if step and not step.isdigit()]
+    return snake_case("_".join(steps[-2:] if len(steps[-1]) < _SHORT else steps[-1:]))
 
 
 class ValueTextError(ValueError):
@@ -244,9 +257,9 @@ def _made(place: str, code: str, made: set[str]) -> list[str]:
     found = _ELEMENT.fullmatch(place)
     if found is None:
         return [f"{place} = {code}"]
-    lines = []
-    for index in range(int(found["index"])):
-        if f"{found['list']}[{index}]" not in made:
-            made.add(f"{found['list']}[{index}]")
-            lines.append(f"{found['list']}.append({code})")
-    return [*lines, f"{found['list']}.append({code})"]
+    places = [f"{found['list']}[{index}]" for index in range(int(found["index"]))]
+    missing = [each for each in places if each not in made]
+    made.update(missing)
+    element = Call(code[:-2], ()) if code.endswith("()") else code
+    append = statement(Call(f"{found['list']}.append", (element,)), column=MARGIN)
+    return [append] * (len(missing) + 1)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.checks.assertions import has_value, is_absent
-from jausml.generators.bridge.checks.check import Check, unique
-from jausml.generators.bridge.checks.filling import JausMessage
+from jausml.generators.bridge.checks.check import MARGIN, Check, unique
+from jausml.generators.bridge.checks.filling import JausMessage, short_name
 from jausml.generators.common.jaus_fields import INTEGER, REAL
-from jausml.generators.common.names import snake_case
+from jausml.generators.common.layout import text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,6 +29,8 @@ _POLICIES = {
 }
 # Beyond an end by this part of the range, or by this much: more than rounding may hide.
 _PART, _LEAST = 0.01, 1.0
+# A longer name of a field gets a line of its own.
+_LONG_LABEL = 50
 _LARGEST_SINGLE = 3.4028234663852886e38
 
 
@@ -138,25 +140,24 @@ def _check(ends: Ends, sample: Sample, case: _Case) -> Check:
     policy = ends.policy(case.chain.assignment)
     values = {**sample.values, case.source.path: case.value}
     lines = ends.source.fill(values)
-    name = f"{ends.name}_{snake_case(case.target.path.replace('.', '_'))}_{case.word}"
-    counted = f"counts = bridge.{ends.name}.statistics.out_of_range"
-    label = python_string(case.target.path)
+    name = f"{ends.name}_{short_name(case.target.path)}_{case.word}"
     word = _POLICIES[policy]
+    label = python_string(case.target.path)
+    if len(label) > _LONG_LABEL:
+        lines.append(text(case.target.path, "field = ", "", MARGIN))
+        label = "field"
     if policy == "dropField" or (policy == "clamp" and case.nearest is not None):
         lines += ends.translated()
         if case.nearest is None or policy == "dropField":
-            lines.append(is_absent(case.target))
+            lines += is_absent(case.target)
         else:
             lines += has_value(case.target, case.nearest)
-        lines += [counted, f'assert counts == {{("{word}", {label}): 1}}']
+        lines.append(f"counts = bridge.{ends.name}.statistics.out_of_range")
+        lines.append(f'assert counts == {{("{word}", {label}): 1}}')
     else:
-        if policy == "clamp":
-            word = "not_clampable"
-        call = ends.call("source")
-        lines += [line for line in ends.translated() if line.endswith("()")]
+        word = "not_clampable" if policy == "clamp" else word
         lines += [
-            "with pytest.raises(OutOfRangeError) as caught:",
-            f"    {call}",
+            *ends.refused("OutOfRangeError", " as caught"),
             f'assert caught.value.policy == "{word}"',
             f"assert caught.value.field == {label}",
         ]

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
-from jausml.generators.bridge.checks.check import MARGIN, Check, holds, unique
+from jausml.generators.bridge.checks.assertions import shortened
+from jausml.generators.bridge.checks.check import MARGIN, Check, store, unique
 from jausml.generators.bridge.checks.figures import ANGLES
-from jausml.generators.bridge.checks.filling import JausMessage
+from jausml.generators.bridge.checks.filling import JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
 from jausml.generators.common.jaus_fields import INTEGER, REAL
 from jausml.generators.common.layout import Call, statement
-from jausml.generators.common.names import Scope, snake_case
+from jausml.generators.common.names import Scope
 from jausml.generators.common.ros_fields import ros_field
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def _check(
 ) -> Check:
     source = JausMessage(there.map.message, there.view.message, "source")
     scope = Scope(frozenset(_NOTHING))
-    names = [scope.claim(snake_case(each.place.path.replace(".", "_"))) for each in returning]
+    names = [scope.claim(short_name(each.place.path)) for each in returning]
     jaus = there.view.source_name
     varied = {each.place.path for each in returning}
     lines = [f"bridge = {class_name}()", *source.fill(sample.values)]
@@ -148,19 +149,19 @@ def _check(
     for name, each in zip(names, returning, strict=True):
         lines.append(_vary(source, each.place.path, name))
     lines += [
-        f"there = bridge.translate_{there.name}({jaus}.decode(source.encode()))",
+        f"source = {jaus}.decode(source.encode())",
+        store("there", there.call("source")),
         f"assert isinstance(there, {there.view.target_name})",
-        f"back = {back.call('there')}",
+        *back.joined(),
+        store("back", back.call("there")),
         f"assert isinstance(back, {jaus})",
         f"back = {jaus}.decode(back.encode())",
     ]
     for name, each in zip(names, returning, strict=True):
         place = back.message("back", is_ros=False).place(each.place.path)
-        lines += [holds(condition) for condition in place.conditions]
-        lines.append(_returned(place.code, name, each))
-    strategies = tuple(
-        f"{name}={_strategy(each)}" for name, each in zip(names, returning, strict=True)
-    )
+        before, place = shortened(place)
+        lines += [*before, _returned(place.code, name, each)]
+    strategies = tuple(_strategy(name, each) for name, each in zip(names, returning, strict=True))
     decorators = (
         f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
         statement(Call("given", strategies), "@"),
@@ -181,14 +182,15 @@ def _sets(line: str, source: JausMessage, paths: set[str]) -> bool:
 def _vary(source: JausMessage, path: str, name: str) -> str:
     field = source.field(path)
     if field.index is None:
-        return f"{field.place} = {name}"
-    return f"{field.place} = {field.class_name}({field.index}, {name})"
+        return store(field.place, name)
+    return store(field.place, Call(field.class_name, (str(field.index), name)))
 
 
-def _strategy(each: _Returning) -> str:
+def _strategy(name: str, each: _Returning) -> Call:
     if each.place.kind == INTEGER:
-        return f"st.integers({int(each.low)}, {int(each.high)})"
-    return f"st.floats({python_literal(float(each.low))}, {python_literal(float(each.high))})"
+        return Call(f"{name}=st.integers", (str(int(each.low)), str(int(each.high))))
+    ends = (python_literal(float(end)) for end in (each.low, each.high))
+    return Call(f"{name}=st.floats", tuple(ends))
 
 
 def _returned(code: str, name: str, each: _Returning) -> str:

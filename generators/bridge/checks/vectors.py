@@ -50,7 +50,7 @@ def _check(ends: Ends, vector: Any) -> Check:
     for expected in vector.expected:
         place = ends.target.place(expected.path.strip())
         if expected.value == ABSENT:
-            lines.append(is_absent(place))
+            lines += is_absent(place)
             continue
         value = place.parse(str(expected.value))
         lines += has_value(place, value, _tolerance(ends, expected, value))
