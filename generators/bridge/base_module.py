@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable, python_literal, python_string
+from jausml.generators.bridge.connections import COMPLEX
 from jausml.generators.common.assignments.values import PYTHON_TYPES, QUATERNION, TIME
 from jausml.generators.common.jaus_fields import BITS
 from jausml.generators.common.layout import Call, collection, signature, statement
@@ -170,6 +171,7 @@ class BaseModule:
                 ["self", f"source: {each.source_name}"],
                 each.target_name,
                 _METHOD_COLUMN,
+                COMPLEX if each.body is not None and each.body.is_complex else "",
             )
             for each in self.nested
         )

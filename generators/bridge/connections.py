@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
     from jausml.generators.common.messages import MessageView
 
+COMPLEX = "# noqa: C901"
+"""Comment behind the first line of a method with many branches."""
 PRESENCE_VECTOR = "PresenceVector"
 _OWN_NAMES = frozenset({"self", "source", "target"})
 _ARGUMENT = 12
@@ -307,7 +309,8 @@ class ConnectionView:
         parameters = ["self", f"source: {self.source_name}"]
         parameters += [f"{join.name}: {join.type_name} | None = None" for join in self.joins]
         result = f"{self.target_name} | None"
-        return signature(f"def translate_{self.name}", parameters, result, 4)
+        comment = COMPLEX if self.body.is_complex else ""
+        return signature(f"def translate_{self.name}", parameters, result, 4, comment)
 
     @property
     def safe_signature(self) -> str:

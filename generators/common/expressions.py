@@ -81,6 +81,21 @@ def python_expression(expression: Expression, sources: Mapping[str, str]) -> Pyt
     return PythonExpression(code, frozenset(writer.functions))
 
 
+def python_condition(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
+    """Returns the Python expression that tells whether an expression differs from 0.
+
+    Args:
+        expression: The expression.
+        sources: Python for each variable, by name: a name, an attribute, an item or a call.
+
+    Raises:
+        KeyError: A variable has no source.
+    """
+    writer = _Writer(sources)
+    code = writer.truth(expression, _CHOICE)
+    return PythonExpression(code, frozenset(writer.functions))
+
+
 class _Writer:
     """Writes with as few parentheses as Python needs."""
 

@@ -26,6 +26,8 @@ from jausml.generators.common.ros_fields import PathError
 from jausml.generators.common.values import ArrayValue, ListValue, PartValue, VariantValue
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from jausml.generators.common.messages import MessageView
 
 REAL, INTEGER, TEXT, OCTETS, BITS, OTHER = "real", "integer", "text", "octets", "bits", "other"
@@ -43,12 +45,44 @@ class Condition:
     """What must hold for a value to be there, as Python text.
 
     Attributes:
-        holds: The condition.
-        fails: Its opposite.
+        holds: The condition; for a name, the statement that gives it.
+        fails: Its opposite; empty for a name.
+        longer: The list that must be longer than `than`; empty for other conditions.
+        than: Number of elements.
     """
 
     holds: str
     fails: str
+    longer: str = ""
+    than: int = 0
+
+    @property
+    def is_name(self) -> bool:
+        """Whether it is no condition, but gives a short name to what those before it found."""
+        return not self.fails
+
+
+def there(place: str) -> Condition:
+    """Returns the condition that a place holds something."""
+    return Condition(f"{place} is not None", f"{place} is None")
+
+
+def joined(conditions: Iterable[Condition]) -> tuple[Condition, ...]:
+    """Returns conditions without those that others imply."""
+    unique = tuple(dict.fromkeys(conditions))
+    longest: dict[str, int] = {}
+    for each in unique:
+        if each.longer:
+            longest[each.longer] = max(each.than, longest.get(each.longer, 0))
+    kept = (longer(each.longer, longest[each.longer]) if each.longer else each for each in unique)
+    return tuple(dict.fromkeys(kept))
+
+
+def longer(place: str, than: int) -> Condition:
+    """Returns the condition that a list has an element of an index."""
+    if than == 0:
+        return Condition(place, f"not {place}", place)
+    return Condition(f"len({place}) > {than}", f"len({place}) <= {than}", place, than)
 
 
 @dataclass(frozen=True)
@@ -57,6 +91,7 @@ class JausStart:
 
     Attributes:
         root: Python name of the message or element.
+        names: Gives a name to an element of a list at a place; None to name none.
         value: The element of a list; None for the body of the message.
         label: Path of the list in the message, for counters.
     """
@@ -64,6 +99,7 @@ class JausStart:
     root: str
     value: Value | None = None
     label: str = ""
+    names: Callable[[str], str] | None = None
 
 
 @dataclass(frozen=True)
@@ -161,9 +197,10 @@ class _Walk:
             self._choose(self._at, name)
         else:
             self._enter(name)
+        self._unwrap()
         for index in self._flat(indices):
             self._index(index)
-        self._unwrap()
+            self._unwrap()
 
     def _split(self, step: str) -> tuple[str, list[int]]:
         found = _INDEXED.fullmatch(step)
@@ -208,11 +245,10 @@ class _Walk:
         self._make()
         self._place = f"{self._place}.{member.attribute}"
         if isinstance(member, Member) and member.is_optional:
-            self._conditions.append(
-                Condition(f"{self._place} is not None", f"{self._place} is None")
-            )
-        self._end, self._at, self._is_made = member, member.value, False
+            self._conditions.append(there(self._place))
+        self._end, self._at = member, member.value
         self._is_optional = isinstance(member, Member) and member.is_optional
+        self._is_made = not self._is_optional
 
     def _choose(self, variant: VariantValue, name: str) -> None:
         """Goes on to an option of a variant, whose members then follow."""
@@ -237,13 +273,16 @@ class _Walk:
     def _index(self, index: int) -> None:
         at = self._at
         if isinstance(at, ListValue):
-            length = f"len({self._place})"
-            self._conditions.append(Condition(f"{length} > {index}", f"{length} <= {index}"))
+            self._conditions.append(longer(self._place, index))
             if self._is_optional:
                 self._containers.append((self._place, "[]"))
         elif not isinstance(at, ArrayValue) or index >= at.count:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
         self._at, self._place = at.element, f"{self._place}[{index}]"
+        if isinstance(at, ListValue) and self._start.names is not None:
+            name = self._start.names(self._place)
+            self._conditions.append(Condition(f"{name} = {self._place}", ""))
+            self._place = name
         self._is_made, self._is_optional = isinstance(at, ArrayValue), False
 
     def _unwrap(self) -> None:
@@ -254,7 +293,7 @@ class _Walk:
             (member,) = at.part.members  # type: ignore[union-attr]
             self._place = f"{self._place}.{member.attribute}"
             self._end, at = member, member.value
-            self._at, self._is_made = at, False
+            self._at, self._is_made = at, True
 
     def _make(self) -> None:
         """Notes that what stands at the present place must be there before what is in it."""

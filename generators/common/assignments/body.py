@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import LINE_WIDTH, printable, python_string
-from jausml.generators.common.layout import statement
+from jausml.generators.common.layout import Call, statement
 from jausml.generators.common.names import Scope
+from jausml.generators.common.values import MAXIMUM_COMPLEXITY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.generators.common.jaus_fields import Condition
-    from jausml.generators.common.layout import Call
 
 MARGIN = 8
 
@@ -29,6 +30,26 @@ _STEP = " " * 4
 
 def _local_names() -> Scope:
     return Scope(frozenset({"self", "source", "target"}))
+
+
+def _split_call(test: str, before: str, room: int) -> str:
+    """A test whose arguments get lines of their own, if it is a call."""
+    function, bracket, arguments = test.partition("(")
+    if not bracket or not arguments.endswith(")"):
+        return f"{before}{test}"
+    inner = arguments[:-1]
+    if len(inner) > room - len(_STEP):
+        inner = ",".join(["", *inner.split(", ")])[1:].replace(",", f",\n{_STEP}") + ","
+    return f"{before}{function}(\n{_STEP}{inner}\n)"
+
+
+def _split_index(text: str, room: int) -> str:
+    """An assignment of an element of a list, with the index or all of it on a line of its own."""
+    head, _, index = text.rpartition("[")
+    if len(head) < room:
+        return f"{head}[\n{_STEP}{index[:-1]}\n]"
+    place, _, code = text.partition(" = ")
+    return f"{place} = (\n{_STEP}{code}\n)"
 
 
 @dataclass
@@ -51,6 +72,7 @@ class Body:
     depth: int = 0
     local_names: Scope = field(default_factory=_local_names)
     _required: list[str] = field(default_factory=list)
+    _names: dict[str, str] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
@@ -71,12 +93,19 @@ class Body:
             depth=self.depth + 1,
             local_names=self.local_names,
             _required=list(self._required),
+            _names=self._names,
         )
 
     def use(self, module: str, name: str) -> str:
         """Notes that a runtime name is used, and returns it."""
         self.names.add((module, name))
         return name
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether it has more branches than the style allows without a word."""
+        heads = (line.lstrip().startswith(("if ", "for ")) for line in self.lines)
+        return sum(heads) + 1 > MAXIMUM_COMPLEXITY
 
     def limit(self, assignment: Any) -> str:
         """Returns the Python path of what keeps the value of an assignment within its target."""
@@ -134,7 +163,16 @@ class Body:
 
         A condition that the statement before has too is not said again.
         """
-        tests = [each.holds for each in conditions if each.holds not in self._required]
+        wanted = [each for each in conditions if each.holds not in self._required]
+        names = [index for index, each in enumerate(wanted) if each.is_name]
+        if names:
+            first = names[0]
+            with self.given(wanted[:first]):
+                self._name(wanted[first])
+                with self.given(wanted[first + 1 :]):
+                    yield
+            return
+        tests = [each.holds for each in wanted]
         if not tests:
             yield
             return
@@ -147,13 +185,56 @@ class Body:
         with self.inside(head):
             yield
 
+    def _name(self, name: Condition) -> None:
+        """Gives a name in the present block, once."""
+        margin = " " * self.column
+        for line in reversed(self.lines):
+            if line == f"{margin}{name.holds}":
+                return
+            if not line.startswith(margin):
+                break
+        text = name.holds
+        if self.column + len(text) > LINE_WIDTH:
+            text = _split_index(text, LINE_WIDTH - self.column)
+        self.add(text)
+
+    def name_of(self, place: str) -> str:
+        """Returns the name of a local variable for an element of a list, always the same."""
+        if place not in self._names:
+            words = re.sub(r"\[([0-9]+)\]$", r"_\1", place.rpartition(".")[2])
+            self._names[place] = self.local_names.claim(words)
+        return self._names[place]
+
     def condition(self, tests: Sequence[str], word: str = "and") -> str:
         """Returns the head of a block that needs some tests to hold."""
         line = f"if {f' {word} '.join(tests)}:"
         if self.column + len(line) <= LINE_WIDTH:
             return line
-        inner = [f"{_STEP}{f'{word} ' if i else ''}{test}" for i, test in enumerate(tests)]
-        return "\n".join(["if (", *inner, "):"])
+        room = LINE_WIDTH - self.column
+        if len(tests) == 1:
+            return f"{_split_call(tests[0], 'if ', room)}:"
+        lines = []
+        for position, test in enumerate(tests):
+            start = f"{_STEP}{word} " if position else _STEP
+            text = f"{start}{test}"
+            if self.column + len(text) > LINE_WIDTH:
+                text = _split_call(test, start, room - len(_STEP)).replace("\n", f"\n{_STEP}")
+            lines.append(text)
+        return "\n".join(["if (", *lines, "):"])
+
+    def fail(self, error: str, text: str) -> None:
+        """Adds the raise of an error.
+
+        Args:
+            error: Its class.
+            text: What is wrong.
+        """
+        self.add(statement(Call(error, (python_string(text),)), "raise ", self.column))
+
+    def stores(self, place: str) -> bool:
+        """Tells whether a statement gives a place a value whatever holds."""
+        start = f"{' ' * self.column}{place} = "
+        return any(line.startswith(start) for line in self.lines)
 
     def require(self, conditions: Sequence[Condition], path: str) -> None:
         """Adds the refusal of messages that lack a field.
@@ -165,9 +246,12 @@ class Body:
         for condition in conditions:
             if condition.holds not in self._required:
                 self._required.append(condition.holds)
+                if condition.is_name:
+                    self._name(condition)
+                    continue
                 error = self.use("bridge_statistics", "AbsentFieldError")
-                self.add(f"if {condition.fails}:")
-                self.add(f"{_STEP}raise {error}({python_string(path)})")
+                with self.inside(self.condition([condition.fails])):
+                    self.fail(error, path)
 
     def _last_head(self) -> str:
         """The condition that still holds for a statement added now, one step deeper."""

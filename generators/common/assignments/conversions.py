@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import python_literal
+from jausml.generators.common.assignments.formulas import ExpressionStatements
 from jausml.generators.common.assignments.tables import look_up
 from jausml.generators.common.assignments.values import (
     NUMBERS,
@@ -15,11 +16,10 @@ from jausml.generators.common.assignments.values import (
     AssignmentError,
     Value,
 )
-from jausml.generators.common.expressions import ARITHMETIC, python_expression
 from jausml.generators.common.jaus_fields import BITS, REAL
 from jausml.generators.common.layout import Call, unpacking
 from jausml.generators.common.names import snake_case
-from jausml.model.expressions import parse_expression, source_names
+from jausml.model.expressions import occurrences, parse_expression, source_names
 from jausml.validation.facts.conversions import conversion_signature
 
 if TYPE_CHECKING:
@@ -35,6 +35,9 @@ _RESULTS = {
     "builtin_interfaces/Time": TIME,
     "TimeStamp": BITS,
 }
+
+# Characters of a source that may stand in an expression without a name of its own.
+_SHORT = 40
 
 
 class Chain:
@@ -169,21 +172,21 @@ class Chain:
         expression = parse_expression(conversion.expression or "")
         names = source_names(paths)
         codes: dict[int, str] = {}
-        for index in dict.fromkeys(names.values()):
-            if index < len(values):
-                codes[index] = self._plain(values[index], paths[index])
-        sources = {name: codes[index] for name, index in names.items() if index in codes}
-        written = python_expression(expression, sources)
-        for name in written.functions:
-            self._body.use(ARITHMETIC, name)
-        return replace(values[0], code=written.code, kind=REAL, limits=None, listed=())
+        used = [each.name for each in occurrences(expression)]
+        for index in dict.fromkeys(names[name] for name in used):
+            times = sum(names[name] == index for name in used)
+            codes[index] = self._plain(values[index], paths[index], times)
+        sources = {name: codes[names[name]] for name in used}
+        code = ExpressionStatements(self._body, sources).code(expression)
+        return replace(values[0], code=code, kind=REAL, limits=None, listed=())
 
-    def _plain(self, value: Value, path: str) -> str:
-        """The value as Python text that may stand several times."""
+    def _plain(self, value: Value, path: str, times: int) -> str:
+        """The value as Python text that stands some times in an expression."""
         if value.kind not in NUMBERS:
             raise AssignmentError(f"{path}: an expression needs numbers")
-        if isinstance(value.code, str):
-            return value.code
+        is_short = len(str(value.code)) <= _SHORT
+        if is_short and (times == 1 or isinstance(value.code, str)):
+            return str(value.code)
         return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
 
     def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.literals import python_string
 from jausml.generators.common.assignments.sources import COUNT, INDEX, Counters
 from jausml.generators.common.assignments.values import AssignmentError
-from jausml.generators.common.jaus_fields import Condition
+from jausml.generators.common.jaus_fields import joined, there
 from jausml.generators.common.layout import Call, comprehension
 
 if TYPE_CHECKING:
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from jausml.generators.common.assignments.sources import Many
     from jausml.generators.common.assignments.targets import ManyTarget
     from jausml.generators.common.assignments.translation import Translation
+    from jausml.generators.common.jaus_fields import Condition
 
 
 def add_list(translation: Translation, assignment: Any) -> None:
@@ -78,7 +79,7 @@ class _ListStatements:
     def _all_conditions(self) -> tuple[Condition, ...]:
         others = [self._outer.source.value(path, "") for path in self._paths[1:]]
         conditions = [*self._many.conditions, *(c for each in others for c in each.conditions)]
-        return tuple(dict.fromkeys(conditions))
+        return joined(conditions)
 
     # -- what is gone through --------------------------------------------------------------------
 
@@ -158,7 +159,7 @@ class _ListStatements:
         counters = Counters({INDEX: index, COUNT: f"len({items.name})"})
         conditions: tuple[Condition, ...] = ()
         if items.may_be_none:
-            conditions = (Condition(f"{item} is not None", f"{item} is None"),)
+            conditions = (there(item),)
         source: Any = self._outer.source
         inner_source = source.element(self._many, item, counters, conditions)
         if self._single(items):
@@ -233,11 +234,12 @@ class _ListStatements:
         if items.may_be_none and self._assignment.whenAbsent.name == "dropMessage":
             inner_body.require(source.conditions, self._many.path)
         inner.require(self._assignment.assignments)
-        (first, *others) = self._assignment.assignments
-        is_made_whole = not others and first.eClass.name == "MessageAssignment"
-        if self._target.new_element is not None and not is_made_whole:
-            inner_body.store(self._target.new_element, element)
         inner.add(self._assignment.assignments)
+        new = self._target.new_element
+        if new is not None and not inner_body.stores(element):
+            lines, inner_body.lines = inner_body.lines, []
+            inner_body.store(new, element)
+            inner_body.lines += lines
         place = self._target.place
         if self._target.fresh and self._outer.to_ros:
             place = self._body.local("elements", "[]")

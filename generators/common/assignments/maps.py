@@ -11,6 +11,7 @@ from jausml.generators.common.assignments.surroundings import NestedTranslation
 from jausml.generators.common.assignments.targets import JausTarget, RosTarget
 from jausml.generators.common.assignments.translation import Translation, paths_of
 from jausml.generators.common.guards import CURRENT_COMMAND, may_set_limits
+from jausml.generators.common.jaus_fields import JausStart
 from jausml.generators.common.names import Scope, names_in, snake_case
 from jausml.generators.common.ros_fields import RosStart, full_name
 
@@ -140,7 +141,7 @@ def _map_to_ros(
         _refuse_limits(body, attribute_map)
     target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
     name = body.owner.removeprefix("self.")
-    source = JausSource(message)
+    source = JausSource(message, JausStart("source", names=body.name_of))
     translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
     translation.require(attribute_map.toRos)
     body.add(f"target = {class_name}()")

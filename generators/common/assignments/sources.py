@@ -11,16 +11,16 @@ from jausml.generators.common.jaus_fields import (
     INTEGER,
     LIST,
     REAL,
-    Condition,
     JausStart,
     jaus_field,
+    there,
 )
 from jausml.generators.common.ros_fields import INTEGER_RANGES, PathError, RosStart, ros_field
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.generators.common.jaus_fields import JausField
+    from jausml.generators.common.jaus_fields import Condition, JausField
     from jausml.generators.common.messages import MessageView
 
 INDEX, COUNT = "index", "count"
@@ -106,6 +106,10 @@ class JausSource:
     counters: Counters = field(default_factory=lambda: Counters({}))
     conditions: tuple[Condition, ...] = ()
 
+    def inlined(self) -> JausSource:
+        """Returns the same source, whose values give no names to elements of lists."""
+        return replace(self, start=replace(self.start, names=None))
+
     def field(self, path: str) -> JausField:
         """Returns the end of a path; one that begins with `/` starts at the message.
 
@@ -140,7 +144,7 @@ class JausSource:
         found = self.field(path)
         if found.kind != LIST:
             raise PathError(f"'{found.path}' is no list")
-        start = JausStart("", found.element, found.path)
+        start = JausStart("", found.element, found.path, self.start.names)
         return Many(found.place, found.path, found.conditions, start, found.limits)
 
     def element(
@@ -182,14 +186,18 @@ class RosSource:
     counters: Counters = field(default_factory=lambda: Counters({}))
     conditions: tuple[Condition, ...] = ()
 
+    def inlined(self) -> RosSource:
+        """Returns itself, as values of ROS give no names."""
+        return self
+
     def _field(self, path: str) -> tuple[Any, tuple[Condition, ...]]:
         if path.startswith("/"):
             return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
         name, _, rest = path.partition(".")
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
-            condition = Condition(f"{root} is not None", f"{root} is None")
-            return ros_field(joined, rest or ".", RosStart(root, joined, label=name)), (condition,)
+            found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
+            return found, (there(root),)
         return ros_field(self.type, path, self.start), self.conditions
 
     def value(self, path: str, limit: str) -> Value:

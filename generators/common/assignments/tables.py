@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.assignments.values import (
     BOOLEAN,
     PYTHON_TYPES,
+    UNLIMITED,
     AssignmentError,
     constant,
 )
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.generators.common.assignments.values import Value
-
-_UNLIMITED = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -69,9 +67,8 @@ def look_up(
 
 def _literal(text: str, kind: str, listed: Sequence[tuple[str, str]], table: str) -> str:
     """A value of a table as a literal; names of values come before the values themselves."""
-    named = dict(reversed(listed))
     try:
-        return constant(kind, named.get(text, text), _UNLIMITED, f"table {table}")
+        return constant(kind, text, UNLIMITED, f"table {table}", listed)
     except AssignmentError:
         # true and false are 1 and 0 where JAUS has no bool.
         if kind == INTEGER and text in {"true", "false"}:

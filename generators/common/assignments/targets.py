@@ -182,12 +182,12 @@ class JausTarget:
     Attributes:
         message: The message.
         start: Where paths start.
-        made: Places of the containers that are there.
+        made: Places of the containers that are there, with the names of those that have one.
     """
 
     message: MessageView
     start: JausStart = field(default_factory=lambda: JausStart("target"))
-    made: set[str] = field(default_factory=set)
+    made: dict[str, str] = field(default_factory=dict)
 
     def field(self, path: str) -> JausField:
         """Returns the end of a path.
@@ -195,7 +195,16 @@ class JausTarget:
         Raises:
             PathError: The path leads nowhere.
         """
-        return jaus_field(self.message, path, self.start)
+        found = jaus_field(self.message, path, self.start)
+        return replace(found, place=self._named(found.place))
+
+    def _named(self, place: str) -> str:
+        """A place by the name of the innermost element of a list on the way to it."""
+        for known in reversed(self.made):
+            name = self.made[known]
+            if name and (place == known or place.startswith(f"{known}.")):
+                return f"{name}{place[len(known) :]}"
+        return place
 
     def kind(self, path: str) -> str:
         """Returns the kind of value that a path takes."""
@@ -214,16 +223,25 @@ class JausTarget:
         for place, code in self.field(path).containers:
             if place in self.made:
                 continue
-            self.made.add(place)
             found = _ELEMENT.fullmatch(place)
             if found is None:
-                body.add(f"{place} = {code}")
+                body.store(code, self._named(place))
+                self.made[place] = ""
                 continue
-            for index in range(int(found["index"])):
-                if f"{found['list']}[{index}]" not in self.made:
-                    self.made.add(f"{found['list']}[{index}]")
-                    body.add(f"{found['list']}.append({code})")
-            body.add(f"{found['list']}.append({code})")
+            for index in range(int(found["index"]) + 1):
+                self._append(body, found["list"], index, code)
+
+    def _append(self, body: Body, place: str, index: int, code: str) -> None:
+        """Adds an element to a list, unless it is there."""
+        element, appended = f"{place}[{index}]", self._named(place)
+        if element in self.made:
+            return
+        self.made[element] = ""
+        if code.endswith("()"):
+            self.made[element] = body.name_of(element)
+            body.store(code, self.made[element])
+            code = self.made[element]
+        body.add(f"{appended}.append({code})")
 
     def fitted(self, path: str, value: Value) -> str | Call:
         """Returns a value as the end of a path takes it."""
@@ -249,7 +267,7 @@ class JausTarget:
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
         found = self.field(path)
-        code = constant(found.kind, text, found.limits, found.path)
+        code = constant(found.kind, text, found.limits, found.path, self.listed(path))
         return Value(code, found.kind, limits=found.limits)
 
     def many(self, path: str) -> ManyTarget:

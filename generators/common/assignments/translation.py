@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.assignments import lists, messages
 from jausml.generators.common.assignments.conversions import Chain
-from jausml.generators.common.assignments.values import TIME, AssignmentError, Value, constant
-from jausml.generators.common.jaus_fields import BITS
+from jausml.generators.common.assignments.values import (
+    TIME,
+    UNLIMITED,
+    AssignmentError,
+    Value,
+    constant,
+)
+from jausml.generators.common.jaus_fields import BITS, joined
 from jausml.generators.common.layout import Call
 from jausml.generators.common.names import snake_case
 from jausml.validation.facts.paths import place
@@ -64,12 +70,12 @@ class Translation:
                 continue
             if assignment.whenAbsent.name != "dropMessage":
                 continue
-            for path in paths_of(assignment.source):
-                if assignment.eClass.name == "ListAssignment":
-                    many = self.source.many(path)
-                    self.body.require(many.conditions, many.path)
-                else:
-                    self.body.require(self.source.value(path, "").conditions, path)
+            paths = paths_of(assignment.source)
+            if assignment.eClass.name == "ListAssignment":
+                many = self.source.many(paths.pop(0))
+                self.body.require(many.conditions, many.path)
+            for path in paths:
+                self.body.require(self.source.value(path, "").conditions, path)
 
     def add(self, assignments: Iterable[Any]) -> None:
         """Adds the statements of assignments."""
@@ -125,7 +131,7 @@ class Translation:
         values = self.values_of(assignment)
         policy = assignment.whenAbsent.name
         if policy == "useDefault" and len(values) > 1:
-            self._field_of_some(assignment, values)
+            self._field_of_some(assignment)
             return
         conditions = _conditions(values)
         if policy == "useDefault" and conditions:
@@ -137,8 +143,10 @@ class Translation:
         with self.body.given(conditions):
             self._store(assignment, values)
 
-    def _field_of_some(self, assignment: Any, values: Sequence[Value]) -> None:
+    def _field_of_some(self, assignment: Any) -> None:
         """Several sources, of which the absent ones count as the default value."""
+        source, limit = self.source.inlined(), self.body.limit(assignment)
+        values = [source.value(path, limit) for path in paths_of(assignment.source)]
         every = [value.conditions for value in values]
         tests = [" and ".join(each.holds for each in conditions) for conditions in every]
         if any(not test for test in tests):
@@ -150,8 +158,8 @@ class Translation:
     def _or_default(self, assignment: Any, value: Value) -> Value:
         if not value.conditions:
             return value
-        limits = (-float("inf"), float("inf"))
-        default = constant(value.kind, assignment.defaultValue or "", limits, assignment.target)
+        text, place = assignment.defaultValue or "", assignment.target
+        default = constant(value.kind, text, UNLIMITED, place, value.listed)
         test = " and ".join(each.holds for each in value.conditions)
         name = self.body.local(snake_case(str(value.code).rpartition(".")[2]), default)
         self.body.add(f"if {test}:")
@@ -200,4 +208,4 @@ class Translation:
 
 
 def _conditions(values: Sequence[Value]) -> tuple[Condition, ...]:
-    return tuple(dict.fromkeys(each for value in values for each in value.conditions))
+    return joined(each for value in values for each in value.conditions)

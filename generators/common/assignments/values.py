@@ -7,6 +7,7 @@ nothing.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ from jausml.generators.common.layout import Call
 from jausml.generators.common.ros_fields import INTEGER_RANGES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.generators.common.jaus_fields import Condition, JausField
     from jausml.generators.common.ros_fields import RosField
 
@@ -32,6 +35,8 @@ PYTHON_TYPES = {
     BITS: "TimeStamp",
 }
 """Types of the kinds of values as conversions see them."""
+
+UNLIMITED = (-math.inf, math.inf)
 
 _SINGLE = (-3.4028234663852886e38, 3.4028234663852886e38)
 _DOUBLE = (-1.7976931348623157e308, 1.7976931348623157e308)
@@ -184,24 +189,34 @@ def _within(inner: Limits, outer: Limits) -> bool:
 # ---------------------------------------------------------------- constants
 
 
-def constant(kind: str, text: str, limits: Limits, place: str) -> str:
+def constant(
+    kind: str,
+    text: str,
+    limits: Limits,
+    place: str,
+    listed: Sequence[tuple[str, str]] = (),
+) -> str:
     """Returns a text of the model as a literal of a kind.
 
     Args:
         kind: Kind of the target.
-        text: The constant.
+        text: The constant, or the name of one.
         limits: Least and greatest number.
         place: Path of the target, for errors.
+        listed: Names and values of constants.
 
     Raises:
         AssignmentError: The text is no such value.
     """
+    # Of several values of one name the first counts.
+    text = dict(reversed(listed)).get(text, text)
     if kind in {REAL, INTEGER}:
         try:
             number = float(text) if kind == REAL else int(text, 0)
         except ValueError as error:
             raise AssignmentError(f"{text!a} is no number ({place})") from error
-        if not limits[0] <= number <= limits[1]:
+        is_unknown = math.isnan(number) and limits == UNLIMITED
+        if not limits[0] <= number <= limits[1] and not is_unknown:
             raise AssignmentError(f"{text!a} is out of the range of {place}")
         return python_literal(number)
     if kind == BOOLEAN and text in {"true", "false"}:
@@ -218,5 +233,6 @@ def ros_constant(target: RosField, text: str) -> Value:
         AssignmentError: The text is no such value.
     """
     kind = ros_kind(target)
-    limits = INTEGER_RANGES.get(target.type, (-float("inf"), float("inf")))
-    return Value(constant(kind, text, limits, target.path), kind, limits=limits)
+    limits = INTEGER_RANGES.get(target.type, UNLIMITED)
+    code = constant(kind, text, limits, target.path, target.constants)
+    return Value(code, kind, limits=limits)
