@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from jausml.text.nodes import NodeMaker
     from jausml.text.tree import Member, Name, Span
 
+DEEPEST = 32
+"""Named types that may stand inside each other."""
+
 MOST_MEMBERS = 10_000
 """Members that all new messages of a text may have, with those of the named types inside."""
 
@@ -87,7 +90,17 @@ class Builder:
             message = f"type {show(word.text)} contains itself"
             self.nodes.fault("JML712", word.span, message)
             return None
+        elif len(self.types.open) >= DEEPEST:
+            message = f"named types are nested more than {DEEPEST} deep"
+            self.nodes.fault("JML712", word.span, message)
+            return None
         return found
+
+    def drop_without(self, node: Node, feature: str) -> None:
+        """Takes an element away whose contents could not be built: that was reported already."""
+        is_empty = all(child.tag != feature for child in node.children)
+        if is_empty and node.parent is not None and node in node.parent.children:
+            node.parent.children.remove(node)
 
     def is_too_much(self, member: Member) -> bool:
         """Counts a member; tells, with a report at the first one, whether there are too many."""

@@ -36,6 +36,8 @@ class JausFields(Builder):
         """Gives a record its fields, and the presence vector that its optional ones need."""
         for member in self.named(members):
             self._field(record, "fields", member, member)
+        if members:
+            self.drop_without(record, "fields")
         optional = [each for each in members if _is_optional(each)]
         if not optional:
             return
@@ -80,6 +82,7 @@ class JausFields(Builder):
             self._single(record, "fields", VALUE, definition.type, member, facts)
         else:
             self._single(node, "element", f"{name}Element", definition.type, member, facts)
+        self.drop_without(node, "element")
 
     def _is_container(self, type_: Name | list[Member]) -> bool:
         """Tells whether a type becomes a record or a list, which arrays cannot have."""

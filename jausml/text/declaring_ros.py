@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.model.words import words
-from jausml.text.declared_types import Builder
+from jausml.text.declared_types import DEEPEST, Builder
 from jausml.text.tree import Name
 from jausml.text.types import BOOL, NUMBERS, STRING, Size, TypeWord, size_of, type_word
 
@@ -46,7 +46,8 @@ class RosFields(Builder):
                 inner = _camel(definition.name.text)
             else:
                 inner = type_name + _camel(member.name.text)
-            self._struct(package, inner, definition, is_named=is_named)
+            if not self._struct(package, inner, definition, is_named=is_named):
+                return
             field = self.new(node, "fields", "ros.MessageField", member.span)
             path = f"{_name_of(package)}.{inner}"
             self.nodes.name(field, "messageType", path, member.span)
@@ -107,14 +108,24 @@ class RosFields(Builder):
             size = size or inner
         return definition, size
 
-    def _struct(self, package: Node, name: str, member: Member, *, is_named: bool) -> None:
-        """Adds the type of a struct to a package, unless it is a named one that is there."""
+    def _struct(self, package: Node, name: str, member: Member, *, is_named: bool) -> bool:
+        """Adds the type of a struct to a package; tells, after a report, when it cannot.
+
+        A named type that is there already is not added again.
+        """
         there = any(_name_of(child) == name for child in package.children)
         if (there and is_named) or not isinstance(member.type, list):
-            return
+            return True
+        if len(self.types.open) >= DEEPEST:
+            message = f"named types are nested more than {DEEPEST} deep"
+            self.nodes.fault("JML712", member.span, message)
+            return False
         node = self.new(package, "messages", "ros.MessageType", member.span)
         self.nodes.value(node, "name", name, member.span)
+        self.types.open.append(name)
         self._fields(package, node, name, member.type)
+        self.types.open.pop()
+        return True
 
 
 def _limited(item: Feature) -> Feature:

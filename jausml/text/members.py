@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.model.notation import Fault
 from jausml.model.values import nearest, show
+from jausml.text.declared_types import DEEPEST
 from jausml.text.declaring_jaus import VALUE
 from jausml.text.keywords import snake_case
 from jausml.text.types import BOOL, STRING, Size, shown_type, size_of, type_word
@@ -116,7 +117,7 @@ class MemberCheck:
             message = f"member {show(member.name.text)} is {kind}, and not {shown_type(member)}"
             hint = f"write {kind} {member.name.text}"
             self._report("JML709", member.span, message, hint, node)
-        elif isinstance(definition.type, list):
+        elif isinstance(definition.type, list) and depth < DEEPEST:
             label = f"member {show(member.name.text)}"
             self._members(definition.type, kind.inner or [], label, node, depth + 1)
 
