@@ -10,6 +10,7 @@ from jausml.text.heads import IN_THE_HEAD, documented, head_name, needs_feature
 from jausml.text.keywords import snake_case
 from jausml.text.literals import attribute_value
 from jausml.text.maps import MAP, MapBuilder, is_map
+from jausml.text.spacing import space
 from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value
 
 if TYPE_CHECKING:
@@ -74,10 +75,11 @@ class BlockBuilder:
         table = self._metamodels.class_of(obj)
         if table.qualified_name == MAP:
             return list(self._maps.items(obj))
-        items: list[BlockItem] = list(self.values(obj, without=IN_THE_HEAD))
+        items: list[BlockItem] = [*self.values(obj, without=IN_THE_HEAD)]
         for feature in table.features.values():
             if feature.kind is FeatureKind.CONTAINMENT and is_written(obj, feature):
                 items += self.owned(obj, feature)
+        space(items)
         return items
 
     def children(self, obj: Any, names: Sequence[str]) -> list[BlockItem]:

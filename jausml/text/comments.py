@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from lark import Token
 
 _LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")
+_LINE_BREAK = re.compile(r"(?<!\n)\n(?!\n)")
 _ESCAPED_END = re.compile(r"\*\\(\\*)/")
 
 
@@ -67,17 +68,15 @@ def is_documentation(comment: str) -> bool:
 def documentation_text(comment: str) -> str:
     r"""Returns what a documentation comment says, without its marks and the stars of its lines.
 
+    A line break stands for a blank; empty lines stand between paragraphs.
+
     Args:
         comment: The comment with its marks. `*\/` in it stands for `*/`.
     """
     first, *further = comment[3:-2].split("\n")
-    lines = [first.strip(" \t\r")]
-    lines += [_without_star(line).rstrip(" \t\r") for line in further]
-    while lines and not lines[-1]:
-        lines.pop()
-    while lines and not lines[0]:
-        lines.pop(0)
-    return _ESCAPED_END.sub(r"*\1/", "\n".join(lines))
+    lines = [each.strip(" \t\r") for each in (first, *map(_without_star, further))]
+    text = "\n".join(lines).strip("\n")
+    return _ESCAPED_END.sub(r"*\1/", _LINE_BREAK.sub(" ", text))
 
 
 def _without_star(line: str) -> str:
@@ -180,12 +179,20 @@ def _within(item: Item, comments: list[Token]) -> list[Token]:
 
 def _bodies(item: Item) -> Iterator[_Body]:
     """Yields the lists of an item, from the first to the last."""
-    for items, closing in _lists(item):
+    for items, closing in lists_of(item):
         if isinstance(items, Items) and items.start is not None:
             yield _Body(items, closing, items.start, items.end)
 
 
-def _lists(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
+def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
+    """Returns the lists of an item, each with the comments before its closing bracket.
+
+    Args:
+        item: The item.
+
+    Returns:
+        The lists in order; None for the comments where none are kept.
+    """
     if isinstance(item, (Element, Assignment)):
         return [(item.items, item.closing)]
     if isinstance(item, Direction):
@@ -199,7 +206,7 @@ def _lists(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
     if isinstance(item, Member):
         return [(item.type if isinstance(item.type, list) else [], None), (item.features, None)]
     if isinstance(item, End):
-        return [(item.members or [], None), (item.features, None)]
+        return [([] if item.members is None else item.members, None), (item.features, None)]
     return []
 
 

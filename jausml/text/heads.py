@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from jausml.text.literals import is_name
 from jausml.text.tree import Item, Name
+from jausml.text.words import can_document
 
 IN_THE_HEAD = frozenset({"name", "documentation"})
 """Features that stand before the block, where a name and a comment can hold them."""
@@ -20,16 +21,8 @@ def head_name(obj: Any) -> Name | None:
 
 
 def is_comment(text: str | None) -> bool:
-    """Tells whether a documentation comment says exactly a text.
-
-    Its layout may change: blanks at the ends of lines, empty lines at its ends and the asterisks
-    that lines begin with are no part of what it says.
-    """
-    if not text or "*/" in text:
-        return False
-    lines = text.split("\n")
-    plain = (each.isprintable() and each == each.strip() and each[:1] != "*" for each in lines)
-    return bool(lines[0] and lines[-1]) and all(plain)
+    """Tells whether a documentation comment says exactly a text, and shows all of it."""
+    return text is not None and text.replace("\n", "").isprintable() and can_document(text)
 
 
 def needs_feature(obj: Any, feature: str) -> bool:

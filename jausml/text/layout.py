@@ -65,11 +65,11 @@ def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]
         closing: Comments behind them.
         room: Columns that there are.
     """
-    return _stacked(items, [_lines(item, room) for item in items], closing)
+    return _stacked(items, [_lines(item, room) for item in items], closing, room)
 
 
 def _stacked(
-    items: Sequence[Item], laid_out: Sequence[list[str]], closing: Sequence[str]
+    items: Sequence[Item], laid_out: Sequence[list[str]], closing: Sequence[str], room: int
 ) -> list[str]:
     """Returns the lines of items, one below the other, with their comments."""
     lines: list[str] = []
@@ -78,7 +78,7 @@ def _stacked(
             lines.append("")
         lines += _comments(item.comments)
         if item.documentation:
-            lines += documentation(item.documentation)
+            lines += documentation(item.documentation, room)
         lines += own_lines
         if item.trailing:
             lines[-1] += f"  {item.trailing}"
@@ -106,7 +106,8 @@ def _bracketed(
         short = f"{head}{opening} {_SPACE.join(lines[0] for lines in laid_out)} {end}"
         if len(short) <= room:
             return [short]
-    return [f"{head}{opening}", *_indented(_stacked(items, laid_out, closing)), end]
+    inner = _stacked(items, laid_out, closing, room - len(_INDENT))
+    return [f"{head}{opening}", *_indented(inner), end]
 
 
 def _can_share_line(items: Sequence[Item], laid_out: Sequence[list[str]]) -> bool:
@@ -255,8 +256,8 @@ def _vector(vector: Vector, room: int) -> list[str]:
         short = " ".join(part for part in (head, sides[0], "=>", sides[1], ")") if part)
         if len(short) <= room:
             return [short]
-    lines = [*_stacked(vector.given, given, ()), "=>"]
-    lines += _stacked(vector.expected, expected, vector.closing)
+    lines = [*_stacked(vector.given, given, (), inner), "=>"]
+    lines += _stacked(vector.expected, expected, vector.closing, inner)
     return [head, *_indented(lines), ")"]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +9,9 @@ from jausml.model.writer import is_written
 from jausml.text import layout
 from jausml.text.blocks import BlockBuilder
 from jausml.text.references import ReferenceNames
+from jausml.text.spacing import space_document
 from jausml.text.stems import system_name
-from jausml.text.tree import BlockItem, Document, Element, Import, Item
+from jausml.text.tree import BlockItem, Document, Element, Import
 
 if TYPE_CHECKING:
     import os
@@ -65,7 +65,7 @@ def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
         if parts:
             implied.add(qualified_class)
         document.items += parts or [builder.root(root)]
-    _space(document.items)
+    space_document(document.items)
     return document
 
 
@@ -80,9 +80,3 @@ def _parts(root: Any, builder: BlockBuilder, model: Model, path: Path) -> list[B
         return []
     parts = builder.children(root, names)
     return parts if all(isinstance(each, Element) for each in parts) else []
-
-
-def _space(items: Sequence[Item]) -> None:
-    """Sets what stands on top level apart, but not imports from each other."""
-    for before, item in pairwise(items):
-        item.spaced = not (isinstance(before, Import) and isinstance(item, Import))

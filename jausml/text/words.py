@@ -9,6 +9,8 @@ from jausml.text.expectations import KEYWORDS
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")
+_ANY_WIDTH = 80
+_SINGLE_BLANK = re.compile(r"(?<=\S) (?=\S)")
 _ENDS = re.compile(r"\*(\\*)/")
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 
@@ -56,20 +58,34 @@ def can_document(text: str) -> bool:
     Args:
         text: Any text.
     """
-    comment = "\n".join(documentation(text))
+    comment = "\n".join(documentation(text, _ANY_WIDTH))
     return is_documentation(comment) and documentation_text(comment) == text
 
 
-def documentation(text: str) -> list[str]:
+def documentation(text: str, room: int) -> list[str]:
     """Returns the lines of a documentation comment.
 
     Args:
-        text: What it says.
+        text: What it says: paragraphs with empty lines between them.
+        room: Columns within which lines end, where words are short enough.
     """
-    lines = _ENDS.sub(r"*\\\1/", text).split("\n")
-    if len(lines) == 1:
-        return [f"/** {lines[0]} */"]
+    text = _ENDS.sub(r"*\\\1/", text)
+    short = f"/** {text} */"
+    if len(short) <= room and "\n" not in text:
+        return [short]
+    lines = [part for line in text.split("\n") for part in _wrapped(line, room - len(" * "))]
     return ["/**", *(f" * {line}".rstrip() for line in lines), " */"]
+
+
+def _wrapped(line: str, room: int) -> list[str]:
+    """Returns a line in parts that end within some columns, broken at single blanks."""
+    parts: list[str] = []
+    for part in _SINGLE_BLANK.split(line):
+        if parts and len(parts[-1]) + 1 + len(part) <= room:
+            parts[-1] += f" {part}"
+        else:
+            parts.append(part)
+    return parts
 
 
 def _escaped(text: str, mark: str) -> str:

@@ -87,7 +87,7 @@ long_comments = st.sampled_from(
 )
 comments = st.lists(line_comments | block_comments | long_comments, max_size=2)
 trailing = st.just("") | line_comments | block_comments
-documentation = st.just("") | anything.filter(can_document) | st.just("a\n\n  b */ *\\/\n* c")
+documentation = st.just("") | anything.filter(can_document) | st.just("a\n\nb */ *\\/ * c\n\n\n* d")
 
 
 def commented(strategy):
@@ -206,7 +206,7 @@ documents = closed(
 )
 
 
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(documents)
 def test_what_is_written_is_read(document):
     text = render(document)
@@ -220,7 +220,7 @@ def test_what_is_written_is_read(document):
 separators = st.sampled_from([" ", "\n", "\n\n\n", "\t", " // why\n", " /* what\n ever */ "])
 
 
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(documents, st.randoms(use_true_random=False), st.data())
 def test_layout_is_idempotent_and_keeps_all_tokens_and_comments(document, random, data):
     tokens = scan(render(document)).tokens
@@ -282,10 +282,7 @@ vector v ROS->JAUS(x=1 y=2=>Z=0.70711~1e-5)}
 
 import "robot.xmi"  // ours
 import mappings.global_pose
-/**
- * Body velocity.
- *   Twice.
- */
+/** Body velocity. Twice. */
 velocity_state {
     JAUS ReportVelocityState
     ROS nav_msgs/Odometry ( geometry_msgs/TwistWithCovariance twist )
@@ -336,10 +333,10 @@ def test_values_that_do_not_fit_go_on_in_the_next_line():
 
 
 @pytest.mark.parametrize(
-    "text", ["", "a", "a */ b", "*\\/", " a", "a ", "\na", "*", "/", "a\n * b"]
+    "text", ["", "a", "a */ b", "*\\/", " a", "a ", "\na", "*", "/", "a\nb", "a\n\n* b"]
 )
 def test_documentation_that_a_comment_holds(text):
     item = Import(Name("x"), documentation=text)
     back = parse(render(Document([item]))).document.items[0]
     assert (back.documentation == text) == (can_document(text) or not text)
-    assert can_document(text) == (text not in ("", " a", "a ", "\na"))
+    assert can_document(text) == (text not in ("", " a", "a ", "\na", "a\nb"))
