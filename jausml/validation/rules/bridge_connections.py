@@ -17,7 +17,7 @@ from jausml.validation.facts.services import (
     provides_access_control,
 )
 from jausml.validation.rule import Finding, Note, rule
-from jausml.validation.rules.jaus_components import MAXIMUM_RATE, missing_query, rate_finding
+from jausml.validation.rules.jaus_components import missing_query, rate_finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -119,7 +119,7 @@ def query_known(subject: Subject) -> Iterator[Finding]:
 def rate_range(subject: Subject) -> Iterator[Finding]:
     """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
 
-    A rate of 0, the default, stands for the frequency of the bridge, which has the same limits.
+    A rate of 0, the default, stands for the frequency of the bridge, which is not 0 then.
     Times in seconds are finite and not negative.
 
     Bad: `exchange="periodicEvent" rate="2000"`
@@ -129,16 +129,16 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
     for connection in subject.instances("bridge.Connection"):
         asks = connection.exchange.name == "query" and _to_ros(connection)
         is_timed = connection.exchange.name == "periodicEvent" or asks
+        bridge = connection.eContainer()
         if is_timed and connection.rate != 0:
             yield from rate_finding(connection)
+        elif is_timed and bridge is not None and bridge.frequency == 0:
+            message = f"'{connection.name}' has no rate, and bridge '{bridge.name}' no frequency"
+            yield Finding(connection, message, "rate", "state one of them")
         value = connection.silenceTimeout
         if not (math.isfinite(value) and value >= 0):
             message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
             yield Finding(connection, message, "silenceTimeout")
-    for bridge in subject.instances("bridge.Bridge"):
-        if not 0 < bridge.frequency <= MAXIMUM_RATE:
-            message = f"frequency {bridge.frequency:g} of '{bridge.name}' is out of range"
-            yield Finding(bridge, message, "frequency", f"above 0 and at most {MAXIMUM_RATE:g}")
 
 
 @rule("JML426", Severity.WARNING, "safe value that is never sent")

@@ -88,13 +88,15 @@ def _repeated(siblings: Iterable[Placed]) -> Iterator[Finding]:
 
 def _chosen_twice(siblings: Iterable[Placed]) -> Iterator[Finding]:
     chosen: dict[str, tuple[str, Any]] = {}
+    reported: set[tuple[str, str]] = set()
     for each in siblings:
         if each.kind == "Ignore":
             continue
         for path in target_paths(each.assignment):
             for where, choice in _choices(each.scope.target, path):
                 option, first = chosen.setdefault(where, (choice, each.assignment))
-                if option != choice:
+                if option != choice and (where, choice) not in reported:
+                    reported.add((where, choice))
                     message = f"'{path}' selects {choice}, but {option} is selected already"
                     note = Note(first, f"'{first.target}'", "target")
                     yield Finding(each.assignment, message, "target", related=(note,))

@@ -20,7 +20,7 @@ from jausml.validation.facts.frames import (
     UP,
     Axis,
 )
-from jausml.validation.facts.units import units_clash
+from jausml.validation.facts.units import attribute_measure, units_clash
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -108,9 +108,18 @@ def _finding(placed: Placed) -> Finding | None:
     source, target = passage.sources[0], targets[0]
     if len(passage.sources) > 1 or len(targets) > 1 or source is None or target is None:
         return None
-    if not (source.name and target.name):
+    if not (source.name and target.name) or _makes_another_quantity(placed):
         return None
     return _direct(placed, frames.with_sign(source, passage.sign), target)
+
+
+def _makes_another_quantity(placed: Placed) -> bool:
+    """Whether a factor makes one kind of quantity of another, such as speed of a turning rate."""
+    measures = [
+        attribute_measure(each[0]) for each in (placed.source_attributes, placed.target_attributes)
+    ]
+    dimensions = {each.unit.dimension for each in measures if each is not None}
+    return len(dimensions - {()}) > 1
 
 
 def _direct(placed: Placed, source: Axis, target: Axis) -> Finding | None:

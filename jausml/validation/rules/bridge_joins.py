@@ -28,7 +28,7 @@ def joins(subject: Subject) -> Iterator[Finding]:
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
     for each in subject.instances("bridge.AttributeMap"):
-        fields = {field.name: field for field in each.type.fields} if each.type is not None else {}
+        fields = {field.name for field in each.type.fields} if each.type is not None else set()
         used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
         for join in each.joins:
             yield from _join_findings(join, fields, used)
@@ -37,14 +37,13 @@ def joins(subject: Subject) -> Iterator[Finding]:
             yield from _topic_findings(connection)
 
 
-def _join_findings(join: Any, fields: dict[str, Any], used: set[str]) -> Iterator[Finding]:
+def _join_findings(join: Any, fields: set[str], used: set[str]) -> Iterator[Finding]:
     if not (math.isfinite(join.freshness) and join.freshness > 0):
         message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
         yield Finding(join, message, "freshness")
     if join.name in fields:
         message = f"join '{join.name}' has the name of a field of the main type"
-        note = Note(fields[join.name], f"'{join.name}'", "name")
-        yield Finding(join, message, "name", "choose another name", (note,))
+        yield Finding(join, message, "name", "choose another name")
     elif join.name not in used:
         message = f"no assignment takes anything of join '{join.name}'"
         yield Finding(join, message, "name", severity=Severity.WARNING)

@@ -52,8 +52,9 @@ def _findings(placed: Placed, position: int, conversion: Any) -> Iterator[Findin
     conversions, table = placed.assignment.conversions, conversion.table
     if position == 0 and len(placed.source_attributes) == 1:
         source = placed.source_attributes[0]
-        yield from _entry_findings(table, taken, source)
-        yield from _lacking(conversion, taken, source)
+        faults = list(_entry_findings(table, taken, source))
+        yield from faults
+        yield from [] if faults else _lacking(conversion, taken, source)
     if len(conversions) == len(placed.source_attributes) == len(placed.target_attributes) == 1:
         yield from _repeated(table, taken, placed)
     if position == len(conversions) - 1 and len(placed.target_attributes) == 1:
@@ -68,7 +69,7 @@ def _entry_findings(table: Any, feature: str, attribute: Attribute) -> Iterator[
         fault = constant_fault(value, attribute) if value is not None else ""
         if fault:
             hint = _known(attribute)
-            yield Finding(entry, f"{value!a} {fault} ({attribute.label})", feature, hint)
+            yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
 
 
 def _repeated(table: Any, feature: str, placed: Placed) -> Iterator[Finding]:
