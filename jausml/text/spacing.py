@@ -21,9 +21,11 @@ def space(items: Sequence[Item]) -> None:
         items: What stands in a block. Those that say little follow each other line by line.
     """
     for before, item in pairwise(items):
-        follows_values = isinstance(before, Feature) and not isinstance(item, Feature)
-        says_much = _values(before) >= _MUCH or _values(item) >= _MUCH
-        item.spaced = says_much or (follows_values and bool(item.documentation))
+        follows_values = isinstance(before, Feature) and _values(before) == 1
+        if follows_values and (isinstance(item, Feature) or not _says_much(item)):
+            item.spaced = bool(item.documentation)
+        else:
+            item.spaced = _says_much(before) or _says_much(item)
 
 
 def space_document(items: Sequence[Item]) -> None:
@@ -34,6 +36,10 @@ def space_document(items: Sequence[Item]) -> None:
     """
     for before, item in pairwise(items):
         item.spaced = not (isinstance(before, Import) and isinstance(item, Import))
+
+
+def _says_much(item: Item) -> bool:
+    return _values(item) >= _MUCH
 
 
 def _values(item: Item) -> int:
