@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.assertions import has_value
-from jausml.generators.bridge.checks.check import Check, equals, unique
+from jausml.generators.bridge.checks.check import Check, equals, tidy
 from jausml.generators.bridge.checks.filling import JausMessage, ValueTextError, short_name
 
 if TYPE_CHECKING:
@@ -76,4 +76,4 @@ def _kept(ends: Ends, sample: Sample, path: str, chain: Chain) -> Iterator[Check
         return
     name = f"{ends.name}_{short_name(target)}_without_{short_name(path)}"
     lines = (*absent, *outcome)
-    yield Check(name, about, lines if policy == "lastValue" else unique(lines))
+    yield Check(name, about, tidy(lines))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.bridge.checks.check import close_to, equals, holds
+from jausml.generators.bridge.checks.check import HOLDER, close_to, equals, holds
 from jausml.generators.common.assignments.values import BOOLEAN
 from jausml.generators.common.jaus_fields import INTEGER
 
@@ -57,9 +57,9 @@ def shortened(place: Place) -> tuple[list[str], Place]:
     prefix, _, last = place.code.rpartition(".")
     if len(place.code) <= _LONG:
         return [holds(each) for each in place.conditions], place
-    handy = f"holder.{last}"
+    handy = f"{HOLDER}.{last}"
     own = [each for each in place.conditions if place.code in each]
     outer = [each for each in place.conditions if place.code not in each]
-    lines = [*map(holds, outer), f"holder = {prefix}"]
+    lines = [*map(holds, outer), f"{HOLDER} = {prefix}"]
     lines += [holds(each.replace(place.code, handy)) for each in own]
     return lines, replace(place, code=handy)

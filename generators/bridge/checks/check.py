@@ -11,10 +11,16 @@ from jausml.generation.literals import LINE_WIDTH, python_literal
 from jausml.generators.common.layout import Call, statement
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
 MARGIN = 4
 _CALL = re.compile(r"(\w+)\(([^()]*)\)")
+HOLDER = "holder"
+"""Handy name for what holds an attribute with a long path."""
+_HANDY = f"{HOLDER} = "
+_WHOLE_MESSAGE = re.compile(r"\w+ = ")
+# Lines that nearly fill the width are split by formatters in ways that nobody likes to read.
+_ROOM = 4
 _LEAST_TOLERANCE = 1e-9
 _DEFAULT_OF_APPROX = 1e-6
 
@@ -48,22 +54,53 @@ class Check:
         return "\n".join((*self.decorators, *self.parameters, *self.lines))
 
 
-def unique(lines: Iterable[str]) -> tuple[str, ...]:
-    """Returns lines without those that stood before."""
-    return tuple(dict.fromkeys(lines))
+def tidy(statements: Iterable[str]) -> tuple[str, ...]:
+    """Returns statements without assertions and handy names that are there already.
+
+    Args:
+        statements: Statements as the functions below make them.
+    """
+    return tuple(_tidied(_one_by_one(statements)))
+
+
+def _one_by_one(statements: Iterable[str]) -> Iterator[str]:
+    for each in statements:
+        if each.startswith(_HANDY) and "\n" in each:
+            yield from each.split("\n", 1)
+        else:
+            yield each
+
+
+def _tidied(statements: Iterable[str]) -> Iterator[str]:
+    known: set[str] = set()
+    holder = ""
+    for each in statements:
+        if each.startswith(_HANDY):
+            if each == holder:
+                continue
+            holder = each
+            known = {other for other in known if f"{HOLDER}." not in other}
+        elif each.startswith("assert "):
+            if each in known:
+                continue
+            known.add(each)
+        elif _WHOLE_MESSAGE.match(each):
+            known, holder = set(), ""
+        yield each
 
 
 def store(place: str, code: str | Call, column: int = MARGIN) -> str:
     """Returns the statement that stores a value, laid out.
 
     Args:
-        place: Where to.
+        place: Where to; what holds it gets a handy name when it is long.
         code: The value, as Python text.
         column: Column at which it stands.
     """
     text = statement(code, f"{place} = ", column)
-    if isinstance(code, str) and column + len(text) > LINE_WIDTH:
-        return f"{place} = (\n    {code}\n)"
+    prefix, _, last = place.rpartition(".")
+    if prefix and column + max(map(len, text.split("\n"))) > LINE_WIDTH - _ROOM:
+        return f"{_HANDY}{prefix}\n" + statement(code, f"{HOLDER}.{last} = ", column)
     return text
 
 

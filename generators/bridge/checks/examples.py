@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.assertions import has_value
-from jausml.generators.bridge.checks.check import Check, equals, unique
+from jausml.generators.bridge.checks.check import Check, equals, tidy
 from jausml.generators.bridge.checks.ends import overlap
 from jausml.generators.common.ros_fields import PathError
 
@@ -35,13 +35,13 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
             f"assert isinstance(decoded, {view.target_name})",
         ]
     about = f"{view.source_name} becomes {view.target_name}."
-    yield Check(view.name, about, unique(lines))
+    yield Check(view.name, about, tidy(lines))
     untouched = list(_untouched(ends))
     if untouched:
         yield Check(
             f"{view.name}_leaves_ignored_members_alone",
             f"What the map ignores in {view.target_name} stays as it is made.",
-            unique([*begin, *untouched]),
+            tidy([*begin, *untouched]),
         )
 
 

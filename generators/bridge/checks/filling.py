@@ -256,7 +256,7 @@ def _made(place: str, code: str, made: set[str]) -> list[str]:
     made.add(place)
     found = _ELEMENT.fullmatch(place)
     if found is None:
-        return [f"{place} = {code}"]
+        return [store(place, Call(code[:-2], ()) if code.endswith("()") else code)]
     places = [f"{found['list']}[{index}]" for index in range(int(found["index"]))]
     missing = [each for each in places if each not in made]
     made.update(missing)

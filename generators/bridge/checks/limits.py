@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.checks.assertions import has_value, is_absent
-from jausml.generators.bridge.checks.check import MARGIN, Check, unique
+from jausml.generators.bridge.checks.check import MARGIN, Check, tidy
 from jausml.generators.bridge.checks.filling import JausMessage, short_name
 from jausml.generators.common.jaus_fields import INTEGER, REAL
 from jausml.generators.common.layout import text
@@ -161,7 +161,7 @@ def _check(ends: Ends, sample: Sample, case: _Case) -> Check:
             f'assert caught.value.policy == "{word}"',
             f"assert caught.value.field == {label}",
         ]
-    return Check(name, _about(case, policy), unique(lines))
+    return Check(name, _about(case, policy), tidy(lines))
 
 
 def _about(case: _Case, policy: str) -> str:

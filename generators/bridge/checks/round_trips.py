@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
 from jausml.generators.bridge.checks.assertions import shortened
-from jausml.generators.bridge.checks.check import MARGIN, Check, store, unique
+from jausml.generators.bridge.checks.check import MARGIN, Check, store, tidy
 from jausml.generators.bridge.checks.figures import ANGLES
 from jausml.generators.bridge.checks.filling import JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
@@ -171,7 +171,7 @@ def _check(
         for name, each in zip(names, returning, strict=True)
     )
     about = f"What {there.view.name} gives to ROS comes back by {back.view.name}, within a step."
-    return Check(f"{there.name}_and_back", about, unique(lines), decorators, parameters)
+    return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
 
 
 def _sets(line: str, source: JausMessage, paths: set[str]) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.errors import GenerationError
 from jausml.generators.bridge.checks.assertions import SINGLE, has_value, is_absent
-from jausml.generators.bridge.checks.check import Check, unique
+from jausml.generators.bridge.checks.check import Check, tidy
 from jausml.generators.bridge.checks.filling import RosMessage, Scalar, ValueTextError
 from jausml.generators.common.names import snake_case
 from jausml.generators.common.ros_fields import PathError
@@ -56,7 +56,7 @@ def _check(ends: Ends, vector: Any) -> Check:
         lines += has_value(place, value, _tolerance(ends, expected, value))
     about = vector.documentation or f"The test vector {vector.name} of the map {ends.map.name}."
     name = f"{ends.name}_vector_{snake_case(vector.name)}"
-    return Check(name, str(about), unique(lines))
+    return Check(name, str(about), tidy(lines))
 
 
 def _given(ends: Ends, vector: Any) -> tuple[list[str], list[str]]:
