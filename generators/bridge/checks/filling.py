@@ -42,6 +42,12 @@ def short_name(path: str) -> str:
     return snake_case("_".join(steps[-2:] if len(steps[-1]) < _SHORT else steps[-1:]))
 
 
+class Code(str):
+    """Python text that stands for a value."""
+
+    __slots__ = ()
+
+
 class ValueTextError(ValueError):
     """A text of the model that is no value of the attribute that it is meant for."""
 
@@ -175,7 +181,7 @@ class JausMessage:
         if value is PRESENT:
             return store(field.place, f"{field.class_name}()")
         number = float(value) if field.is_float and not isinstance(value, str) else value
-        code = python_literal(number)
+        code = value if isinstance(value, Code) else python_literal(number)
         if field.index is None:
             return store(field.place, code)
         return store(field.place, Call(field.class_name, (str(field.index), code)))

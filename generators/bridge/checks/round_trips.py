@@ -10,7 +10,7 @@ from jausml.generation.literals import python_literal
 from jausml.generators.bridge.checks.assertions import shortened
 from jausml.generators.bridge.checks.check import MARGIN, Check, store, tidy
 from jausml.generators.bridge.checks.figures import ANGLES
-from jausml.generators.bridge.checks.filling import JausMessage, short_name
+from jausml.generators.bridge.checks.filling import Code, JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
 from jausml.generators.common.jaus_fields import INTEGER, REAL
 from jausml.generators.common.layout import Call, statement
@@ -143,11 +143,8 @@ def _check(
     scope = Scope(frozenset(_NOTHING))
     names = [scope.claim(short_name(each.place.path)) for each in returning]
     jaus = there.view.source_name
-    varied = {each.place.path for each in returning}
-    lines = [f"bridge = {class_name}()", *source.fill(sample.values)]
-    lines = [line for line in lines if not _sets(line, source, varied)]
-    for name, each in zip(names, returning, strict=True):
-        lines.append(_vary(source, each.place.path, name))
+    varied = {each.place.path: Code(name) for name, each in zip(names, returning, strict=True)}
+    lines = [f"bridge = {class_name}()", *source.fill({**sample.values, **varied})]
     lines += [
         f"source = {jaus}.decode(source.encode())",
         store("there", there.call("source")),
@@ -172,18 +169,6 @@ def _check(
     )
     about = f"What {there.view.name} gives to ROS comes back by {back.view.name}, within a step."
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
-
-
-def _sets(line: str, source: JausMessage, paths: set[str]) -> bool:
-    """Whether a statement gives one of some fields the value of the sample."""
-    return any(line.startswith(f"{source.field(path).place} = ") for path in paths)
-
-
-def _vary(source: JausMessage, path: str, name: str) -> str:
-    field = source.field(path)
-    if field.index is None:
-        return store(field.place, name)
-    return store(field.place, Call(field.class_name, (str(field.index), name)))
 
 
 def _strategy(name: str, each: _Returning) -> Call:
