@@ -71,7 +71,8 @@ class LaunchingTarget(Protocol):
     "--all",
     "whole_library",
     is_flag=True,
-    help="With --target wireshark: every message of the library, not only those of the system.",
+    help="With --target wireshark: every message of the library, not only those of the system;"
+    " with --target ros_interfaces: every message of the services that the system uses.",
 )
 @click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
@@ -194,7 +195,7 @@ def _targets(names: tuple[str, ...], installed: Mapping[str, Target[Any]]) -> li
 
 def _for_whole_library(targets: Sequence[Target[Any]]) -> list[Target[Any]]:
     if not any(isinstance(target, LibraryTarget) for target in targets):
-        raise click.UsageError("--all is an option of --target wireshark")
+        raise click.UsageError("--all is an option of --target wireshark and ros_interfaces")
     return [
         target.for_whole_library() if isinstance(target, LibraryTarget) else target
         for target in targets

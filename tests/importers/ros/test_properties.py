@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from jausml.generators.ros_interfaces.ros_types import package_files
 from jausml.importers.ros import ROS_RULES, PackageSource, Source, import_packages, placed
 from jausml.interfaces import parse_definition
 from jausml.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
@@ -120,6 +121,12 @@ def facts_of(package):
     return fields, constants
 
 
+def written(package):
+    """Returns the text of the message M as the target ros_interfaces writes it."""
+    (file,) = [each for each in package_files(package, "") if each.name == "M"]
+    return "\n".join(file.sections[0].lines)
+
+
 OTHER = PackageSource("geometry_msgs", [Source("Point.msg", b"float64 x\n")])
 
 
@@ -135,6 +142,11 @@ def test_facts_survive_the_import(drawn):
     fields, constants = facts_of(result.packages[0])
     assert fields == [each for each in facts if each[0] == "field"]
     assert constants == [each for each in facts if each[0] == "constant"]
+    again = Source("M.msg", written(result.packages[0]).encode())
+    own = PackageSource("demo_msgs", [again, own.files[1]])
+    result = import_packages([own, OTHER], library=False)
+    assert result.diagnostics == []
+    assert facts_of(result.packages[0]) == (fields, constants)
 
 
 @QUICK

@@ -1,0 +1,346 @@
+"""Interface packages: what rosidl reads out of them is what the model says."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.generation.engine import Renderer
+from jausml.generation.errors import GenerationError
+from jausml.generation.header import has_valid_header
+from jausml.generation.target import is_on_request
+from jausml.generators.ros_interfaces.definitions import ConstantLine, FieldLine
+from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
+from jausml.generators.ros_interfaces.names import constant_name, field_name, type_name
+from jausml.generators.ros_interfaces.target import TARGET
+from jausml.interfaces import parse_definition
+from jausml.interfaces.definitions import PRIMITIVES, FieldType
+from jausml.model import library_root, read_models
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:jaus="http://www.jausml.org/jaus/1.0" xmlns:ros="http://www.jausml.org/ros/1.0"
+    xmlns:system="http://www.jausml.org/system/1.0">
+  <system:System name="tug" maintainer="Crew" maintainerEmail="crew@example.com" version="1.2.0">
+    <interfaces name="tug_interfaces" documentation="What the tug says.">
+      <messages xmi:id="Winch" name="Winch" documentation="A winch.&#10;&#10;--- of the tug">
+        <fields xsi:type="ros:MessageField" name="header">
+          <messageType href="http://www.jausml.org/library/ros/std_msgs.xmi#Header"/>
+        </fields>
+        <fields xsi:type="ros:PrimitiveField" name="speed" type="float32" units="m/s"
+            minimum="-1.5" maximum="2" documentation="Of the rope."/>
+        <fields xsi:type="ros:PrimitiveField" name="label" type="string" stringBound="8"
+            defaultValue="a &quot;b&quot;"/>
+        <fields xsi:type="ros:PrimitiveField" name="names" type="string"
+            arrayKind="boundedSequence" arraySize="3"
+            defaultValue="[&quot;x, y&quot;, &quot;&quot;]"/>
+        <fields xsi:type="ros:MessageField" name="ropes" arrayKind="fixedArray" arraySize="2"
+            messageType="Rope"/>
+        <constants name="IDLE" type="uint8" value="0" documentation="Stands still."/>
+        <constants name="MOTTO" type="string" value="a = b"/>
+      </messages>
+      <messages xmi:id="Rope" name="Rope"/>
+      <services name="Pull" documentation="Pulls.">
+        <request name="Pull_Request">
+          <fields xsi:type="ros:PrimitiveField" name="length"/>
+        </request>
+        <response name="Pull_Response" documentation="How it went."/>
+      </services>
+      <actions name="Tow">
+        <goal name="Tow_Goal"/>
+        <result name="Tow_Result"/>
+        <feedback name="Tow_Feedback">
+          <fields xsi:type="ros:PrimitiveField" name="done" type="bool"/>
+        </feedback>
+      </actions>
+    </interfaces>
+  </system:System>
+  <jaus:ServiceSet name="winches" version="1.0">
+    <services name="Winch" urn="urn:example:Winch" version="1.0">
+      <outputs name="ReportWinch" code="0xD101" documentation="State of the winch.">
+        <body xsi:type="jaus:Record" name="Rec" presenceVector="uint8">
+          <fields xsi:type="jaus:FixedField" name="Speed" type="uint16" units="meter per second"
+              optional="true"><scale lower="-1" upper="1"/></fields>
+          <fields xsi:type="jaus:FixedField" name="class" type="uint8">
+            <values>
+              <values xsi:type="jaus:EnumeratedValue" name="Not known" value="0"/>
+              <values xsi:type="jaus:EnumeratedValue" name="drum" value="2"/>
+              <values xsi:type="jaus:ValueRange" lower="10" upper="20"/>
+            </values>
+          </fields>
+          <fields xsi:type="jaus:BitField" name="Flags" type="uint16">
+            <subFields name="Mode" lowBit="0" highBit="2"/>
+            <subFields name="Rest" lowBit="3" highBit="15"/>
+          </fields>
+        </body>
+      </outputs>
+    </services>
+  </jaus:ServiceSet>
+</xmi:XMI>
+"""
+WINCH = """
+# A winch.
+#
+# --- of the tug
+
+# Stands still.
+uint8 IDLE=0
+string MOTTO="a = b"
+std_msgs/Header header
+# Of the rope.
+# [m/s] -1.5 to 2
+float32 speed
+string<=8 label "a \\"b\\""
+string[<=3] names ["x, y", ""]
+Rope[2] ropes
+"""
+REPORT = """
+# JAUS message ReportWinch (0xD101).
+#
+# State of the winch.
+
+uint8 CLASS_VALUE_NOT_KNOWN=0
+uint8 CLASS_VALUE_DRUM=2
+# Whether speed is there.
+bool has_speed
+# [meter per second] -1 to 1
+float64 speed
+# 10 to 20
+uint8 class_value
+ReportWinchFlags flags
+"""
+
+
+@pytest.fixture
+def model(tmp_path):
+    path = tmp_path / "tug.xmi"
+    path.write_text(SYSTEM, encoding="utf-8")
+    result = read_models([path])
+    assert result.diagnostics == []
+    return result.model
+
+
+def render(model, target=TARGET):
+    return {each.path: each.text for each in Renderer(target, model).render()}
+
+
+def body(text):
+    """Returns a definition without the header."""
+    return "\n" + "\n".join(text.splitlines()[2:]) + "\n"
+
+
+def test_declared_packages_and_messages_without_a_map(model):
+    files = render(model)
+    assert sorted(files) == [
+        "tug_interfaces/CMakeLists.txt",
+        "tug_interfaces/action/Tow.action",
+        "tug_interfaces/msg/Rope.msg",
+        "tug_interfaces/msg/Winch.msg",
+        "tug_interfaces/package.xml",
+        "tug_interfaces/srv/Pull.srv",
+        "tug_jaus_msgs/CMakeLists.txt",
+        "tug_jaus_msgs/msg/ReportWinch.msg",
+        "tug_jaus_msgs/msg/ReportWinchFlags.msg",
+        "tug_jaus_msgs/package.xml",
+    ]
+    assert body(files["tug_interfaces/msg/Winch.msg"]) == WINCH
+    assert body(files["tug_jaus_msgs/msg/ReportWinch.msg"]) == REPORT
+    pull = "\n# Pulls.\n\nfloat64 length\n---\n# How it went.\n"
+    assert body(files["tug_interfaces/srv/Pull.srv"]) == pull
+    assert all(has_valid_header(text) for text in files.values() if text)
+
+
+def test_packages_name_what_they_need(model):
+    files = render(model)
+    cmake = files["tug_interfaces/CMakeLists.txt"]
+    assert '  "action/Tow.action"\n  "msg/Rope.msg"\n  "msg/Winch.msg"\n  "srv/Pull.srv"\n' in cmake
+    assert "  DEPENDENCIES action_msgs std_msgs\n" in cmake
+    manifest = files["tug_interfaces/package.xml"]
+    assert "<depend>std_msgs</depend>" in manifest
+    assert "<member_of_group>rosidl_interface_packages</member_of_group>" in manifest
+    assert "DEPENDENCIES" not in files["tug_jaus_msgs/CMakeLists.txt"]
+
+
+def test_messages_of_maps_have_their_ros_type_already():
+    model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
+    some = {path for path in render(model) if path.endswith(".msg")}
+    every = {path for path in render(model, TARGET.for_whole_library()) if path.endswith(".msg")}
+    mapped = {str(each.message.name) for each in model.instances("bridge.AttributeMap")}
+    assert mapped
+    for name in mapped:
+        assert f"catvehicle_jaus_msgs/msg/{name}.msg" not in some
+        assert f"catvehicle_jaus_msgs/msg/{name}.msg" in every
+    assert "catvehicle_jaus_msgs/msg/ReportVelocityCommand.msg" in some
+
+
+def files_of(*paths):
+    package = MessagesPackage("all_msgs", "test.xmi")
+    for message in read_models(paths).model.instances("jaus.MessageDef"):
+        package.add(message)
+    return package.files
+
+
+def facts(section):
+    fields = [(each.name, each.type, each.default) for each in section.fields]
+    constants = [(each.name, each.type, each.value) for each in section.constants]
+    return fields, constants
+
+
+@pytest.fixture(scope="module")
+def library_files():
+    """Definitions of all messages of the shipped library, and of all kinds of fields."""
+    paths = sorted((library_root() / "jaus").glob("*.xmi"))
+    return files_of(*paths, HERE / "every_kind.xmi", HERE / "hostile_messages.xmi")
+
+
+def text_of(section):
+    return "\n".join([*section.comment_lines, "", *section.lines])
+
+
+def test_every_message_of_the_library_is_read_back_to_its_facts(library_files):
+    assert len(library_files) > 500
+    names = {file.name for file in library_files}
+    assert len({name.lower() for name in names}) == len(library_files)
+    for file in library_files:
+        (section,) = file.sections
+        read = parse_definition(text_of(section), "msg")
+        assert read.faults == [], file.name
+        assert facts(read.sections[0]) == facts(section)
+        for field in section.fields:
+            assert field.type.name in PRIMITIVES or field.type.name in names
+
+
+def test_rosidl_takes_every_message_of_the_library(library_files):
+    parser = pytest.importorskip("rosidl_adapter.parser")
+    for file in library_files:
+        (section,) = file.sections
+        theirs = parser.parse_message_string("all_msgs", file.name, text_of(section))
+        assert [each.name for each in theirs.fields] == [each.name for each in section.fields]
+        shown = [str(each.type).replace("all_msgs/", "") for each in theirs.fields]
+        assert shown == [str(each.type) for each in section.fields]
+        units = [each.annotations.get("unit") for each in theirs.fields]
+        assert all(unit is None or unit for unit in units)
+
+
+def test_nested_kinds():
+    files = {file.name: file for file in files_of(HERE / "every_kind.xmi")}
+    kinds = {field.name: str(field.type) for field in files["Kinds"].sections[0].fields}
+    assert kinds["first"] == "KindsFirst"
+    assert kinds["has_second"] == "bool"
+    assert kinds["lists"] == "KindsInner[<=3]"
+    assert kinds["choice"] == "KindsChoice"
+    numbers = {f.name: str(f.type) for f in files["KindsNumbers"].sections[0].fields}
+    assert (numbers["wide"], numbers["signed_value"]) == ("float64", "int16")
+    assert (numbers["matrix"], numbers["labels"]) == ("uint8[4]", "string<=255[2]")
+    choice = files["KindsChoice"].sections[0]
+    assert [(c.name, c.value) for c in choice.constants] == [
+        ("TAG_A", "0"),
+        ("TAG_B", "1"),
+        ("TAG_NOTHING", "2"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("function", "name", "expected"),
+    [
+        (field_name, "Velocity_X", "velocity_x"),
+        (field_name, "class", "class_value"),
+        (field_name, "from", "from_value"),
+        (field_name, "2nd", "n2nd"),
+        (field_name, "__x__y__", "x_y"),
+        (field_name, "漢", "unnamed"),
+        (type_name, "report_velocity", "ReportVelocity"),
+        (type_name, "3D map", "N3DMap"),
+        (type_name, "Exception", "JausException"),
+    ],
+)
+def test_names(function, name, expected):
+    assert function(name) == expected
+
+
+def test_names_of_constants():
+    assert constant_name("gear", "Park (P)") == "GEAR_PARK_P"
+    assert constant_name("1st", "x") == "N1ST_X"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        FieldLine("x", FieldType("string"), "", "a # b"),
+        FieldLine("x", FieldType("string"), "", "a = b"),
+        FieldLine("x", FieldType("string"), "", "a\nb"),
+        ConstantLine("X", "string", "a # b"),
+    ],
+)
+def test_what_no_definition_can_say_is_an_error(line):
+    with pytest.raises(GenerationError, match="cannot hold"):
+        assert line.code
+
+
+def test_the_target_makes_the_same_again_and_only_on_request(model, tmp_path):
+    assert render(model) == render(model)
+    assert is_on_request(TARGET)
+    command = [sys.executable, "-m", "jausml", "generate", str(tmp_path / "tug.xmi")]
+    command += ["--target", "ros_interfaces", "-o", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    for path, text in render(model).items():
+        assert (tmp_path / "out" / path).read_text(encoding="utf-8") == text
+
+
+ROSIDL = """
+import json, pathlib, sys
+from rosidl_adapter.msg import convert_msg_to_idl
+from rosidl_generator_py import generate_py
+package, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+idl = out / "idl" / "msg"
+idl.mkdir(parents=True)
+names = []
+for path in sorted(package.glob("msg/*.msg")):
+    convert_msg_to_idl(package, package.name, path.relative_to(package), idl)
+    names.append(path.stem)
+arguments = {
+    "package_name": package.name,
+    "output_dir": str(out / package.name),
+    "template_dir": str(pathlib.Path(sys.prefix, "share/rosidl_generator_py/resource")),
+    "idl_tuples": [f"{out / 'idl'}:msg/{name}.idl" for name in names],
+    "ros_interface_dependencies": [],
+    "target_dependencies": [],
+    "type_description_tuples": [],
+}
+(out / "arguments.json").write_text(json.dumps(arguments))
+generate_py(str(out / "arguments.json"), [])
+sys.path.insert(0, str(out))
+module = __import__(f"{package.name}.msg", fromlist=names)
+types = {name: getattr(module, name).get_fields_and_field_types() for name in names}
+drum = module.ReportWinch.CLASS_VALUE_DRUM
+report = module.ReportWinch(speed=0.5, has_speed=True, class_value=drum)
+print(json.dumps({"types": types, "class": report.class_value}))
+"""
+
+
+def test_rosidl_generates_classes(model, tmp_path):
+    """The real generators of ROS make Python of a package, which then is imported."""
+    pytest.importorskip("rosidl_generator_py")
+    for path, text in render(model).items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    command = [sys.executable, "-c", ROSIDL, str(tmp_path / "tug_jaus_msgs"), str(tmp_path / "py")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    made = json.loads(done.stdout.splitlines()[-1])
+    assert made["types"]["ReportWinch"] == {
+        "has_speed": "boolean",
+        "speed": "double",
+        "class_value": "uint8",
+        "flags": "tug_jaus_msgs/ReportWinchFlags",
+    }
+    assert made["types"]["ReportWinchFlags"] == {"mode": "uint8", "rest": "uint16"}
+    assert made["class"] == 2
