@@ -25,7 +25,13 @@ from model_strategies import TEXT, models
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = load_metamodels()
-SHIPPED_FILES = sorted(each for each in (ROOT / "models").rglob("*.xmi") if "src" not in each.parts)
+SHIPPED_FILES = sorted(
+    path
+    for path in (ROOT / "models").rglob("*.*")
+    if path.suffix in (".xmi", ".ros2jaus") and "src" not in path.parts
+)
+LARGE = 50_000
+"""Bytes from which on a shipped file goes to text, but not back to XMI: that takes seconds."""
 QUICK = settings(deadline=None, suppress_health_check=list(HealthCheck))
 # Random elements lack what they must have, which is no fault of a notation.
 LACKING = {"JML108", "JML109", "JML110", "JML111"}
@@ -125,9 +131,7 @@ def check_round_trip(roots, model, folder):
     assert parsed.faults == []
     assert render(parsed.document) == text
     again, its_model = reread(second)
-    assert len(again) == len(roots)
-    for ours, theirs in zip(roots, again, strict=True):
-        assert compare(ours, theirs, SHIPPED) == []
+    assert_same(roots, again)
     assert to_xmi(again, its_model, first) == first.read_text(encoding="utf-8")
     assert to_text(again, its_model, second) == text
 
@@ -156,15 +160,21 @@ def test_random_models_are_the_same_in_text(roots, examples, surroundings):
     check()
 
 
-@pytest.mark.parametrize("path", SHIPPED_FILES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SHIPPED_FILES, ids=lambda path: path.name)
 def test_shipped_models_are_the_same_in_text(path, tmp_path):
     roots, model = reread(path)
-    text = tmp_path / f"{path.stem}.ros2jaus"
+    text, back = tmp_path / f"{path.stem}.ros2jaus", tmp_path / f"{path.stem}.xmi"
     text.write_text(to_text(roots, model, text), encoding="utf-8")
     again, its_model = reread(text)
-    back = tmp_path / "back.xmi"
-    write_model(again, its_model, back)
-    final, _ = reread(back)
-    for ours, theirs in zip(roots, final, strict=True):
-        assert compare(ours, theirs, SHIPPED) == []
-    assert to_text(again, its_model, text) == text.read_text(encoding="utf-8")
+    assert_same(roots, again)
+    if path.stat().st_size < LARGE:
+        assert to_text(again, its_model, text) == text.read_text(encoding="utf-8")
+        write_model(again, its_model, back)
+        assert_same(roots, reread(back)[0])
+
+
+def assert_same(ours, theirs):
+    """Checks that roots and all that they own are the same."""
+    assert len(ours) == len(theirs)
+    for one, other in zip(ours, theirs, strict=True):
+        assert compare(one, other, SHIPPED) == []
