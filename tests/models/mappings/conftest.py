@@ -10,17 +10,27 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from mapping_support import Translator, generate
+from mapping_support import Translator, generate, read, system_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from jausml.model.reader import ReadResult
+
 
 @pytest.fixture(scope="session")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns a folder with a generated bridge for each file of ready maps."""
+def system(tmp_path_factory: pytest.TempPathFactory) -> ReadResult:
+    """Returns a system with a bridge for each file of ready maps."""
+    path = tmp_path_factory.mktemp("system") / "system.ros2jaus"
+    path.write_text(system_text(), encoding="utf-8")
+    return read(path)
+
+
+@pytest.fixture(scope="session")
+def workspace(system: ReadResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Returns a folder with the generated bridges."""
     folder = tmp_path_factory.mktemp("mappings")
-    generate(folder)
+    generate(system, folder)
     return folder
 
 

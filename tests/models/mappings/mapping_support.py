@@ -19,12 +19,14 @@ from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import check
 
 if TYPE_CHECKING:
     from jausml.model.reader import ReadResult
 
 ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"
+EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
 FILES = sorted(MAPPINGS.glob("*.ros2jaus"))
 
 
@@ -34,9 +36,15 @@ def read(*paths: Path) -> ReadResult:
 
 
 @cache
+def files_read() -> ReadResult:
+    """Returns all files of ready maps and the example that uses some, read together."""
+    return read(*FILES, EXAMPLE)
+
+
+@cache
 def ready_maps() -> dict[str, list[Any]]:
     """Returns the attribute maps of each file of ready maps by its name."""
-    model = read(*FILES).model
+    model = files_read().model
     found: dict[str, list[Any]] = {path.stem: [] for path in FILES}
     for each in model.instances("bridge.AttributeMap"):
         found[Path(model.location(each).path).stem].append(each)
@@ -115,16 +123,18 @@ def _library_files() -> dict[str, str]:
     }
 
 
-def generate(folder: Path) -> None:
-    """Generates the bridges of `system_text`, each as a package, with the runtime.
+def findings(result: ReadResult) -> list[str]:
+    """Returns what reading and checking models found."""
+    return [str(each) for each in check(result).diagnostics]
+
+
+def generate(result: ReadResult, folder: Path) -> None:
+    """Generates the bridges of a system, each as a package, with the runtime.
 
     Args:
-        folder: Where to put the system and the packages.
+        result: The model of `system_text`.
+        folder: Where to put the packages.
     """
-    text = folder / "system.ros2jaus"
-    text.write_text(system_text(), encoding="utf-8")
-    result = read(text)
-    assert not result.diagnostics, [str(each) for each in result.diagnostics]
     for artifact in render(result.model, [BRIDGE, RUNTIME]):
         file = folder / artifact.path
         file.parent.mkdir(parents=True, exist_ok=True)

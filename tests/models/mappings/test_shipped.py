@@ -7,32 +7,22 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from mapping_support import FILES, MAPPINGS, ROOT, read, ready_maps, system_text
+from mapping_support import MAPPINGS, files_read, findings, ready_maps
 
-from jausml.text.notation import NOTATIONS
-from jausml.validation.engine import validate
-
-EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
-
+if TYPE_CHECKING:
+    from jausml.model.reader import ReadResult
 
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
 
 
-def findings(*paths: Path) -> list[str]:
-    report = validate([str(path) for path in paths], notations=NOTATIONS)
-    return [str(each) for each in report.diagnostics]
-
-
 def test_the_files_are_free_of_findings() -> None:
-    assert findings(*FILES, EXAMPLE) == []
+    assert findings(files_read()) == []
 
 
-def test_bridges_that_use_each_map_are_free_of_findings(tmp_path: Path) -> None:
-    system = tmp_path / "system.ros2jaus"
-    system.write_text(system_text(), encoding="utf-8")
+def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> None:
     assert findings(system) == []
 
 
@@ -68,7 +58,7 @@ def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
     paths = [*packages, workspace / "jausml_runtime", Path(__file__).parent]
     tests = [str(package / "test") for package in packages]
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "mapping_stand_in", *tests],
+        [sys.executable, "-m", "pytest", "-q", "--assert=plain", "-p", "mapping_stand_in", *tests],
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, paths)),
@@ -83,6 +73,6 @@ def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
 
 
 def test_the_example_uses_ready_maps_alone() -> None:
-    (bridge,) = read(EXAMPLE).model.instances("bridge.Bridge")
+    (bridge,) = files_read().model.instances("bridge.Bridge")
     assert len(bridge.bridgeConnections) == 6
     assert not bridge.maps
