@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.components import CORE, with_inherited
-from jausml.generators.common.system import system_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -27,7 +26,7 @@ def unmapped_messages(model: Model) -> list[Any]:
     """Returns messages that no attribute map of the model is about.
 
     They are those of services that the model declares, and of the library's services that a
-    component, a bridge or a connection of the system uses, core services apart: the runtime speaks
+    component, a bridge or a connection uses, core services apart: the runtime speaks
     these.
 
     Args:
@@ -49,13 +48,12 @@ def _messages(services: Iterable[Any]) -> list[Any]:
 
 
 def _used_services(model: Model) -> Iterator[Any]:
-    system = system_of(model)
-    for component in (*system.components, *system.bridges):
+    for component in model.instances("jaus.Component"):
         yield from component.provides
         yield from component.uses
         for connection in component.connections:
             yield from _owners(connection.message, connection.query)
-    for bridge in system.bridges:
+    for bridge in model.instances("bridge.Bridge"):
         for connection in bridge.bridgeConnections:
             yield from _owners(connection.map.message, connection.query)
 

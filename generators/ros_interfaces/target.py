@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
@@ -11,6 +12,7 @@ from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml.generators.ros_interfaces.ros_types import package_files
 from jausml.generators.ros_interfaces.selection import all_messages, unmapped_messages
 from jausml.generators.ros_interfaces.views import InterfacesView
+from jausml.metamodel.filling import new_object
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
 class RosInterfacesTarget:
     """The interface packages that a model declares, and one of JAUS messages as ROS messages.
 
-    The latter, `<system>_jaus_msgs`, has the messages of the system that no attribute map turns
-    into a ROS type.
+    The latter is `<system>_jaus_msgs`, without a system `<model file>_jaus_msgs`. It has the
+    messages that no attribute map turns into a ROS type.
 
     Args:
         every_message: Whether it has all messages of the model's services, mapped ones too.
@@ -32,6 +34,7 @@ class RosInterfacesTarget:
     description = "Packages of ROS interfaces: declared ones, and JAUS messages without a map."
     template_folders = (templates_beside(__file__),)
     is_on_request = True
+    needs_system = False
 
     def __init__(self, *, every_message: bool = False) -> None:
         self._every_message = every_message
@@ -55,7 +58,7 @@ class RosInterfacesTarget:
         ]
 
     def _packages(self, model: Model) -> list[InterfacesView]:
-        system, source = system_of(model), source_of(model)
+        system, source = _system(model)
         declared = model.instances("ros.InterfacePackage", library=False)
         views = [
             InterfacesView(
@@ -75,6 +78,16 @@ class RosInterfacesTarget:
             messages.add(message)
         description = f"JAUS messages of {system.name} as ROS messages."
         return [*views, InterfacesView(system, name, description, messages.files, source)]
+
+
+def _system(model: Model) -> tuple[Any, str]:
+    """Returns the system and the name of its file; without one, a system named after the file."""
+    if model.instances("system.System"):
+        return system_of(model), source_of(model)
+    path = PurePath(model.documents[0].display)
+    system = new_object(model.metamodels.classes["system.System"])
+    system.name = path.stem
+    return system, path.name
 
 
 TARGET = RosInterfacesTarget()

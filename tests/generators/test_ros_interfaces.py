@@ -168,6 +168,15 @@ def test_packages_name_what_they_need(model):
     assert "DEPENDENCIES" not in files["tug_jaus_msgs/CMakeLists.txt"]
 
 
+def test_a_model_without_a_system_gives_its_name(tmp_path):
+    path = tmp_path / "winch box.xmi"
+    text = SYSTEM[: SYSTEM.index("  <system:System")] + SYSTEM[SYSTEM.index("  <jaus:Serv") :]
+    path.write_text(text, encoding="utf-8")
+    files = render(read_models([path]).model)
+    assert "winch_box_jaus_msgs/msg/ReportWinch.msg" in files
+    assert "<version>0.1.0</version>" in files["winch_box_jaus_msgs/package.xml"]
+
+
 def test_messages_of_maps_have_their_ros_type_already():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     some = {path for path in render(model) if path.endswith(".msg")}
