@@ -32,6 +32,7 @@ VERBS = {
     "conformance": "Check the conformance of a running component.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
+    "language-server": "Serve editors of ros2jaus text.",
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 

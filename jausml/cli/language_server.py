@@ -1,0 +1,25 @@
+"""`jausml language-server`: serves editors of ros2jaus text."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+
+
+@click.command("language-server")
+def command() -> None:
+    """Serve an editor of ros2jaus text by the Language Server Protocol, on stdin and stdout.
+
+    Editors start it; docs/how-to/editor.md says how. It needs the extra `editor`.
+
+    Exit status: 0 the editor has ended it, 1 the editor left without a word, 2 the extra is
+    missing, 3 internal error.
+    """
+    if find_spec("pygls") is None:
+        raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")
+    from jausml.editor.server import serve  # noqa: PLC0415 - needs pygls
+
+    serve()

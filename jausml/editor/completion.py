@@ -1,0 +1,274 @@
+"""Offers what can stand at a place of a text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from jausml.editor.classes import contained_classes, features_of, keywords, table
+from jausml.editor.context import Part, context_at
+from jausml.editor.paths import facts, fields_of, sides_at
+from jausml.editor.workbench import names_in, parsed_text
+from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
+from jausml.model.values import show
+from jausml.text.imports import library_files
+from jausml.text.keywords import snake_case
+from jausml.text.tree import Assignment, Direction, End
+from jausml.text.words import path as written_path
+from jausml.text.words import word as written_word
+from jausml.validation.facts.conversions import conversion_signature
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from jausml.editor.context import Context
+    from jausml.editor.names import Declaration
+    from jausml.editor.positions import Place
+    from jausml.editor.workbench import Workbench
+
+UNITS = (
+    *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),
+    *("m/s", "m/s^2", "rad", "rad/s", "rad/s^2", "percent", "degree Celsius", "degree"),
+    *("meter", "meter per second", "meter per second squared", "radian", "radian per second"),
+    *("m^2", "m^3", "T", "lx", "C", "A h", "rpm", "1"),
+)
+"""Units that are offered; many more can be written."""
+
+_TOP = ("component", "node", "bridge", "host", "placement", "system", "map_library")
+_TOP_WORDS = ("import", "struct", *_TOP)
+_MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
+
+
+class Kind(Enum):
+    """What a completion is."""
+
+    KEYWORD = "keyword"
+    MESSAGE = "message"
+    FIELD = "field"
+    CONVERSION = "conversion"
+    UNIT = "unit"
+    VALUE = "value"
+    FEATURE = "feature"
+    NAME = "name"
+    FILE = "file"
+
+
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """Something that can stand at a place.
+
+    Attributes:
+        label: What is offered, and written.
+        kind: What it is.
+        detail: A few words on it.
+        documentation: More on it.
+        text: What is written, when that is not the label.
+    """
+
+    label: str
+    kind: Kind
+    detail: str = ""
+    documentation: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What can stand at a place.
+
+    Attributes:
+        start: Where the word begins that a completion replaces.
+        end: Where it ends.
+        completions: What can stand there.
+    """
+
+    start: Place
+    end: Place
+    completions: tuple[Completion, ...]
+
+
+def complete(bench: Workbench, path: Path, place: Place) -> Offer:
+    """Returns what can stand at a place.
+
+    Args:
+        bench: What is open.
+        path: The file of the text.
+        place: The place.
+    """
+    text = bench.text(path)
+    context = context_at(text, parsed_text(text).document, place)
+    completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
+    offered = {each.label: each for each in completions}
+    return Offer(context.start, context.end, tuple(offered.values()))
+
+
+def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from ()
+
+
+def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    if context.item is None:
+        yield from (_keyword(each) for each in _TOP_WORDS)
+    elif context.item is context.map:
+        yield from (Completion(each, Kind.KEYWORD) for each in _MAP_WORDS)
+    if context.table is not None:
+        yield from (_keyword(snake_case(each.name)) for each in contained_classes(context.table))
+    yield from map(_feature, features_of(context.item, context.table).values())
+
+
+def _keyword(word: str) -> Completion:
+    known = keywords().get(word)
+    return Completion(word, Kind.KEYWORD, "", documentation(known.eclass) if known else "")
+
+
+def _feature(feature: FeatureTable) -> Completion:
+    name = feature.name
+    kind = feature.type_name.rpartition(".")[2]
+    return Completion(name, Kind.FEATURE, kind, documentation(feature.feature), f"{name}: ")
+
+
+def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from (Completion(written_word(each), Kind.FILE) for each in library_files())
+
+
+def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    for each in bench.elements(path, "jaus.MessageDef"):
+        service = getattr(each.eContainer(), "name", "") or ""
+        detail = f"{each.code} {service}".strip()
+        name = written_word(each.name or "")
+        yield Completion(name, Kind.MESSAGE, detail, each.documentation or "")
+
+
+def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    for each in bench.elements(path, "ros.MessageType"):
+        package = getattr(each.eContainer(), "name", None)
+        if package and each.name:
+            name = written_word(f"{package}/{each.name}")
+            yield Completion(name, Kind.MESSAGE, "", each.documentation or "")
+
+
+def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    end = context.around(End)
+    if not isinstance(end, End):
+        return
+    sides = sides_at(bench, path, context)
+    for field in fields_of(sides.target if end.is_jaus else sides.source):
+        found = sides.follow(field.name, is_source=not end.is_jaus)
+        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        yield Completion(written_word(field.name), Kind.FIELD, detail)
+
+
+def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    is_source = context.part is Part.SOURCE
+    sides = sides_at(bench, path, context)
+    if not context.word and is_source and context.around(Direction) is not None:
+        yield from (Completion(each, Kind.KEYWORD) for each in ("ignore", "clock"))
+    if is_source:
+        yield from (Completion(each, Kind.NAME, "join") for each in sides.joins)
+        if isinstance(context.item, Assignment):
+            yield from map(_feature, features_of(context.item, None).values())
+    before, _, _ = context.word.rpartition(".")
+    for field in fields_of(sides.follow(before or ".", is_source=is_source)):
+        name = f"{before}.{field.name}" if before else field.name
+        found = sides.follow(name, is_source=is_source)
+        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        said = getattr(field, "interpretation", None) or field.documentation or ""
+        yield Completion(written_path(name), Kind.FIELD, detail, said)
+
+
+def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
+    yield from map(conversion_completion, conversion_literals())
+
+
+def conversion_literals() -> list[Any]:
+    """Returns the literals of all conversions."""
+    kinds = table("bridge.Conversion").features["kind"].data_type
+    return [] if kinds is None else [kinds.literals[each] for each in kinds.legal]
+
+
+def conversion_completion(literal: Any) -> Completion:
+    """Returns a conversion with its signature and what it does."""
+    name = str(literal.name)
+    return Completion(name, Kind.CONVERSION, signature(literal), documentation(literal))
+
+
+def signature(literal: Any) -> str:
+    """Returns the signature of a conversion, such as `scale(factor): number -> number`."""
+    known = conversion_signature(literal)
+    arguments = f"({', '.join(known.arguments)})" if known.arguments else ""
+    inputs = ", ".join(known.inputs)
+    units = f", units {known.units}" if known.units else ""
+    return f"{literal.name}{arguments}: {inputs} -> {known.output}{units}"
+
+
+def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    if context.about == "with_units":
+        yield from _units(context)
+    elif context.about not in ("user", "expression"):
+        wanted = "ValueTable" if context.about == "look_up" else "Quantity"
+        yield from _declared(bench, path, table(f"bridge.{wanted}"), context)
+
+
+def _units(context: Context) -> Iterator[Completion]:
+    for each in UNITS:
+        yield Completion(each, Kind.UNIT, text=each if context.in_text else f'"{each}"')
+
+
+def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
+    feature = features_of(context.item, context.table).get(context.about)
+    if context.about == "units":
+        yield from _units(context)
+    if feature is None or context.in_text:
+        return
+    if feature.data_type is not None:
+        yield from _literals(feature)
+    elif feature.target is not None:
+        yield from _declared(bench, path, feature.target, context)
+        if feature.target is table("jaus.MessageDef"):
+            yield from _jaus_type(bench, path, context)
+        elif feature.target is table("ros.MessageType"):
+            yield from _ros_type(bench, path, context)
+
+
+def _literals(feature: FeatureTable) -> Iterator[Completion]:
+    data_type = feature.data_type
+    if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
+        yield from (Completion(each, Kind.VALUE) for each in ("true", "false"))
+    for each in data_type.legal if data_type is not None else ():
+        literal = data_type.literals[each] if data_type is not None else None
+        default = " (default)" if literal is not None and literal == feature.default else ""
+        yield Completion(written_word(each), Kind.VALUE, default.strip(), documentation(literal))
+
+
+def _declared(
+    bench: Workbench, path: Path, wanted: ClassTable, context: Context
+) -> Iterator[Completion]:
+    """Yields the names of a class that the text and its imports declare."""
+    for file in (path, *bench.imports(path)):
+        for each in names_in(bench.text(file)).declarations:
+            if each.table in wanted.subtypes and _is_visible(each, context):
+                detail = f"{snake_case(each.table.name)} in {show(file.name)}"
+                yield Completion(written_path(each.name.text), Kind.NAME, detail)
+
+
+def _is_visible(declaration: Declaration, context: Context) -> bool:
+    """Tells whether a name can be meant by itself: tables and the like only in their map."""
+    owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
+    around: Iterable[object] = [level.item for level in context.levels]
+    return not owned or all(any(each is item for item in around) for each in declaration.owners)
+
+
+_OFFERS = {
+    Part.ITEM: _item,
+    Part.IMPORT: _import,
+    Part.JAUS_TYPE: _jaus_type,
+    Part.ROS_TYPE: _ros_type,
+    Part.MEMBER: _member,
+    Part.SOURCE: _path,
+    Part.TARGET: _path,
+    Part.CONVERSION: _conversion,
+    Part.ARGUMENT: _argument,
+    Part.VALUE: _value,
+}

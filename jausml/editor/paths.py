@@ -1,0 +1,136 @@
+"""Follows the attribute paths of a text to the fields of the library."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.text.tree import Assignment, Direction, Element, Feature, Name, Vector
+from jausml.validation.facts.attributes import UNSTATED, Attribute
+from jausml.validation.facts.jaus_paths import JausPlace, message_place
+from jausml.validation.facts.ros_paths import RosPlace
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from jausml.editor.context import Context
+    from jausml.editor.workbench import Workbench
+    from jausml.validation.facts.paths import Place
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """Where the paths of assignments start; None where a message is not known.
+
+    Attributes:
+        source: Where source paths start.
+        target: Where target paths start.
+        joins: Where paths start that begin with the name of a join.
+    """
+
+    source: Place | None
+    target: Place | None
+    joins: dict[str, Place]
+
+    def follow(self, path: str, *, is_source: bool) -> Place | None:
+        """Returns where a path leads to; None when it leads nowhere.
+
+        Args:
+            path: The path.
+            is_source: Whether it is a source.
+        """
+        first, _, rest = path.partition(".")
+        if is_source and first in self.joins:
+            return _follow(self.joins[first], rest or ".")
+        return _follow(self.source if is_source else self.target, path)
+
+
+def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
+    """Returns where the paths at a place start.
+
+    Args:
+        bench: What is open.
+        path: The file of the text.
+        context: The place.
+    """
+    jaus = message_at_end(bench, path, context, is_jaus=True)
+    ros = message_at_end(bench, path, context, is_jaus=False)
+    from_jaus = message_place(jaus) if jaus is not None else None
+    from_ros = RosPlace(type=ros, indexed=True) if ros is not None else None
+    way = context.around(Direction) or context.around(Vector)
+    if isinstance(way, (Direction, Vector)) and way.to_ros:
+        return _nested(Sides(from_jaus, from_ros, {}), context)
+    return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context)), context)
+
+
+def message_at_end(bench: Workbench, path: Path, context: Context, *, is_jaus: bool) -> Any:
+    """Returns the message at one end of the map around a place, None when it is not known."""
+    end = context.end_of_map(is_jaus=is_jaus)
+    if end is None:
+        return None
+    return bench.find(path, "jaus.MessageDef" if is_jaus else "ros.MessageType", end.type.text)
+
+
+def fields_of(place: Place | None) -> list[Any]:
+    """Returns the fields that the next step of a path can name."""
+    if isinstance(place, JausPlace):
+        return [each for each in place.members() or [] if each.name]
+    if place is not None and place.type is not None and not place.is_array:
+        return list(place.type.fields)
+    return []
+
+
+def facts(attribute: Attribute) -> list[str]:
+    """Returns what is known of an attribute: kind, unit, range, resolution, axes, presence."""
+    found = [attribute.name]
+    if attribute.units:
+        found.append(f"unit {attribute.units}")
+    if attribute.lower is not None and attribute.upper is not None:
+        found.append(f"{attribute.lower:.12g} to {attribute.upper:.12g}")
+    if attribute.step is not None and not attribute.integral:
+        found.append(f"steps of {attribute.step:.3g}")
+    if attribute.frame != UNSTATED:
+        found.append(f"frame {attribute.frame}")
+    if attribute.optional:
+        found.append("may be left out")
+    return found
+
+
+def _nested(sides: Sides, context: Context) -> Sides:
+    """Returns where paths start in the blocks of list assignments around a place."""
+    for level in context.levels:
+        if isinstance(level.item, Assignment):
+            first = level.item.sources[0]
+            source = _follow(sides.source, first.text) if isinstance(first, Name) else None
+            target = _follow(sides.target, level.item.targets[0].text)
+            sides = Sides(_element(source), _element(target), {})
+    return sides
+
+
+def _element(place: Place | None) -> Place | None:
+    is_list = isinstance(place, RosPlace) and place.is_array
+    is_list = is_list or (isinstance(place, JausPlace) and hasattr(place.field, "element"))
+    return place.element() if place is not None and is_list else None
+
+
+def _follow(place: Place | None, path: str) -> Place | None:
+    found = place.follow(path) if place is not None else None
+    return found if isinstance(found, (JausPlace, RosPlace)) else None
+
+
+def _joins(bench: Workbench, path: Path, context: Context) -> dict[str, Place]:
+    joins: dict[str, Place] = {}
+    for item in context.map.items if context.map is not None else []:
+        if isinstance(item, Element) and item.name is not None and _keyword(item) == "join":
+            for feature in item.items:
+                if isinstance(feature, Feature) and feature.name.text == "type":
+                    value = feature.values[0]
+                    name = value.text if isinstance(value, Name) else ""
+                    type_ = bench.find(path, "ros.MessageType", name) if name else None
+                    if type_ is not None:
+                        joins[item.name.text] = RosPlace(type=type_, indexed=True)
+    return joins
+
+
+def _keyword(element: Element) -> str:
+    return element.keyword.text if element.keyword is not None else ""

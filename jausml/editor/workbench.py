@@ -1,0 +1,154 @@
+"""What an editor works on: the texts that are open, the files beside them, and the library."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from jausml.editor.names import Names, names_of
+from jausml.model.names import qualified_name
+from jausml.model.reader import ReadResult, read_models
+from jausml.model.uris import LIBRARY_URI, library_root
+from jausml.text.imports import resolve
+from jausml.text.notation import NOTATIONS, SUFFIX, decode
+from jausml.text.parsing import Parsed, parse
+from jausml.text.tree import Import, Text
+from jausml.validation.engine import RuleError, check
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.model.model import Model
+
+
+@lru_cache(maxsize=32)
+def parsed_text(text: str) -> Parsed:
+    """Returns the tree of a text; that of a text just seen is kept."""
+    return parse(text)
+
+
+@lru_cache(maxsize=32)
+def names_in(text: str) -> Names:
+    """Returns the names in a text; those of a text just seen are kept."""
+    return names_of(parsed_text(text).document)
+
+
+@dataclass
+class Workbench:
+    """The open texts, and what was read of them.
+
+    Attributes:
+        texts: The texts that are open in the editor, by real path.
+    """
+
+    texts: dict[Path, str] = field(default_factory=dict)
+    _models: dict[Path, Model] = field(default_factory=dict)
+    _library: Model | None = None
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def text(self, path: Path) -> str:
+        """Returns the text of a file, as the editor has it or as it is stored; empty if neither."""
+        held = self.texts.get(path)
+        if held is not None:
+            return held
+        try:
+            return decode(path.read_bytes())[0]
+        except OSError:
+            return ""
+
+    def findings(self, path: Path) -> list[Diagnostic]:
+        """Reads an open text with all that it refers to, and checks it.
+
+        May run beside everything else. What was read answers later questions.
+
+        Args:
+            path: Real path of the text.
+
+        Returns:
+            What was found in this text.
+        """
+        contents = {each: text.encode("utf-8", "replace") for each, text in self.texts.items()}
+        result = read_models([path], notations=NOTATIONS, contents=contents)
+        self._models[path] = result.model
+        shown = result.model.documents[0].display
+        return [each for each in _checked(result) if each.location.path == shown]
+
+    def forget(self, path: Path) -> None:
+        """Forgets a text that is no longer open."""
+        self.texts.pop(path, None)
+        self._models.pop(path, None)
+
+    def library(self) -> Model:
+        """Returns all of the shipped library; the first call takes seconds."""
+        with self._lock:
+            if self._library is None:
+                files = sorted(library_root().rglob("*.xmi"))
+                self._library = read_models(files).model
+            return self._library
+
+    def elements(self, path: Path, qualified_class: str) -> list[Any]:
+        """Returns the elements of a class that a text can name: its own, then the library's.
+
+        Args:
+            path: Real path of the text.
+            qualified_class: Package and class.
+        """
+        model = self._models.get(path)
+        own = model.instances(qualified_class, library=False) if model is not None else []
+        return own + self.library().instances(qualified_class)
+
+    def find(self, path: Path, qualified_class: str, name: str) -> Any:
+        """Returns the first element of a class that a name means in a text, None without one."""
+        wanted = f".{name.replace('/msg/', '/').replace('/', '.')}"
+        for each in self.elements(path, qualified_class):
+            if f".{qualified_name(each)}".endswith(wanted):
+                return each
+        return None
+
+    def place_of(self, path: Path, element: Any) -> tuple[Path, int, int] | None:
+        """Returns file, line and column of an element that `elements` gave."""
+        for model in (self._models.get(path), self._library):
+            document = model.document_of(element) if model is not None else None
+            if model is not None and document is not None:
+                location = model.location(element)
+                return document.path, location.line, location.column
+        return None
+
+    def imports(self, path: Path) -> list[Path]:
+        """Returns the files that a text imports, whether they are there or not."""
+        items = parsed_text(self.text(path)).document.items
+        found = (imported_file(each, path) for each in items if isinstance(each, Import))
+        return [each for each in found if each is not None]
+
+    def related(self, path: Path) -> list[Path]:
+        """Returns a text, the open ones, and all texts that these import."""
+        found: dict[Path, None] = {}
+        pending = [*self.texts, path]
+        while pending:
+            each = pending.pop()
+            if each.suffix == SUFFIX and each not in found:
+                found[each] = None
+                pending += self.imports(each)
+        return list(found)
+
+
+def imported_file(item: Import, path: Path) -> Path | None:
+    """Returns the file that an import of a text names."""
+    if isinstance(item.target, Text) and not item.target.text.startswith(LIBRARY_URI):
+        return (path.parent / item.target.text).resolve() if item.target.text.strip() else None
+    uri = getattr(resolve(item), "uri", None)
+    if not isinstance(uri, str):
+        return None
+    return (library_root() / uri.removeprefix(LIBRARY_URI)).resolve()
+
+
+def _checked(result: ReadResult) -> Sequence[Diagnostic]:
+    try:
+        return check(result).diagnostics
+    except RuleError:
+        # A rule that fails on a text half written says nothing about it.
+        return result.diagnostics

@@ -1,0 +1,192 @@
+"""A session with the language server as editors have it: over the pipes of a process."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from jausml.cli import main
+
+TEXT = """\
+import "maps.ros2jaus"
+
+/** 🚜 moves. */
+velocity {
+    JAUS ReportVelocityState
+    ROS nav_msgs/Odometry
+    table gear ( PARK <-> 0 )
+    JAUS->ROS (
+        Velocity_X -> twist.twist.linear.x
+        Velocity_Y -> twist.twist.linear.y : negate
+        "🚜" -> child_frame_id
+    )
+}
+"""
+MAPS = """\
+shared {
+    JAUS ReportVelocityState
+    ROS geometry_msgs/TwistStamped
+    JAUS->ROS ( Velocity_X -> twist.linear.x )
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("robot")
+    (folder / "maps.ros2jaus").write_text(MAPS)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def client(folder, client_class):
+    client = client_class(folder)
+    yield client
+    client.kill()
+
+
+@pytest.fixture(scope="module")
+def uri(folder):
+    return (folder / "robot.ros2jaus").as_uri()
+
+
+@pytest.fixture(scope="module")
+def opened(client, uri):
+    """The text is open, and was never stored."""
+    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": TEXT}
+    client.tell("textDocument/didOpen", textDocument=document)
+    return client
+
+
+def position(text, word, behind=0):
+    """Returns a place in a word as the protocol counts it, in UTF-16 units."""
+    before = text[: text.index(word) + behind]
+    line = before.rpartition("\n")[2]
+    units = len(line.encode("utf-16-le")) // 2
+    return {"line": before.count("\n"), "character": units}
+
+
+def ask(client, uri, method, word, behind=0, text=TEXT, **more):
+    where = position(text, word, behind)
+    return client.ask(f"textDocument/{method}", textDocument={"uri": uri}, position=where, **more)
+
+
+def test_it_says_what_it_can(client):
+    known = client.capabilities["capabilities"]
+    assert known["positionEncoding"] == "utf-16"
+    for each in ("completion", "hover", "definition", "rename", "documentFormatting"):
+        assert f"{each}Provider" in known
+
+
+def test_a_sound_text_has_no_problems(opened, uri):
+    assert opened.problems(uri, 1) == []
+
+
+def test_completion(opened, uri):
+    answer = ask(opened, uri, "completion", "linear.y", len("linear."))
+    labels = [each["label"] for each in answer["items"]]
+    assert labels == ["twist.twist.linear.x", "twist.twist.linear.y", "twist.twist.linear.z"]
+    edit = answer["items"][0]["textEdit"]["range"]
+    assert edit["start"] == position(TEXT, "twist.twist.linear.y")
+    assert "m/s" in answer["items"][0]["detail"]
+
+
+def test_hover_behind_characters_of_two_units(opened, uri):
+    answer = ask(opened, uri, "hover", "child_frame_id", 3)
+    assert "text" in answer["contents"]["value"]
+    assert answer["range"]["start"] == position(TEXT, "child_frame_id")
+    assert answer["range"]["end"] == position(TEXT, "child_frame_id", len("child_frame_id"))
+
+
+def test_definition_in_the_library(opened, uri):
+    answer = ask(opened, uri, "definition", "ReportVelocityState")
+    assert answer["uri"].endswith("/jaus/mobility.xmi")
+    assert answer["range"]["start"]["line"] > 0
+
+
+def test_definition_in_a_file_beside(opened, uri, folder):
+    answer = ask(opened, uri, "definition", "maps.ros2jaus", 2)
+    assert answer["uri"] == (folder / "maps.ros2jaus").as_uri()
+
+
+def test_rename(opened, uri):
+    where = ask(opened, uri, "prepareRename", "gear")
+    assert where["end"] == position(TEXT, "gear", 4)
+    answer = ask(opened, uri, "rename", "gear", newName="the gear")
+    (edit,) = answer["changes"][uri]
+    assert edit["newText"] == "`the gear`"
+    assert edit["range"] == where
+
+
+def test_a_rename_that_cannot_be_is_refused_with_the_reason(opened, uri):
+    with pytest.raises(ValueError, match="only what a text declares"):
+        ask(opened, uri, "rename", "Velocity_X", newName="x")
+
+
+def test_symbols(opened, uri):
+    (answer,) = opened.ask("textDocument/documentSymbol", textDocument={"uri": uri})
+    assert (answer["name"], answer["detail"]) == ("velocity", "attribute_map")
+    assert [each["name"] for each in answer["children"]] == ["gear"]
+
+
+def test_formatting_of_a_text_with_characters_of_two_units(opened, uri):
+    loose = TEXT.replace(" -> child", "->child")
+    change(opened, uri, 2, loose)
+    (edit,) = opened.ask("textDocument/formatting", textDocument={"uri": uri}, options={})
+    assert edit["newText"] == TEXT
+    assert edit["range"]["end"] == {"line": TEXT.count("\n"), "character": 0}
+
+
+def test_a_broken_text_has_located_problems_and_still_completes(opened, uri):
+    broken = TEXT.replace('"🚜" -> child_frame_id', '"🚜" -> "🚜"\n        Velocity_Z -> twist.')
+    change(opened, uri, 3, broken)
+    problems = opened.problems(uri, 3, some=True)
+    first = problems[0]
+    assert (first["code"], first["severity"], first["source"]) == ("JML701", 1, "jausml")
+    assert first["range"]["start"] == position(broken, '-> "🚜"', 3)
+    assert first["message"].startswith("expected a path behind '->', found \"🚜\"")
+    answer = ask(opened, uri, "completion", "twist.\n", len("twist."), text=broken)
+    assert [each["label"] for each in answer["items"]] == ["twist.twist", "twist.covariance"]
+    assert opened.ask("textDocument/formatting", textDocument={"uri": uri}, options={}) is None
+
+
+def test_problems_of_the_model_in_an_unsaved_text(opened, uri):
+    wrong = TEXT.replace("linear.x", "linear.w").replace(" : negate", "")
+    change(opened, uri, 4, wrong)
+    problems = opened.problems(uri, 4, some=True)
+    messages = [each["message"] for each in problems]
+    assert any("linear.w" in each or "'w'" in each for each in messages)
+    found = next(each for each in problems if "'w'" in each["message"])
+    assert found["range"]["start"]["line"] == position(wrong, "linear.w")["line"]
+
+
+def test_other_open_texts_count_as_they_are_open(opened, uri, folder):
+    beside = (folder / "maps.ros2jaus").as_uri()
+    broken = MAPS.replace("shared {", "shared")
+    document = {"uri": beside, "languageId": "ros2jaus", "version": 1, "text": broken}
+    opened.tell("textDocument/didOpen", textDocument=document)
+    assert opened.problems(beside, 1, some=True)
+    opened.tell("textDocument/didClose", textDocument={"uri": beside})
+    change(opened, uri, 5, TEXT)
+    assert opened.problems(uri, 5) == []
+
+
+def test_the_session_ends(folder, client_class):
+    assert client_class(folder).end() == 0
+
+
+def test_without_its_extra_it_says_so(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygls", None)
+    result = CliRunner().invoke(main, ["language-server"])
+    assert result.exit_code == 2
+    assert "pip install 'jausml[editor]'" in result.output
+
+
+def change(client, uri, version, text):
+    client.tell(
+        "textDocument/didChange",
+        textDocument={"uri": uri, "version": version},
+        contentChanges=[{"text": text}],
+    )
