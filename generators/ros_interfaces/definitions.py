@@ -5,14 +5,10 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.interfaces.definitions import SINGLE, TEXTS, FieldType
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
 
@@ -89,17 +85,14 @@ class DefinitionSection:
     fields: list[FieldLine] = field(default_factory=list)
 
     @property
-    def comment_lines(self) -> list[str]:
-        """The lines of its comment."""
-        return comment_lines(self.comment)
-
-    @property
-    def lines(self) -> Iterator[str]:
-        """The lines of its constants and fields, comments before them."""
+    def lines(self) -> list[str]:
+        """The lines of the section: its comment, its constants and its fields."""
         elements: list[ConstantLine | FieldLine] = [*self.constants, *self.fields]
-        for each in elements:
-            yield from comment_lines(each.comment)
-            yield each.code
+        lines = [line for each in elements for line in (*comment_lines(each.comment), each.code)]
+        head = comment_lines(self.comment)
+        # A comment at the very head would be one of the section.
+        is_parted = bool(lines) and (bool(head) or lines[0].startswith("#"))
+        return [*head, *([""] if is_parted else []), *lines]
 
     @property
     def packages(self) -> set[str]:
