@@ -105,6 +105,7 @@ class _Run:
         elif not self._accepts("$END"):
             self._report(position)
         self._complete_item()
+        self._drop_item()
         while self._open_brackets():
             self._close()
         document: Document = self._parser.feed_token(self._token("$END"))
