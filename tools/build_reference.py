@@ -19,6 +19,7 @@ from jausml.metamodel import (
     documentation,
     load_metamodels,
 )
+from jausml.text.rules import TEXT_RULES
 from jausml.validation.catalogue import catalogue
 from jausml.validation.facts.conversions import CONVERSION_SOURCE
 
@@ -104,7 +105,7 @@ def conversions_page() -> str:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = ["# Rules", "", "`jausml rules` lists them; `jausml explain JML103` shows one.", ""]
-    for entry in catalogue(JSIDL_RULES, ROS_RULES):
+    for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES):
         lines += [f"## {entry.id} {entry.title}", "", f"Severity: {entry.severity.value}.", ""]
         lines += [entry.documentation, ""]
     return "\n".join(lines).rstrip() + "\n"
