@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import GenerationError, load_targets
+from jausml.model.diagnostics import Severity
 from jausml.validation.engine import validate
 
 JAUS = {
@@ -35,6 +36,37 @@ ROS = {
     "message": '<fields xsi:type="ros:MessageField" name="a"><messageType'
     ' href="http://www.jausml.org/library/ros/geometry_msgs.xmi#Quaternion"/></fields>',
 }
+# Further kinds, with the paths to the values in them.
+MORE_JAUS = {
+    "listed": '<fields xsi:type="jaus:FixedField" name="A"><values>'
+    '<values xsi:type="jaus:EnumeratedValue" name="OFF" value="0"/>'
+    '<values xsi:type="jaus:EnumeratedValue" name="ON" value="1"/></values></fields>',
+    "optional": '<fields xsi:type="jaus:FixedField" name="A" optional="true" type="uint16">'
+    '<scale lower="-1.0" upper="1.0"/></fields>',
+    "chosen": '<fields xsi:type="jaus:VariableField" name="A">'
+    '<alternatives name="radian" index="0" type="uint16"><scale lower="-1.0" upper="1.0"/>'
+    '</alternatives><alternatives name="count" index="1" type="uint8"/></fields>',
+    "elements": '<fields xsi:type="jaus:List" name="A"><element xsi:type="jaus:Record" name="R">'
+    '<fields xsi:type="jaus:FixedField" name="E" type="uint16"/></element></fields>',
+    "option": '<fields xsi:type="jaus:Variant" name="A"><options xsi:type="jaus:Record" name="O">'
+    '<fields xsi:type="jaus:FixedField" name="E" type="uint16"/></options></fields>',
+}
+MORE_ROS = {
+    "single": '<fields xsi:type="ros:PrimitiveField" name="a" type="float32"/>',
+    "short": '<fields xsi:type="ros:PrimitiveField" name="a" type="string" stringBound="9"/>',
+    "sequence": '<fields xsi:type="ros:PrimitiveField" name="a" arrayKind="unboundedSequence"/>',
+    "vectors": '<fields xsi:type="ros:MessageField" name="a" arrayKind="boundedSequence"'
+    ' arraySize="9"><messageType href="http://www.jausml.org/library/ros/geometry_msgs.xmi#Vector3"/>'
+    "</fields>",
+}
+JAUS_PATHS = {
+    "array": "A[1]",
+    "bits": "A.S",
+    "chosen": "A.radian",
+    "elements": "A[1].E",
+    "option": "A.O.E",
+}
+ROS_PATHS = {"array": "a[1]", "message": "a.x", "sequence": "a[1]", "vectors": "a[1].x"}
 ACCEPTED = {
     *itertools.product(("scaled", "integer", "float"), ("number", "integer")),
     ("integer", "bool"),
@@ -43,21 +75,100 @@ ACCEPTED = {
 }
 
 
-def model(pairs):
+def field(feature, target, source, inner="", **features):
+    attributes = "".join(f' {name}="{value}"' for name, value in features.items())
+    return (
+        f'<{feature} xsi:type="bridge:FieldAssignment" target="{target}" source="{source}"'
+        f"{attributes}>{inner}</{feature}>"
+    )
+
+
+def both(jaus, ros, inner="", **features):
+    return field("toRos", ros, jaus, inner, **features) + field(
+        "toJaus", jaus, ros, inner, **features
+    )
+
+
+def copied(jaus="A", ros="a"):
+    return both(jaus, ros)
+
+
+def converted(kind, inner="", **features):
+    attributes = "".join(f' {name}="{value}"' for name, value in features.items())
+    return lambda jaus, ros: both(
+        jaus, ros, f'<conversions kind="{kind}"{attributes}>{inner}</conversions>'
+    )
+
+
+def tabled(jaus, ros):
+    table = '<tables name="t"><entries jaus="0" ros="0"/><entries jaus="1" ros="1"/></tables>'
+    used = '<conversions kind="look_up" table="{here}/@tables.0"/>'
+    return table + both(jaus, ros, used)
+
+
+def with_default(jaus, ros):
+    return both(jaus, ros, whenAbsent="useDefault", defaultValue="1")
+
+
+def with_last(jaus, ros):
+    return both(jaus, ros, whenAbsent="lastValue")
+
+
+def constant(jaus, ros):
+    features = (("toRos", ros), ("toJaus", jaus))
+    return "".join(
+        f'<{feature} xsi:type="bridge:ConstantAssignment" target="{path}" value="1"/>'
+        for feature, path in features
+    )
+
+
+def each_element(jaus, ros):
+    """The lists at the ends of two paths, element by element."""
+    (jaus_list, _, jaus_member), (ros_list, _, ros_member) = (
+        path.partition("[1]") for path in (jaus, ros)
+    )
+    jaus_end, ros_end = jaus_member.strip(".") or ".", ros_member.strip(".") or "."
+    return "".join(
+        f'<{feature} xsi:type="bridge:ListAssignment" target="{target}" source="{source}">'
+        f"{field('assignments', inner_target, inner_source)}</{feature}>"
+        for feature, target, source, inner_target, inner_source in (
+            ("toRos", ros_list, jaus_list, ros_end, jaus_end),
+            ("toJaus", jaus_list, ros_list, jaus_end, ros_end),
+        )
+    )
+
+
+CONSTRUCTS = {
+    "copied": copied,
+    "scaled": converted("scale", "<arguments>-2</arguments>"),
+    "expression": converted("expression", expression="if(value &gt; 0, value, 0)"),
+    "user": converted("user", method="mine"),
+    "tabled": tabled,
+    "default": with_default,
+    "last": with_last,
+    "constant": constant,
+    "each": each_element,
+}
+
+
+def model(pairs, assigned=copied, suffix=""):
     messages, types, maps, connections = [], [], [], []
     for number, (jaus, ros) in enumerate(pairs):
-        name = f"{jaus}_{ros}"
+        name = f"{jaus}_{ros}{suffix}"
         title = f"{jaus}{ros}".title()
+        jaus_field, ros_field = {**JAUS, **MORE_JAUS}[jaus], {**ROS, **MORE_ROS}[ros]
         messages.append(
-            f'<outputs xmi:id="m{number}" name="Report{title}" code="0x4F{number:02X}">'
-            f'<body xsi:type="jaus:Record" name="rec">{JAUS[jaus]}</body></outputs>'
-            f'<inputs name="Query{title}" code="0x2F{number:02X}"/>'
+            f'<outputs xmi:id="m{number}" name="Report{title}" code="0x{0x4000 + number:04X}">'
+            f"{in_body(jaus_field)}</outputs>"
+            f'<inputs name="Query{title}" code="0x{0x2000 + number:04X}"/>'
         )
-        types.append(f'<messages xmi:id="t{number}" name="{title}">{ROS[ros]}</messages>')
+        types.append(f'<messages xmi:id="t{number}" name="{title}">{ros_field}</messages>')
+        here = f"//@bridges.0/@maps.{number}"
+        content = assigned(JAUS_PATHS.get(jaus, "A"), ROS_PATHS.get(ros, "a"))
+        content = content.replace("{here}", here)
         maps.append(
             f'<maps xmi:id="{name}" name="{name}" message="m{number}" type="t{number}">'
-            '<toRos xsi:type="bridge:FieldAssignment" target="a" source="A"/>'
-            '<toJaus xsi:type="bridge:FieldAssignment" target="A" source="a"/></maps>'
+            f"{content}</maps>"
         )
         connections += [
             f'<bridgeConnections name="{name}" map="{name}" exchange="everyChangeEvent"'
@@ -79,14 +190,45 @@ def model(pairs):
     )
 
 
+def in_body(jaus_field):
+    is_container = 'type="jaus:List"' in jaus_field or 'type="jaus:Variant"' in jaus_field
+    body = "Sequence" if is_container else "Record"
+    vector = ' presenceVector="uint8"' if "optional" in jaus_field else ""
+    return f'<body xsi:type="jaus:{body}" name="rec"{vector}>{jaus_field}</body>'
+
+
+def accepted(path, pairs, assigned, suffix=""):
+    path.write_text(model(pairs, assigned, suffix), encoding="utf-8")
+    errors = [each for each in validate([path]).diagnostics if each.severity is Severity.ERROR]
+    refused = {each.element.split("/")[2] for each in errors if "/" in each.element}
+    return {pair for pair in pairs if "_".join(pair) + suffix not in refused}, errors
+
+
 def test_accepted_pairs(tmp_path):
-    path = tmp_path / "model.xmi"
     pairs = list(itertools.product(JAUS, ROS))
-    path.write_text(model(pairs), encoding="utf-8")
-    findings = validate([path]).diagnostics
-    assert {each.rule for each in findings} == {"JML412"}
-    refused = {each.element.split("/")[2] for each in findings}
-    assert {pair for pair in pairs if "_".join(pair) not in refused} == ACCEPTED
+    found, errors = accepted(tmp_path / "model.xmi", pairs, lambda *_: copied())
+    assert {each.rule for each in errors} == {"JML412"}
+    assert found == ACCEPTED
+
+
+@pytest.mark.parametrize("name", CONSTRUCTS)
+def test_what_is_accepted_is_generated(name, jausml, tmp_path, monkeypatch):
+    """Each construct between all kinds of values: validation and generation agree."""
+    monkeypatch.chdir(tmp_path)
+    # A third of the pairs for each construct: all kinds with all constructs, and all pairs.
+    pairs = [
+        (jaus, ros)
+        for row, jaus in enumerate({**JAUS, **MORE_JAUS}, list(CONSTRUCTS).index(name))
+        for column, ros in enumerate({**ROS, **MORE_ROS})
+        if (row + column) % 3 == 0
+    ]
+    kept, _ = accepted(Path("all.xmi"), pairs, CONSTRUCTS[name])
+    assert kept
+    Path("model.xmi").write_text(model(sorted(kept), CONSTRUCTS[name]), encoding="utf-8")
+    result = jausml("--debug", "generate", "model.xmi", "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    for path in Path("out").rglob("*.py"):
+        compile(path.read_text(encoding="utf-8"), str(path), "exec")
 
 
 def test_accepted_pairs_are_generated(jausml, tmp_path, monkeypatch):
