@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.generation import docstrings as docs
 from jausml.generation.literals import printable, python_literal, python_string
 from jausml.generators.bridge.connections import COMPLEX
 from jausml.generators.common.assignments.values import PYTHON_TYPES, QUATERNION, TIME
@@ -202,7 +203,8 @@ def user_signature(method: UserMethod) -> str:
 def stub(method: UserMethod) -> str:
     """Returns the method of the skeleton that the user completes."""
     head = "\n".join(f"    {line}" for line in user_signature(method).split("\n"))
-    return f"{head}\n        raise NotImplementedError({_missing(method)})\n"
+    about = docs.docstring(f"The conversion {printable(method.model_name)}.", 8)
+    return f"{head}\n        {about}\n        raise NotImplementedError({_missing(method)})\n"
 
 
 def _missing(method: UserMethod) -> str:

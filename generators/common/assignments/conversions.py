@@ -106,7 +106,7 @@ class Chain:
         name = self._body.use("conversions", function)
         numbers = tuple(python_literal(each) for each in arguments)
         return [
-            replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None)
+            replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None, known=())
             for each in values
         ]
 
@@ -143,7 +143,7 @@ class Chain:
 
     def _results(self, call: Call, kinds: list[str], values: list[Value]) -> list[Value]:
         """The results of a call; several get a local name each."""
-        first = replace(values[0], limits=None, listed=())
+        first = replace(values[0], limits=None, listed=(), known=())
         if len(kinds) == 1:
             return [replace(first, code=call, kind=kinds[0])]
         places = [
@@ -166,7 +166,9 @@ class Chain:
         name = self._surroundings.constant(*table.constant)
         function = self._body.use("conversions", "look_up")
         code = Call(function, (value.code, name))
-        return replace(value, code=code, kind=kind, limits=table.limits, listed=())
+        limits = (table.known[0], table.known[-1]) if table.known else None
+        conditions, limit = value.conditions, value.limit
+        return Value(code, kind, conditions, limits=limits, limit=limit, known=table.known)
 
     def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
         expression = parse_expression(conversion.expression or "")
@@ -178,7 +180,7 @@ class Chain:
             codes[index] = self._plain(values[index], paths[index], times)
         sources = {name: codes[names[name]] for name in used}
         code = ExpressionStatements(self._body, sources).code(expression)
-        return replace(values[0], code=code, kind=REAL, limits=None, listed=())
+        return Value(code, REAL, values[0].conditions, limit=values[0].limit)
 
     def _plain(self, value: Value, path: str, times: int) -> str:
         """The value as Python text that stands some times in an expression."""

@@ -26,11 +26,11 @@ class Table:
 
     Attributes:
         constant: Name, type, items, brackets and description of the constant.
-        limits: Least and greatest integer that it yields; None when it yields others.
+        known: All integers that it yields; empty when it yields others.
     """
 
     constant: tuple[str, str, Sequence[str], str, str]
-    limits: tuple[float, float] | None
+    known: tuple[int, ...]
 
 
 def look_up(
@@ -58,11 +58,8 @@ def look_up(
     annotation = f"dict[{_type(value.kind)}, {_type(kind)}]"
     items = [f"{key}: {found}" for key, found in pairs.items()]
     name = f"{table.name} to {'ros' if to_ros else 'jaus'}"
-    limits = None
-    if kind == INTEGER and pairs:
-        numbers = [int(found) for found in pairs.values()]
-        limits = (min(numbers), max(numbers))
-    return Table((name, annotation, items, "{}", about), limits)
+    known = tuple(sorted({int(found) for found in pairs.values()})) if kind == INTEGER else ()
+    return Table((name, annotation, items, "{}", about), known)
 
 
 def _literal(text: str, kind: str, listed: Sequence[tuple[str, str]], table: str) -> str:

@@ -69,6 +69,7 @@ class Value:
         limits: Least and greatest value of a number that is not converted, when they are known.
         limit: Python path of what keeps the value within its target; empty for constants.
         listed: Names and values of the numbers that the source names.
+        known: All integers that it can be; empty when they are not known.
     """
 
     code: str | Call
@@ -78,6 +79,7 @@ class Value:
     limits: tuple[float, float] | None = None
     limit: str = ""
     listed: tuple[tuple[str, str], ...] = ()
+    known: tuple[int, ...] = ()
 
 
 def ros_kind(target: RosField) -> str:
@@ -163,7 +165,10 @@ def _integer(value: Value, name: str, limits: Limits) -> str | Call:
     return limited(f"{value.limit}.integer", value.code, name, (int(limits[0]), int(limits[1])))
 
 
-def _listed(value: Value, target: JausField) -> Call:
+def _listed(value: Value, target: JausField) -> str | Call:
+    legal = (any(low <= each <= high for low, high in target.values) for each in value.known)
+    if value.known and all(legal):
+        return value.code
     ranges = repr(target.values)
     return Call(f"{value.limit}.listed", (python_string(target.path), value.code, ranges))
 

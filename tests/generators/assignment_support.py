@@ -1,0 +1,115 @@
+"""Generates the bridge of a small model in text and imports it."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import validate
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+ROOT = Path(__file__).resolve().parents[2]
+_UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A generated bridge.
+
+    Attributes:
+        folder: Folder of the packages.
+        package: Name of its package.
+        artifacts: The generated files by path.
+        bridge: An instance of the skeleton.
+        messages: The module of its messages.
+    """
+
+    folder: Path
+    package: str
+    artifacts: dict[str, Any]
+    bridge: Any
+    messages: ModuleType
+
+    @property
+    def base(self) -> str:
+        return self.artifacts[f"{self.package}/{self.package}/{self.package}_base.py"].text
+
+    @property
+    def skeleton(self) -> Any:
+        return self.artifacts[f"{self.package}/{self.package}/{self.package}.py"]
+
+    def tool(self, *arguments: str, **environment: str) -> None:
+        done = subprocess.run(
+            [sys.executable, "-m", *arguments],
+            cwd=self.folder / self.package,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def check_text(self) -> None:
+        """Formatter, linter and type checker find nothing."""
+        config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+        self.tool("ruff", "format", "--check", "--diff", *config, ".")
+        self.tool("ruff", "check", *config, "--ignore", "S101", self.package, "test")
+        settings = self.folder / "mypy.ini"
+        unknown = ",".join(f"mypy-{name}.*" for name in _UNKNOWN.split()).replace(",mypy-", ",")
+        settings.write_text(
+            f"[mypy]\nstrict = True\npython_version = 3.10\ncache_dir = {os.devnull}\n"
+            "follow_imports = silent\n"
+            f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
+        )
+        path = str(self.folder / "jausml_runtime")
+        modules = [f"{self.package}/{name}.py" for name in (f"{self.package}_base", self.package)]
+        self.tool("mypy", "--config-file", str(settings), *modules, MYPYPATH=path)
+
+
+def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
+    """Returns the files of the bridge of a model."""
+    path = folder / f"{name}.ros2jaus"
+    path.write_text(text, encoding="utf-8")
+    result = validate([path], notations=NOTATIONS)
+    errors = [each for each in result.diagnostics if each.severity.name == "ERROR"]
+    # The bridges here have nobody to talk to; all else must be accepted.
+    refusals = [each for each in errors if each.rule not in {"JML422", "JML423"}]
+    assert not refusals, "\n".join(f"{each.location.line}: {each.message}" for each in refusals)
+    made = {artifact.path: artifact for artifact in render(result.model, [TARGET, RUNTIME])}
+    again = {artifact.path: artifact.text for artifact in render(result.model, [TARGET, RUNTIME])}
+    assert {path: artifact.text for path, artifact in made.items()} == again
+    return made
+
+
+def generated(text: str, folder: Path, package: str) -> Generated:
+    """Generates, writes and imports the only bridge of a model.
+
+    Args:
+        text: The model.
+        folder: Folder for the packages.
+        package: Name of the bridge, unique among all tests.
+    """
+    made = artifacts_of(text, folder, package)
+    for path, artifact in made.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(artifact.text, encoding="utf-8")
+    # The first runtime that is imported serves all tests: it is the same for all.
+    for place in (folder / "jausml_runtime", folder / package):
+        sys.path.append(str(place))
+    try:
+        skeleton = importlib.import_module(f"{package}.{package}")
+        messages = importlib.import_module(f"{package}.messages")
+    finally:
+        sys.path.remove(str(folder / package))
+    words = "".join(word.capitalize() for word in package.split("_"))
+    return Generated(folder, package, made, getattr(skeleton, words)(), messages)

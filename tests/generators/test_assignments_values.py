@@ -1,0 +1,238 @@
+"""Generated translations of single values, with absolute results."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tests.generators.assignment_support import generated
+
+pytest.importorskip("rclpy")
+
+from geometry_msgs.msg import Quaternion, Twist
+from nav_msgs.msg import Odometry
+from std_msgs.msg import UInt8
+
+TEXT = """
+attitude {
+  JAUS ReportLocalPose
+  ROS nav_msgs/Odometry
+  quantity reach { value: 50 units: "m" }
+  JAUS->ROS (
+    X -> pose.pose.position.x { whenAbsent: useDefault defaultValue: "-1.5" }
+    Y -> pose.pose.position.y : negate { whenAbsent: lastValue }
+    Roll, Pitch, Yaw -> pose.pose.orientation : frd_angles_to_flu_quaternion
+      { whenAbsent: useDefault defaultValue: 0 }
+    X, Y -> twist.twist.linear.x : expression("if(X > 0, X / Y, hypot(X, Y))")
+  )
+  ROS->JAUS (
+    pose.pose.orientation -> Roll, Pitch, Yaw : flu_quaternion_to_frd_angles
+      { outOfRange: dropField }
+    pose.pose.position.x -> X : clamp(-100, 100)
+    pose.covariance[0], pose.covariance[7], pose.covariance[14] -> Position_RMS : covariance_to_rms
+      { outOfRange: dropField }
+    pose.pose.position.z -> Z : negate, value_to_percent(reach), with_units("m")
+    header.stamp -> TimeStamp : time_to_timestamp
+  )
+}
+
+gear {
+  JAUS Gearbox ( uint8 gear  uint8 mode  float32 angle )
+  ROS std_msgs/UInt8
+  table gears ( 0 <-> 10  1 <-> 20  2 <-> 30  3 <-> 30 )
+  JAUS->ROS ( gear -> data : look_up(gears) )
+  ROS->JAUS (
+    data -> gear : look_up(gears)
+    data -> mode : user(choose_mode)
+  )
+}
+
+turn {
+  JAUS Turning ( float32 rate { units: "degree per second" } )
+  ROS geometry_msgs/Twist
+  JAUS->ROS ( rate -> angular.z )
+  ROS->JAUS ( angular.z -> rate )
+}
+
+fix {
+  JAUS Fixed ( int8 state )
+  ROS sensor_msgs/NavSatFix
+  table states ( 0 <-> STATUS_FIX  1 <-> STATUS_SBAS_FIX )
+  JAUS->ROS (
+    state -> status.status : look_up(states)
+    "SERVICE_GLONASS" -> status.service
+    "NaN" -> altitude
+  )
+}
+
+lamps {
+  JAUS SetIlluminationState
+  ROS std_msgs/UInt8
+  table lamp ( OFF <-> 0  ON <-> 1 )
+  ROS->JAUS ( data -> illumination.Headlights : look_up(lamp) )
+}
+
+bridge valued {
+  address: 1.1.2
+  quantity reach { value: 80 units: "m" }
+  connection attitude { map: attitude topic a {} }
+  connection attitude_out { map: attitude direction: rosToJaus topic a {} }
+  connection gear { map: gear topic g {} }
+  connection gear_out { map: gear direction: rosToJaus topic g {} }
+  connection turn { map: turn topic t {} }
+  connection turn_out { map: turn direction: rosToJaus topic t {} }
+  connection fix { map: fix topic f {} }
+  connection lamps { map: lamps direction: rosToJaus topic l {} }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    return generated(TEXT, tmp_path_factory.mktemp("values"), "valued")
+
+
+def test_text_is_clean(made):
+    made.check_text()
+
+
+# ------------------------------------------------------------------ several values at once
+
+
+def quarter_turn_left():
+    return Quaternion(z=math.sqrt(0.5), w=math.sqrt(0.5))
+
+
+def test_several_targets_take_the_results_of_one_conversion(made):
+    source = Odometry()
+    source.pose.pose.orientation = quarter_turn_left()
+    report = made.bridge.translate_attitude_out(source)
+    assert (report.roll, report.pitch) == (0.0, 0.0)
+    assert report.yaw == pytest.approx(-math.pi / 2)
+
+
+def test_each_target_has_its_own_policy(made):
+    report = made.bridge.translate_attitude_out(Odometry())  # a quaternion of length 1
+    source = Odometry()
+    source.pose.pose.orientation = Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)
+    lost = made.bridge.translate_attitude_out(source)
+    assert (report.roll, report.pitch, report.yaw) == (0.0, 0.0, 0.0)
+    assert (lost.roll, lost.pitch, lost.yaw) == (None, None, None)
+    assert type(lost).decode(lost.encode()).yaw is None
+
+
+def test_variances_become_one_figure(made):
+    source = Odometry()
+    source.pose.covariance[0], source.pose.covariance[7] = 9.0, 16.0
+    assert made.bridge.translate_attitude_out(source).position_rms == pytest.approx(5 / 3**0.5)
+    source.pose.covariance[0] = -1.0
+    assert made.bridge.translate_attitude_out(source).position_rms is None
+
+
+# ------------------------------------------------------------------ absent sources
+
+
+def test_default_stands_for_an_absent_source(made):
+    report = made.messages.ReportLocalPose
+    translate = made.bridge.translate_attitude
+    assert translate(report()).pose.pose.position.x == -1.5
+    assert translate(report(x=4.0)).pose.pose.position.x == 4.0
+
+
+def test_default_stands_for_each_absent_source_of_several(made):
+    report = made.messages.ReportLocalPose
+    orientation = made.bridge.translate_attitude(report(yaw=-math.pi / 2)).pose.pose.orientation
+    assert orientation.z == pytest.approx(math.sqrt(0.5))
+    assert orientation.w == pytest.approx(math.sqrt(0.5))
+    untouched = made.bridge.translate_attitude(report()).pose.pose.orientation
+    assert (untouched.x, untouched.y, untouched.z, untouched.w) == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_last_value_stands_for_an_absent_source(made):
+    bridge, report = type(made.bridge)(), made.messages.ReportLocalPose
+    values = [report(), report(y=2.0), report(), report(y=-3.0), report()]
+    found = [bridge.translate_attitude(each).pose.pose.position.y for each in values]
+    assert found == [0.0, -2.0, -2.0, 3.0, 3.0]
+
+
+# ------------------------------------------------------------------ tables, units, expressions
+
+
+def test_tables_know_both_directions(made):
+    to_ros, to_jaus = made.bridge.translate_gear, made.bridge.translate_gear_out
+    assert [to_ros(made.messages.Gearbox(gear=each)).data for each in range(4)] == [10, 20, 30, 30]
+    with pytest.raises(NotImplementedError, match="convert_choose_mode is not written yet"):
+        to_jaus(UInt8(data=30))
+    assert "GEARS_TO_JAUS: dict[int, int] = {10: 0, 20: 1, 30: 2}\n" in made.base
+
+
+def test_what_a_table_lacks_is_counted(made):
+    with pytest.raises(ValueError, match="4"):
+        made.bridge.translate_gear(made.messages.Gearbox(gear=4))
+
+
+def test_names_of_values_are_resolved(made):
+    target = made.bridge.translate_fix(made.messages.Fixed(state=1))
+    assert (target.status.status, target.status.service) == (1, 2)
+    assert math.isnan(target.altitude)
+    lamps = [
+        made.bridge.translate_lamps(UInt8(data=each)).illumination.headlights for each in (0, 1)
+    ]
+    assert lamps == [0, 1]
+
+
+def test_units_differ_by_a_factor_that_nobody_writes(made):
+    turning = made.messages.Turning(rate=180.0)
+    assert made.bridge.translate_turn(turning).angular.z == pytest.approx(math.pi)
+    source = Twist()
+    source.angular.z = math.pi / 2
+    assert made.bridge.translate_turn_out(source).rate == pytest.approx(90.0)
+    assert "# degree per second to rad/s\n" in made.base
+
+
+def test_quantities_of_the_bridge_come_before_those_of_maps(made):
+    source = Odometry()
+    source.pose.pose.position.z = -40.0
+    assert made.bridge.translate_attitude_out(source).z == pytest.approx(50.0)
+
+
+def test_quantities_are_parameters(made):
+    bridge = type(made.bridge)()
+
+    asked = []
+
+    class Ros:
+        def parameter(self, *arguments):
+            asked.append(arguments)
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        bridge.open(Ros(), None)
+    assert asked == [("reach", 80.0, "reach (m).")]
+
+
+def test_expressions(made):
+    report = made.messages.ReportLocalPose
+    values = [(6.0, 4.0), (-3.0, 4.0)]
+    found = [
+        made.bridge.translate_attitude(report(x=x, y=y)).twist.twist.linear.x for x, y in values
+    ]
+    assert found == [1.5, 5.0]
+    with pytest.raises(ValueError, match="divide"):
+        made.bridge.translate_attitude(report(x=1.0, y=0.0))
+
+
+def test_user_conversions_stand_in_the_skeleton(made):
+    method = made.skeleton.contract.methods[-1]
+    assert (method.name, method.parameters) == ("convert_choose_mode", ("value",))
+    assert not method.optional
+    assert method.identity == "conversion:choose_mode"
+    assert "    def convert_choose_mode(self, value: int) -> int:\n" in made.skeleton.text
+
+    class Mine(type(made.bridge)):
+        def convert_choose_mode(self, value):
+            return value // 10
+
+    target = Mine().translate_gear_out(UInt8(data=20))
+    assert (target.gear, target.mode) == (1, 2)
