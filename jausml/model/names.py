@@ -139,7 +139,7 @@ def qualified_name(element: Any) -> str:
 
 
 @cache
-def library_index() -> Mapping[str, frozenset[tuple[str, str]]]:
+def library_index() -> Mapping[str, list[tuple[str, str]]]:
     """Returns where the library has elements that are referred to by name.
 
     Returns:
@@ -149,7 +149,7 @@ def library_index() -> Mapping[str, frozenset[tuple[str, str]]]:
     for path, text in _library_texts():
         for tag, name in _NAMED.findall(text):
             index.setdefault(_last_step(name), set()).add((path, tag))
-    return {name: frozenset(places) for name, places in index.items()}
+    return {name: sorted(places) for name, places in index.items()}
 
 
 @cache

@@ -11,7 +11,7 @@ from jausml.model.values import nearest, show
 from jausml.text.declared_types import DEEPEST
 from jausml.text.declaring_jaus import VALUE
 from jausml.text.keywords import snake_case
-from jausml.text.types import BOOL, STRING, Size, shown_type, size_of, type_word
+from jausml.text.types import ANY, BOOL, STRING, Size, shown_type, size_of, type_word
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -123,12 +123,10 @@ class MemberCheck:
 
     @staticmethod
     def _agrees(definition: Member, size: Size | None, kind: Kind) -> bool:
-        if (size is None) != (kind.size is None):
+        # A sequence of any length stands for a bounded one too.
+        is_any = size == ANY and kind.size is not None and not kind.size.is_fixed
+        if size != kind.size and not is_any:
             return False
-        if size is not None and kind.size is not None and size.count:
-            is_same = size.count == kind.size.count or not kind.size.count
-            if not is_same or (size.is_fixed != kind.size.is_fixed and kind.size.is_fixed):
-                return False
         if isinstance(definition.type, list):
             return kind.inner is not None
         word = type_word(definition.type.text)

@@ -30,6 +30,8 @@ _SPECIAL = {
 }
 """How features are given that have a notation of their own, by name or by class and name."""
 
+_VALUES = {"EString": "text", "EInt": "number", "ELong": "number", "EDouble": "number"}
+
 
 class Ros2Jaus:
     """Reads ros2jaus text."""
@@ -46,6 +48,8 @@ class Ros2Jaus:
 
     def how_to_give(self, table: ClassTable, feature: FeatureTable) -> str:
         """Returns how a feature of a class is given a value."""
+        if feature.name == "name":
+            return f"write '{snake_case(table.name)} <name> {{ }}'"
         special = _SPECIAL.get(f"{table.name}.{feature.name}") or _SPECIAL.get(feature.name)
         return f"write '{special or _usual(feature)}'"
 
@@ -90,7 +94,7 @@ def decode(data: bytes) -> tuple[str, Fault | None]:
 def _usual(feature: FeatureTable) -> str:
     target = feature.target
     if target is None:
-        return f"{feature.name}: <{feature.type_name}>"
+        return f"{feature.name}: <{_VALUES.get(feature.type_name, feature.type_name)}>"
     if feature.kind is not FeatureKind.CONTAINMENT:
         return f"{feature.name}: <name of a {target.name}>"
     if target.abstract:

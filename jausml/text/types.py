@@ -48,6 +48,10 @@ class Size:
     is_fixed: bool
 
 
+ANY = Size(0, is_fixed=False)
+"""Any number of elements."""
+
+
 @dataclass(frozen=True, slots=True)
 class TypeWord:
     """The type word of a member.
@@ -84,7 +88,7 @@ def size_of(member: Member) -> Size | None:
     if not member.size:
         return None
     if member.size == ANY_SIZE:
-        return Size(0, is_fixed=False)
+        return ANY
     return Size(_number(member.size.removeprefix("<=")) or 0, not member.size.startswith("<="))
 
 

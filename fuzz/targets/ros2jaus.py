@@ -1,0 +1,42 @@
+"""The reader of ros2jaus text and the rules, fed with texts that were cut, mixed and misspelt.
+
+An input shows a bug when reading or checking raises, or when a finding stands outside of the text.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import check
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MAPPINGS = Path(__file__).resolve().parents[2] / "models" / "library" / "mappings"
+
+
+def one_input(data: bytes) -> None:
+    """Reads and checks a text; findings are what is expected.
+
+    Args:
+        data: The file.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.ros2jaus"
+        path.write_bytes(data)
+        result = read_models([path], project_root=folder, notations=NOTATIONS)
+        lines = data.decode("utf-8-sig", errors="replace").split("\n")
+        for finding in check(result).diagnostics:
+            place = finding.location
+            if place.path == str(path):
+                assert 1 <= place.line <= len(lines), finding
+                assert 1 <= place.column <= len(lines[place.line - 1]) + 1, finding
+
+
+def seeds() -> Sequence[bytes]:
+    """Returns the maps of the library."""
+    return [path.read_bytes() for path in sorted(MAPPINGS.glob("*.ros2jaus"))]

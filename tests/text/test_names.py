@@ -1,0 +1,149 @@
+"""Names mean elements: of the document from the inside out, of imports, of the library."""
+
+# ruff: noqa: E501 -- a text stands on one line
+
+from __future__ import annotations
+
+import pytest
+
+LIBRARY = "http://www.jausml.org/library/jaus/"
+
+
+def provided(model):
+    return [
+        each.name for c in model.instances("jaus.Component", library=False) for each in c.provides
+    ]
+
+
+def test_library_is_known_without_an_import(texts):
+    model = texts.good(
+        "component a { address: 1.1.1 provides: VelocityStateSensor, mobility.LocalPoseSensor }"
+    )
+    assert provided(model) == ["VelocityStateSensor", "LocalPoseSensor"]
+    names = {each.path.name for each in model.documents if each.is_library}
+    assert "mobility.xmi" in names
+    assert "environment-sensing.xmi" not in names, "only what a name needs is read"
+
+
+@pytest.mark.parametrize("name", ["geometry_msgs/TwistStamped", "TwistStamped",
+                                  "geometry_msgs/msg/TwistStamped", "geometry_msgs.TwistStamped"])  # fmt: skip
+def test_ros_types(texts, name):
+    model = texts.good(f"node n {{ publisher p {{ topic: a type: {name} }} }}")
+    assert model.instances("ros.Publisher")[0].type.name == "TwistStamped"
+
+
+def test_own_names_go_before_the_library(texts):
+    model = texts.good(
+        'service Events { urn: "u" inherits: Liveness_ }\nservice Liveness_ { urn: "v" }\n'
+        "component a { address: 1.1.1 provides: Events }"
+    )
+    [component] = model.instances("jaus.Component")
+    assert component.provides[0].urn == "u"
+    assert component.provides[0].inherits.urn == "v"
+
+
+def test_an_element_never_means_itself(texts):
+    model = texts.good('service VelocityStateSensor { urn: "u" inherits: VelocityStateSensor }')
+    [own] = model.root.services
+    assert own.inherits is not own
+    assert model.is_library(own.inherits)
+
+
+def test_innermost_scope_wins(texts):
+    model = texts.good(
+        """\
+service_set one { service A { urn: "1" inputs: new message_def Query { code: 0xD001 }
+  state_machine M { state S { initial: true transitions: { message: Query } } } } }
+service_set two { service A { urn: "2" inputs: new message_def Query { code: 0xD002 }
+  state_machine M { state S { initial: true transitions: { message: Query } } } } }
+"""
+    )
+    found = [each.message.code for each in model.instances("jaus.Transition", library=False)]
+    assert found == ["0xD001", "0xD002"]
+
+
+def test_imports_of_text_and_xmi(texts):
+    texts.write("maps.ros2jaus", "m { JAUS ReportVelocityState ROS std_msgs/Float64 }")
+    texts.write(
+        "services.xmi",
+        '<jaus:ServiceSet xmlns:jaus="http://www.jausml.org/jaus/1.0" name="s">'
+        '<services name="Own" urn="u"/></jaus:ServiceSet>',
+    )
+    model = texts.good(
+        'import "maps.ros2jaus"\nimport "services.xmi"\n'
+        "bridge b { address: 1.1.1 uses: Own connection c { map: maps.m topic t {} } }"
+    )
+    [connection] = model.instances("bridge.Connection")
+    assert connection.map.message.name == "ReportVelocityState"
+
+
+def test_imports_in_a_circle(texts):
+    text = 'import "{}.ros2jaus"\ncomponent {} {{ address: 1.1.{} controls: {} }}'
+    texts.write("b.ros2jaus", text.format("a", "two", 2, "one"))
+    model = texts.good(text.format("b", "one", 1, "two"), "a.ros2jaus")
+    assert [c.controls[0].name for c in model.instances("jaus.Component")] == ["two", "one"]
+
+
+def test_import_decides_between_versions(texts):
+    text = "component a { address: 1.1.1 provides: Events }"
+    [ambiguous] = texts.one(text).diagnostics
+    assert ambiguous.rule == "JML216"
+    assert "core.Events (core-1.0.xmi), core.Events (core-1.1.xmi)" in ambiguous.message
+    assert len(ambiguous.related) == 2
+    for written in (f'"{LIBRARY}core-1.1.xmi"', "`jaus.core-1.1`"):
+        assert provided(texts.good(f"import {written}\n{text}")) == ["Events"]
+
+
+def test_import_of_library_maps(texts):
+    model = texts.good(
+        "import mappings.velocity_state_sensor\n"
+        'bridge b { address: 1.1.1 connection c { map: @"http://www.jausml.org/library/mappings/'
+        'velocity_state_sensor.ros2jaus#//@maps.0" topic t {} } }'
+    )
+    [connection] = model.instances("bridge.Connection")
+    assert model.is_library(connection.map)
+
+
+def test_href_into_the_own_document(texts):
+    model = texts.good(
+        'component a { address: 1.1.1 controls: @"#//@components.1" }\n'
+        "component b { address: 1.1.2 }"
+    )
+    assert model.root.components[0].controls[0].name == "b"
+
+
+FAULTS = {
+    "unknown": ("component a { address: 1.1.1 provides: ⟦JML215⟧VelocityStatSensor }",
+                "did you mean 'VelocityStateSensor'"),
+    "case": ("component a { address: 1.1.1 provides: ⟦JML215⟧velocitystatesensor }",
+             "did you mean 'VelocityStateSensor'"),
+    "other_class": ("component a { address: 1.1.1 provides: ⟦JML215⟧a }", "is a jaus.Component"),
+    "own": ("component sensor { address: 1.1.1 }\n"
+            "component b { address: 1.1.2 controls: ⟦JML215⟧sensr }", "did you mean 'sensor'"),
+    "qualifier": ("component a { address: 1.1.1 provides: ⟦JML215⟧ugv.LocalPoseSensor }",
+                  "LocalPoseSensor"),
+    "several": ("component a { address: 1.1.1 provides: ⟦JML215⟧Nope1, LocalPoseSensor, "
+                "⟦JML215⟧Nope2 }", ""),
+    "beside_syntax": ("host h { port ⟦JML701⟧= 5 }\n"
+                      "component a { address: 1.1.1 provides: ⟦JML215⟧LocalPosSensor }",
+                      "did you mean 'LocalPoseSensor'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_fault(name, texts):
+    text, hint = FAULTS[name]
+    found = [each for each in texts.check(text) if each.rule == "JML215"]
+    assert all(hint in each.hint for each in found)
+
+
+def test_names_of_an_import_that_is_lost_are_not_missed(texts):
+    result = texts.one('import "none.xmi"\ncomponent a { address: 1.1.1 provides: Own }')
+    assert [each.rule for each in result.diagnostics] == ["JML203"]
+
+
+def test_referring_twice_is_a_warning(texts):
+    [finding] = texts.check(
+        "component a { address: 1.1.1 provides: LocalPoseSensor, ⟦JML213⟧LocalPoseSensor }"
+    )
+    assert "'LocalPoseSensor'" in finding.message

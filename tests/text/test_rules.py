@@ -1,0 +1,33 @@
+"""The rules of the text language are data, and each of them has a failing text."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from jausml.text.rules import TEXT_RULES
+
+HERE = Path(__file__).parent
+SOURCES = HERE.parents[1] / "jausml" / "text"
+
+
+@pytest.mark.parametrize("rule", TEXT_RULES)
+def test_a_rule_says_what_is_bad_and_what_is_good(rule):
+    info = TEXT_RULES[rule]
+    assert re.fullmatch(r"JML7\d\d", rule)
+    assert info.title[-1] != "."
+    assert re.search(r"Good: ", info.explanation)
+
+
+def test_each_rule_has_a_failing_text_and_a_place_that_reports_it():
+    tests = "".join(
+        path.read_text() for path in HERE.glob("test_*.py") if path.name != "test_rules.py"
+    )
+    sources = "".join(p.read_text() for p in SOURCES.glob("*.py") if p.name != "rules.py")
+    for rule in TEXT_RULES:
+        assert rule in tests, rule
+        assert rule in sources, rule
+    reported = set(re.findall(r"JML7\d\d", sources))
+    assert reported == set(TEXT_RULES)

@@ -1,0 +1,73 @@
+"""Texts: written, read, and compared with markers that stand at the findings."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from jausml.model import read_models
+from jausml.model.comparison import compare
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import check
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MARKER = re.compile(r"⟦(JML\d\d\d)⟧")
+
+
+def strip(text: str) -> tuple[str, list[tuple[int, int, str]]]:
+    """Removes markers and returns where they stood: line, column, rule."""
+    expected = []
+    while match := MARKER.search(text):
+        before = text[: match.start()]
+        line = before.count("\n") + 1
+        column = len(before) - (before.rfind("\n") + 1) + 1
+        expected.append((line, column, match.group(1)))
+        text = before + text[match.end() :]
+    return text, sorted(expected)
+
+
+class Texts:
+    """A folder of documents that can be read."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def write(self, name: str, text: str | bytes) -> Path:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text.encode() if isinstance(text, str) else text)
+        return path
+
+    def read(self, *names: str):
+        paths = [self.folder / name for name in names]
+        return read_models(paths, project_root=self.folder, notations=NOTATIONS)
+
+    def one(self, text: str | bytes, name: str = "demo.ros2jaus"):
+        """Reads one document."""
+        self.write(name, text)
+        return self.read(name)
+
+    def good(self, text: str, name: str = "demo.ros2jaus"):
+        """Reads one document that the reader has nothing to complain of; returns its model."""
+        result = self.one(text, name)
+        assert result.diagnostics == []
+        return result.model
+
+    def check(self, text: str):
+        """Reads a document with markers: they stand exactly where the reader's findings are."""
+        plain, expected = strip(text)
+        result = self.one(plain)
+        found = [(d.location.line, d.location.column, d.rule) for d in result.diagnostics]
+        assert sorted(found) == expected, "\n".join(map(str, result.diagnostics))
+        return result.diagnostics
+
+    def rules(self, text: str) -> list[str]:
+        """Returns the rules of all findings about a document, those of the engine included."""
+        return [each.rule for each in check(self.one(text)).diagnostics]
+
+
+def same(model, ours, theirs) -> bool:
+    """Tells whether two elements of a model hold the same."""
+    return compare(ours, theirs, model.metamodels) == []
