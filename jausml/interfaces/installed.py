@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.interfaces.parsing import PARTS
+from jausml.interfaces.types import is_package_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -35,23 +36,14 @@ class Installation:
         Args:
             package: Name of the package.
         """
+        if not is_package_name(package):
+            return None
         for share in self.shares:
             folder = share / package
-            if any((folder / kind).is_dir() for kind in PARTS):
+            # Unlike Path.is_dir this is False where nothing may be looked at.
+            if any(os.path.isdir(folder / kind) for kind in PARTS):  # noqa: PTH112
                 return folder
         return None
-
-    def definition(self, package: str, kind: str, name: str) -> Path | None:
-        """Returns the file of an interface, None when it is not installed.
-
-        Args:
-            package: Name of the package.
-            kind: `msg`, `srv` or `action`.
-            name: Name of the interface.
-        """
-        folder = self.folder(package)
-        path = folder / kind / f"{name}.{kind}" if folder is not None else None
-        return path if path is not None and path.is_file() else None
 
     def packages(self) -> list[str]:
         """Returns the names of the installed packages that define interfaces, sorted."""

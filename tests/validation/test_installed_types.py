@@ -81,6 +81,13 @@ def test_a_definition_that_nobody_understands_says_nothing(install, tmp_path):
     assert findings(tmp_path) == []
 
 
+@pytest.mark.parametrize("name", ["../geometry_msgs", "/etc", "geometry_msgs/../x", "a\0b", ""])
+def test_no_name_of_a_model_leads_out_of_the_share_folders(install, name):
+    install(Twist=TWIST)
+    assert Installation().folder("geometry_msgs") is not None
+    assert Installation().folder(name) is None
+
+
 def test_the_shipped_library_is_what_is_installed():
     if Installation().folder("geometry_msgs") is None:
         pytest.skip("no ROS message packages in this environment")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.interfaces import PARTS, Installation, parse_definition
 from jausml.interfaces.definitions import FieldType
+from jausml.interfaces.types import is_type_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +53,7 @@ class InstalledTypes:
         """
         package, kind = package_of(element), _KINDS[element.eClass.name]
         folder = self._folder(package)
-        if folder is None:
+        if folder is None or not is_type_name(str(element.name)):
             return
         try:
             text = (folder / kind / f"{element.name}.{kind}").read_text(encoding="utf-8")
