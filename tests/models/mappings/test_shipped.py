@@ -13,6 +13,8 @@ import pytest
 from mapping_support import MAPPINGS, files_read, findings, ready_maps
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.model.reader import ReadResult
 
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
@@ -33,6 +35,35 @@ def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) 
     has |= {"rosToJaus"} if each.toJaus else set()
     assert tested == has
     assert each.documentation
+
+
+@pytest.mark.parametrize("each", [each for _, each in MAPS], ids=[each.name for _, each in MAPS])
+def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
+    """With a figure that is not 0, which has the same sign as its opposite."""
+    for way, assignments in (("jausToRos", each.toRos), ("rosToJaus", each.toJaus)):
+        shown = {
+            re.sub(r"\[\d+\]", "", value.path)
+            for vector in each.vectors
+            if vector.direction.name == way
+            for value in vector.expected
+            if value.value not in ("0", "absent")
+        }
+        turning = {
+            re.sub(r"\[\d+\]", "", target)
+            for target, kinds in _conversions(assignments)
+            if kinds & {"negate", "expression"}
+        }
+        shown |= {path.rpartition(".")[0] for path in shown}
+        assert turning <= shown, way
+
+
+def _conversions(assignments: Any, around: str = "") -> Iterator[tuple[str, set[str]]]:
+    """Yields the whole target paths of assignments with the kinds of their conversions."""
+    for each in assignments:
+        target = ".".join(step for step in (around, each.target) if step not in ("", "."))
+        kinds = {conversion.kind.name for conversion in getattr(each, "conversions", ())}
+        yield target, kinds
+        yield from _conversions(getattr(each, "assignments", ()), target)
 
 
 def test_names_are_unique_over_all_files() -> None:
