@@ -1,0 +1,139 @@
+"""The verbs that take models take ros2jaus text."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+SYSTEM = """\
+component sensor { address: 10.1.1  type: vehicle  provides: VelocityStateSensor }
+bridge sensor_bridge {
+  address: 10.1.2
+  uses: VelocityStateSensor
+  velocity {
+    JAUS ReportVelocityState
+    ROS geometry_msgs/TwistStamped
+    JAUS->ROS (
+      clock -> header.stamp
+      "base_link" -> header.frame_id
+      Velocity_X -> twist.linear.x { whenAbsent: dropMessage }
+      YawRate -> twist.angular.z : negate
+    )
+  }
+  connection velocity { map: velocity  exchange: periodicEvent  peers: sensor  topic velocity {} }
+}
+"""
+MAPS = SYSTEM[SYSTEM.index("  velocity {") : SYSTEM.index("  connection")]
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+
+@pytest.fixture
+def text(folder):
+    path = folder / "demo.ros2jaus"
+    path.write_text(SYSTEM)
+    return path
+
+
+def contents(folder):
+    files = (path for path in Path(folder).rglob("*") if path.is_file())
+    return {str(each.relative_to(folder)): each.read_text() for each in files}
+
+
+def test_validates(jausml, text):
+    result = jausml("validate", text)
+    assert (result.exit_code, result.stderr) == (0, "no problems in 1 file\n")
+
+
+def test_finds_texts_in_folders(jausml, text):
+    for each in ("bad.xmi", "doubtful.xmi"):
+        text.with_name(each).unlink()
+    result = jausml("validate", text.parent)
+    assert result.stderr == "no problems in 2 files\n"
+
+
+def test_errors_of_the_grammar_names_and_rules_in_one_run(jausml, text):
+    broken = SYSTEM.replace("type: vehicle", "type vehicle").replace("YawRate", "YawRat")
+    text.write_text(broken.replace("uses: Velocity", "uses: Velocty"))
+    result = jausml("validate", "demo.ros2jaus", "--format", "json")
+    assert result.exit_code == 1
+    rules = {each["rule"] for each in json.loads(result.stdout)["diagnostics"]}
+    assert rules >= {"JML701", "JML215", "JML411"}
+
+
+def test_generates_what_the_same_xmi_generates(jausml, text):
+    converted = jausml("convert", text, "demo.xmi")
+    assert converted.exit_code == 0, converted.stderr
+    assert jausml("generate", text, "-o", "ours").exit_code == 0
+    assert jausml("generate", "demo.xmi", "-o", "theirs").exit_code == 0
+    ours, theirs = contents("ours"), contents("theirs")
+    manifest = ".jausml/manifest.json"
+    processes = [json.loads(each.pop(manifest))["extra"] for each in (ours, theirs)]
+    assert processes[0] == processes[1]
+    assert {
+        name: each.replace("demo.xmi", "demo.ros2jaus") for name, each in theirs.items()
+    } == ours
+
+
+def test_second_run_keeps_and_check_agrees(jausml, text):
+    only = ("--target", "bridge")
+    assert jausml("generate", text, *only).exit_code == 0
+    assert (text.parent / "demo_ws" / "src").is_dir()
+    assert jausml("generate", text, "--check", *only).exit_code == 0
+    text.write_text(SYSTEM.replace("10.1.2", "10.1.3"))
+    assert jausml("generate", text, "--check", *only).exit_code == 1
+
+
+def test_frequency_reaches_the_code(jausml, text):
+    result = jausml("generate", text, "-o", "out", "--target", "bridge", "--frequency", "12.5")
+    assert result.exit_code == 0, result.stderr
+    base = Path("out/sensor_bridge/sensor_bridge/sensor_bridge_base.py").read_text()
+    assert "frequency=12.5" in base
+    assert "rate=12.5" in base
+
+
+def test_frequency_leaves_stated_rates_alone(jausml, text):
+    text.write_text(SYSTEM.replace("peers: sensor", "peers: sensor  rate: 40"))
+    jausml("generate", text, "-o", "out", "--target", "bridge", "--frequency", "12.5")
+    base = Path("out/sensor_bridge/sensor_bridge/sensor_bridge_base.py").read_text()
+    assert "rate=40.0" in base
+
+
+@pytest.mark.parametrize("frequency", ["0", "-1", "nan", "inf", "1092.1", "fast"])
+def test_impossible_frequency_is_a_usage_error(jausml, text, frequency):
+    result = jausml("generate", text, "-o", "out", "--frequency", frequency)
+    assert result.exit_code == 2
+    assert "--frequency" in result.stderr
+    assert not Path("out").exists()
+
+
+def test_maps_alone_say_what_to_add(jausml, text):
+    text.write_text(MAPS)
+    assert jausml("validate", text).exit_code == 0
+    result = jausml("generate", text, "-o", "out")
+    assert result.exit_code == 2
+    assert "connection velocity { map: velocity" in result.stderr
+    assert "<subsystem>.<node>.<component>" in result.stderr
+    assert not Path("out").exists()
+
+
+def test_nothing_is_written_when_a_text_has_errors(jausml, text):
+    text.write_text(SYSTEM.replace("Velocity_X", "Velocty_X"))
+    result = jausml("generate", text, "-o", "out")
+    assert result.exit_code == 1
+    assert "did you mean 'Velocity_X'" in result.stderr
+    assert not Path("out").exists()
+
+
+def test_declared_messages_are_listed_and_encoded(jausml, text):
+    text.write_text("m { JAUS WinchStatus ( uint16 length ) ROS Winch ( uint16 length ) }")
+    result = jausml("list", "messages", "--model", text)
+    assert "0xD000  WinchStatus" in result.stdout
+
+
+@pytest.mark.parametrize("rule", ["JML215", "JML701", "JML711"])
+def test_rules_are_explained(jausml, rule):
+    assert rule in jausml("rules").stdout
+    assert "Good:" in jausml("explain", rule).stdout.replace("\n", " ")
