@@ -49,6 +49,12 @@ class Generated:
     def skeleton(self) -> Any:
         return self.artifacts[f"{self.package}/{self.package}/{self.package}.py"]
 
+    def error(self, name: str) -> type[Exception]:
+        """Returns an error of the generated runtime."""
+        modules = ("bridge_limits", "bridge_statistics", "conversions", "message")
+        found = [importlib.import_module(f"jausml_runtime.{each}") for each in modules]
+        return next(getattr(each, name) for each in found if hasattr(each, name))
+
     def tool(self, *arguments: str, **environment: str) -> None:
         done = subprocess.run(
             [sys.executable, "-m", *arguments],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import python_string
+from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generators.common.assignments.sources import COUNT, INDEX, Counters
 from jausml.generators.common.assignments.values import AssignmentError
 from jausml.generators.common.jaus_fields import joined, there
@@ -40,11 +40,13 @@ class _Items:
     Attributes:
         code: The elements, as Python text or call.
         name: Python text that is as long as the elements.
+        counts: Fewest and most elements.
         may_be_none: Whether an element may be None, where its name was missing.
     """
 
     code: str | Call
     name: str
+    counts: tuple[float, float]
     may_be_none: bool = False
 
 
@@ -103,7 +105,7 @@ class _ListStatements:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
         if isinstance(code, Call):
             code = self._body.local("items", code)
-        return _Items(code, code)
+        return _Items(code, code, self._many.counts)
 
     def _named(self, items: _Items) -> _Items:
         """The elements on the JAUS side in the order of their names."""
@@ -120,13 +122,16 @@ class _ListStatements:
         )
         must = self._assignment.whenAbsent.name == "dropMessage"
         if self._outer.to_ros:
-            return self._named_in_ros(items, keys, constant, must=must)
+            return self._named_in_ros(items, keys, constant, len(names), must=must)
         key_list = self._outer.source.many(keys).code
         function = self._body.use("bridge_values", "by_name")
         call = Call(function, (constant, key_list, items.name))
-        return _Items(self._body.local("items", call), f"{constant}", may_be_none=True)
+        counts = (len(names), len(names))
+        return _Items(self._body.local("items", call), constant, counts, may_be_none=True)
 
-    def _named_in_ros(self, items: _Items, keys: str, constant: str, *, must: bool) -> _Items:
+    def _named_in_ros(
+        self, items: _Items, keys: str, constant: str, count: int, *, must: bool
+    ) -> _Items:
         if must:
             error = self._body.use("bridge_statistics", "AbsentFieldError")
             with self._body.inside(f"if len({items.name}) < len({constant}):"):
@@ -135,15 +140,14 @@ class _ListStatements:
         target: Any = self._outer.target
         place = target.field(keys).place
         self._body.store(f"list({constant}[: len({local})])", place)
-        return _Items(local, local)
+        return _Items(local, local, (count if must else 0, count))
 
     def _counted(self, items: _Items) -> _Items:
         """The elements, when they are as many as the target carries."""
         wanted = self._target.counts
-        brought = self._many.counts
         if wanted is None:
             return items
-        if wanted[0] <= brought[0] and brought[1] <= wanted[1] and not items.may_be_none:
+        if wanted[0] <= items.counts[0] and items.counts[1] <= wanted[1]:
             return items
         policy = self._body.policy
         limit = self._body.limit_of("dropMessage" if policy == "dropField" else policy)
@@ -200,7 +204,7 @@ class _ListStatements:
             return False
         element = inner.target.fitted(".", result)
         variable = f"{counters.codes[INDEX]}, {item}" if INDEX in counters.used else item
-        code = self._iterated(items, counters)
+        code = self._iterated(items, counters, len(f"    for {variable} in "))
         if str(element) == item:
             self._body.store(Call("list", (code,)), self._target.place)
             return True
@@ -209,14 +213,19 @@ class _ListStatements:
         self._body.add(text)
         return True
 
-    def _iterated(self, items: _Items, counters: Counters) -> str:
+    def _iterated(self, items: _Items, counters: Counters, around: int) -> str:
+        """What is gone through, under a name when it is too long.
+
+        Args:
+            items: The elements.
+            counters: The counters, of which the index asks for more.
+            around: Characters around it in its line.
+        """
         code = str(items.code)
-        if INDEX in counters.used:
-            code = f"enumerate({code})"
-        if isinstance(items.code, Call) and len(code) + self._body.column > 70:
-            local = self._body.local("items", items.code)
-            return f"enumerate({local})" if INDEX in counters.used else local
-        return code
+        around += len("enumerate()") if INDEX in counters.used else 0
+        if isinstance(items.code, Call) and len(code) + self._body.column + around > LINE_WIDTH:
+            code = self._body.local("items", items.code)
+        return f"enumerate({code})" if INDEX in counters.used else code
 
     def _trial_body(self) -> Body:
         return self._body.deeper()
@@ -247,7 +256,8 @@ class _ListStatements:
             self._body.add(f"{place} = []")
         inner_body.add(f"{place}.append({element})")
         variable = f"{counters.codes[INDEX]}, {item}" if INDEX in counters.used else item
-        self._body.add(f"for {variable} in {self._iterated(items, counters)}:")
+        code = self._iterated(items, counters, len(f"for {variable} in :"))
+        self._body.add(f"for {variable} in {code}:")
         self._body.lines += inner_body.lines
         if place != self._target.place:
             self._body.store(place, self._target.place)
