@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
 from jausml.interfaces.definitions import SINGLE, TEXTS, FieldType
+from jausml.interfaces.values import parse_value
 
 _UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
 
@@ -39,7 +40,7 @@ class FieldLine:
         if self.default is None:
             return f"{self.type} {self.name}"
         if "=" in self.default:
-            raise GenerationError(f"default of '{self.name}': a definition cannot hold a =")
+            raise GenerationError(f"a definition cannot hold the = in the default of '{self.name}'")
         return f"{self.type} {self.name} {value_text(self.default, self.type, self.name)}"
 
 
@@ -158,14 +159,19 @@ def value_text(value: str, kind: FieldType, name: str) -> str:
     Raises:
         GenerationError: A definition cannot say it: a text with a # or a line end.
     """
-    if _UNSAYABLE.search(value):
-        message = f"value of '{name}': a definition cannot hold {value!a}: a # starts a comment"
-        raise GenerationError(message)
-    if kind.name not in TEXTS:
-        return value
-    if kind.array == SINGLE:
-        return _quoted(value)
-    return f"[{', '.join(_quoted(each) for each in json.loads(value))}]"
+    text = value
+    try:
+        if kind.name in TEXTS and kind.array == SINGLE:
+            text = _quoted(value)
+        elif kind.name in TEXTS:
+            text = f"[{', '.join(map(_quoted, json.loads(value)))}]"
+        read = parse_value(text, kind)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise GenerationError(f"value {value!a} of '{name}' is none of type {kind}") from error
+    if _UNSAYABLE.search(value) or (kind.name in TEXTS and read != value):
+        message = f"a definition cannot hold the value {value!a} of '{name}': # starts a comment,"
+        raise GenerationError(f"{message} and blanks at the ends of elements are lost")
+    return text
 
 
 def _quoted(text: str) -> str:

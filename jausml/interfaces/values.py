@@ -15,6 +15,7 @@ from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, TEXTS, FieldTy
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 _LONGEST_NUMBER = 400
+_JSON_NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _BITS = {"byte": (0, 255), "char": (0, 255)}
 
@@ -46,12 +47,11 @@ def parse_value(text: str, kind: FieldType) -> str:
         raise ValueTextError(f"has {len(elements)} elements, not {size}")
     if kind.array == BOUNDED and len(elements) > size:
         raise ValueTextError(f"has {len(elements)} elements, more than {size}")
+    # As rosidl has it, blanks at the ends of an element are lost even inside quotes.
+    values = [_element(each.strip(), kind) for each in elements]
     if kind.name in TEXTS:
-        # Their quotes are off already.
-        shown = [json.dumps(_bounded(each, kind), ensure_ascii=False) for each in elements]
-    else:
-        shown = [_shown(_element(each.strip(), kind)) for each in elements]
-    return f"[{', '.join(shown)}]"
+        return json.dumps(values, ensure_ascii=False)
+    return f"[{', '.join(map(_shown, values))}]"
 
 
 def integer_range(name: str) -> tuple[int, int]:
@@ -85,7 +85,7 @@ def _real(text: str) -> str:
         raise ValueTextError("is not a number")
     if not math.isfinite(float(text)):
         raise ValueTextError("is larger than any number of its type")
-    return text
+    return text if _JSON_NUMBER.fullmatch(text) else repr(float(text))
 
 
 def _integer(text: str, name: str) -> int:

@@ -294,11 +294,29 @@ def test_names_of_constants():
         FieldLine("x", FieldType("string"), "", "a # b"),
         FieldLine("x", FieldType("string"), "", "a = b"),
         FieldLine("x", FieldType("string"), "", "a\nb"),
+        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", '[" a"]'),
         ConstantLine("X", "string", "a # b"),
     ],
 )
 def test_what_no_definition_can_say_is_an_error(line):
     with pytest.raises(GenerationError, match="cannot hold"):
+        assert line.code
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        FieldLine("x", FieldType("float64"), "", "much"),
+        FieldLine("x", FieldType("uint8"), "", "256"),
+        FieldLine("x", FieldType("string", string_bound=2), "", "abc"),
+        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "no list"),
+        FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "[1]"),
+        FieldLine("x", FieldType("bool", "", 0, "fixedArray", 2), "", "[true]"),
+        ConstantLine("X", "int8", ""),
+    ],
+)
+def test_a_value_of_another_type_is_an_error(line):
+    with pytest.raises(GenerationError, match="is none of type"):
         assert line.code
 
 

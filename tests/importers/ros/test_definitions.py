@@ -25,6 +25,8 @@ def fault(text, kind="msg"):
         ("float64 x", FieldType("float64"), None),
         ("float64 x 1", FieldType("float64"), "1"),
         ("float64 x -1.5e-3  # real", FieldType("float64"), "-1.5e-3"),
+        ("float64 x +.5", FieldType("float64"), "0.5"),
+        ("float32[2] x [1., 007]", FieldType("float32", "", 0, "fixedArray", 2), "[1.0, 7.0]"),
         ("bool x True", FieldType("bool"), "true"),
         ("bool x 0", FieldType("bool"), "false"),
         ("uint8 x 0x1F", FieldType("uint8"), "31"),
@@ -44,6 +46,11 @@ def fault(text, kind="msg"):
             "string[<=3] x [\"a, b\", 'c', d]",
             FieldType("string", "", 0, "boundedSequence", 3),
             '["a, b", "c", "d"]',
+        ),
+        (
+            "string[] x [\" a \", ' b, ', '\"c\"']",
+            FieldType("string", "", 0, "unboundedSequence"),
+            '["a", "b,", "c"]',
         ),
         ("Point x", FieldType("Point"), None),
         (
