@@ -5,17 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.model.writer import is_written
+from jausml.model.writer import UnwritableError, is_written
 from jausml.text import layout
 from jausml.text.blocks import BlockBuilder
+from jausml.text.comments import lists_of
+from jausml.text.parsing import DEEPEST, LONGEST
 from jausml.text.references import ReferenceNames
 from jausml.text.spacing import space_document
 from jausml.text.stems import system_name
-from jausml.text.tree import BlockItem, Document, Element, Import
+from jausml.text.tree import BlockItem, Document, Element, Import, Item
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.model.model import Model
 
@@ -38,9 +40,15 @@ def to_text(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
 
     Raises:
         UnwritableError: A reference leads to an element that neither the roots nor a document of
-            the model own.
+            the model own, or the text would be longer or deeper than texts may be.
     """
-    return layout.render(to_tree(roots, model, path))
+    document = to_tree(roots, model, path)
+    if _depth(document.items) > DEEPEST:
+        raise UnwritableError(f"its elements are nested more than {DEEPEST} deep")
+    text = layout.render(document)
+    if len(text) > LONGEST:
+        raise UnwritableError(f"the text would have more than {LONGEST:,} characters")
+    return text
 
 
 def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> Document:
@@ -52,7 +60,7 @@ def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
         path: The file that the text is meant for.
 
     Raises:
-        UnwritableError: As `to_text` says.
+        UnwritableError: A reference leads nowhere, as `to_text` says.
     """
     names = ReferenceNames(roots, model, Path(path))
     builder = BlockBuilder(model.metamodels, names)
@@ -80,3 +88,9 @@ def _parts(root: Any, builder: BlockBuilder, model: Model, path: Path) -> list[B
         return []
     parts = builder.children(root, names)
     return parts if all(isinstance(each, Element) for each in parts) else []
+
+
+def _depth(items: Iterable[Item]) -> int:
+    """Returns how deep the brackets of items are nested, of arrows as if all had some."""
+    inner = (_depth(each) for item in items for each, _ in lists_of(item))
+    return max((1 + each for each in inner), default=0)
