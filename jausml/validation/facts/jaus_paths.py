@@ -112,6 +112,8 @@ class JausPlace:
         return place.indexed(indices) if place is not None else None
 
     def _inside(self, field: Any, where: str) -> JausPlace | None:
+        if field is None:
+            return None
         kind = class_name(field)
         found = field if kind in ("SubField", "Alternative") else resolve(field)
         if found is None:

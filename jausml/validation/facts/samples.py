@@ -54,7 +54,7 @@ def _converted(placed: Placed, position: int, conversion: Any, value: float) -> 
             return _ALONE[name](value)
         if name in _WITH_ARGUMENTS:
             return _WITH_ARGUMENTS[name](value, arguments)
-    except (ValueError, ZeroDivisionError, OverflowError, IndexError) as error:
+    except (ValueError, TypeError, ZeroDivisionError, OverflowError, IndexError) as error:
         raise NoValueError(name) from error
     raise NoValueError(name)
 
