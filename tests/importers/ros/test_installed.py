@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 
 import pytest
 
 from jausml.importers.ros import import_packages, installed_source
-from jausml.interfaces import Installation
+from jausml.interfaces import Installation, parse_definition
+from jausml.interfaces.installed import definition_files
 
 PACKAGES = [each for each in Installation().packages() if each != "rmw_dds_common"]
 """All but one whose Python classes are not installed."""
@@ -85,3 +87,29 @@ def slot_type(field):
 
 def value_of(text, kind):
     return text if "string" in kind else json.loads(text)
+
+
+def test_comments_and_units_are_those_that_rosidl_finds():
+    parser = pytest.importorskip("rosidl_adapter.parser")
+    installation = Installation()
+    paths = [each for name in PACKAGES for each in definition_files(installation.folder(name))]
+    compared = 0
+    for path in (each for each in paths if each.suffix == ".msg"):
+        text = path.read_text(encoding="utf-8")
+        (ours,) = parse_definition(text, "msg").sections
+        theirs = parser.parse_message_string("any_msgs", "M", text)
+        pairs = [(ours, theirs), *zip(ours.constants, theirs.constants, strict=True)]
+        for mine, field in zip(ours.fields, theirs.fields, strict=True):
+            pairs.append((mine, field))
+            assert mine.units == field.annotations.get("unit", "")
+        for mine, other in pairs:
+            compared += 1
+            comment = "\n".join(other.annotations.get("comment", []))
+            assert plain(mine.comment) == plain(comment), path
+    assert compared > 500
+
+
+def plain(comment):
+    """Returns the lines of a comment without units, which rosidl takes out, and blank ones."""
+    lines = re.sub(r"\s*\[[^\]]*\]", "", comment).splitlines()
+    return [line.strip() for line in lines if line.strip()]
