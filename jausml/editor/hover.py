@@ -99,7 +99,7 @@ def _message(bench: Workbench, path: Path, context: Context, token: Token) -> st
 
 def _feature(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
     feature = features_of(context.item, context.table).get(_name(token))
-    if feature is None or context.part is not Part.ITEM:
+    if feature is None or context.part not in (Part.ITEM, Part.SOURCE):
         return ""
     kind = feature.type_name.rpartition(".")[2]
     return _joined([f"**{feature.name}**: {kind}", documentation(feature.feature)])

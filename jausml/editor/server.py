@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -61,7 +63,9 @@ _At = TypeVar(
 
 def serve() -> None:
     """Serves one editor on stdin and stdout, until it says good-bye or leaves."""
-    make_server().start_io()
+    # pygls closes what it writes to, and the command line still needs its own.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as output:
+        make_server().start_io(sys.stdin.buffer, output)
 
 
 def make_server() -> LanguageServer:

@@ -2,7 +2,8 @@
 
 The parser is lark's LALR parser, fed token by token. At an error it drops the item that is wrong
 and goes on with what comes behind it in the same list: the next item that begins a line, or the
-bracket that ends the list. Brackets that are missing are added, those too many are left out.
+bracket that ends the list. Brackets that are missing are added, those too many are left out; a
+clause of a map that begins a line tells that the list before it lacks its bracket.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
 
 _CLOSERS = {"LBRACE": "RBRACE", "LPAR": "RPAR", "LSQB": "END_BRACKET"}
+_CLAUSES = ("JAUS", "ROS", "TABLE", "VECTOR")
 _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BRACKET": "LSQB"}
 
 
@@ -137,8 +139,10 @@ class _Run:
         skipped = 0
         while position < len(self._tokens):
             token = self._tokens[position]
-            if token.type in _CLOSERS:
+            if token.type in _CLOSERS and not self._begins_arguments(position):
                 skipped += 1
+            elif token.type in _CLOSERS:
+                dropped += 1
             elif token.type in _OPENERS and skipped:
                 skipped -= 1
             elif token.type in _OPENERS and dropped:
@@ -146,10 +150,22 @@ class _Run:
             elif token.type in _OPENERS:
                 if self._is_closing(token):
                     break
-            elif not skipped and self._begins_line(position) and self._accepts(token.type):
+            elif not skipped and self._begins_line(position) and self._begins_item(token):
                 break
             position += 1
         return position
+
+    def _begins_arguments(self, position: int) -> bool:
+        """Tells whether a bracket is that of a conversion, which ends with its line."""
+        types = [each.type for each in self._tokens[max(position - 2, 0) : position + 1]]
+        return types in (["COLON", "WORD", "LPAR"], ["COMMA", "WORD", "LPAR"])
+
+    def _begins_item(self, token: Token) -> bool:
+        """Tells whether a token begins the next item, perhaps in a list further out."""
+        if token.type in _CLAUSES:
+            while not self._accepts(token.type) and self._open_brackets()[0].type != "LBRACE":
+                self._close()
+        return self._accepts(token.type)
 
     def _begins_line(self, position: int) -> bool:
         return position == 0 or self._tokens[position - 1].line != self._tokens[position].line
@@ -157,6 +173,9 @@ class _Run:
     def _is_closing(self, token: Token) -> bool:
         """Tells whether a closing bracket can come, after those within it have been closed."""
         opener = _OPENERS[token.type]
+        if self._is_misspelt(token):
+            self._close()
+            return False
         if opener not in (bracket.type for bracket in self._open_brackets()):
             return False
         while self._open_brackets()[0].type != opener:
@@ -165,6 +184,15 @@ class _Run:
             return True
         self._drop_bracket()
         return False
+
+    def _is_misspelt(self, token: Token) -> bool:
+        """Tells whether a bracket of the wrong kind stands exactly below the line it closes."""
+        brackets = self._open_brackets()
+        if not brackets or brackets[0].type == _OPENERS[token.type]:
+            return False
+        lines = (token.line, brackets[0].line)
+        first = [next(each for each in self._tokens if each.line == line) for line in lines]
+        return first[0] is token and first[0].column == first[1].column
 
     # The stacks of the parser
 

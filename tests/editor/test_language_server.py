@@ -24,6 +24,7 @@ velocity {
     )
 }
 """
+OPTIONS = {"tabSize": 4, "insertSpaces": True}
 MAPS = """\
 shared {
     JAUS ReportVelocityState
@@ -134,7 +135,7 @@ def test_symbols(opened, uri):
 def test_formatting_of_a_text_with_characters_of_two_units(opened, uri):
     loose = TEXT.replace(" -> child", "->child")
     change(opened, uri, 2, loose)
-    (edit,) = opened.ask("textDocument/formatting", textDocument={"uri": uri}, options={})
+    (edit,) = laid_out(opened, uri)
     assert edit["newText"] == TEXT
     assert edit["range"]["end"] == {"line": TEXT.count("\n"), "character": 0}
 
@@ -149,7 +150,7 @@ def test_a_broken_text_has_located_problems_and_still_completes(opened, uri):
     assert first["message"].startswith("expected a path behind '->', found \"🚜\"")
     answer = ask(opened, uri, "completion", "twist.\n", len("twist."), text=broken)
     assert [each["label"] for each in answer["items"]] == ["twist.twist", "twist.covariance"]
-    assert opened.ask("textDocument/formatting", textDocument={"uri": uri}, options={}) is None
+    assert laid_out(opened, uri) is None
 
 
 def test_problems_of_the_model_in_an_unsaved_text(opened, uri):
@@ -190,3 +191,8 @@ def change(client, uri, version, text):
         textDocument={"uri": uri, "version": version},
         contentChanges=[{"text": text}],
     )
+
+
+def laid_out(client, uri):
+    document = {"uri": uri}
+    return client.ask("textDocument/formatting", textDocument=document, options=OPTIONS)

@@ -1,0 +1,256 @@
+"""What the editor is answered, as functions of a text and a place."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.editor.completion import UNITS, complete
+from jausml.editor.definition import define
+from jausml.editor.hover import hover
+from jausml.editor.outline import outline
+from jausml.editor.positions import Columns, Place
+from jausml.editor.renaming import RenameError, rename
+from jausml.model.units import parse_unit
+from jausml.text.parsing import parse
+
+MAP = """\
+velocity {{
+    JAUS ReportVelocityState
+    ROS nav_msgs/Odometry
+    table gear ( A <-> 1 )
+    quantity top {{ value: 5 }}
+    join imu {{ type: sensor_msgs/Imu }}
+    {way} (
+        {}
+    )
+}}
+other {{ table `other gear` ( A <-> 1 ) }}
+"""
+
+
+def to_ros(line):
+    return MAP.format(line, way="JAUS->ROS")
+
+
+def to_jaus(line):
+    return MAP.format(line, way="ROS->JAUS")
+
+
+@pytest.fixture
+def offered(bench, at):
+    """Returns the labels that are offered at a mark."""
+
+    def labels(text):
+        path, place = at(text)
+        return [each.label for each in complete(bench, path, place).completions]
+
+    return labels
+
+
+@pytest.mark.parametrize(
+    ("text", "some"),
+    [
+        ("¦", {"import", "bridge", "component", "map_library"}),
+        ("import ¦", {"mappings.global_pose_sensor", "ros.geometry_msgs"}),
+        ("bridge b { ¦ }", {"connection", "quantity", "frequency"}),
+        ("m { JAUS ¦ }", {"ReportVelocityState", "QueryGlobalPose"}),
+        ("m { JAUS ReportVel¦", {"ReportVelocityState"}),
+        ("m { ROS geometry_msgs/T¦ }", {"geometry_msgs/Twist"}),
+        ("m { JAUS ReportVelocityState ( ¦ ) }", {"Velocity_X", "TimeStamp"}),
+        (to_ros("¦"), {"Velocity_X", "clock", "ignore"}),
+        (to_ros("X -> y\n¦"), {"Velocity_X"}),
+        (to_ros("a, Vel¦"), {"Velocity_X"}),
+        (to_ros("Velocity_X -> ¦"), {"twist", "header"}),
+        (to_ros("Velocity_X -> tw¦\nYaw -> x"), {"twist"}),
+        (to_ros("Velocity_X -> a, twist.twist.¦"), {"twist.twist.linear"}),
+        (to_ros("ignore ¦"), {"twist", "pose"}),
+        (to_ros("X -> y : ¦"), {"negate", "look_up", "with_units"}),
+        (to_ros("X -> y : negate, sc¦"), {"scale"}),
+        (to_ros("X -> y : look_up(¦)"), {"gear"}),
+        (to_ros("X -> y : value_to_percent(¦"), {"top"}),
+        (to_ros("X -> y : with_units(¦)"), {"m/s"}),
+        (to_ros('X -> y : with_units("¦")'), {"rad/s"}),
+        (to_ros("X -> y { whenAbsent: ¦ }"), {"dropMessage", "leave"}),
+        (to_ros("X -> y { ¦ }"), {"whenAbsent", "precision"}),
+        (to_jaus("¦"), {"twist", "imu"}),
+        (to_jaus("imu.¦"), {"imu.orientation"}),
+        (to_jaus("x -> ¦"), {"Velocity_X"}),
+        ("bridge b { connection c { map: ¦ } } velocity { JAUS X }", {"velocity"}),
+        ("node n { publisher p { qos: { reliability: ¦ } } }", {"reliable", "best_effort"}),
+        ("quantity q { units: ¦ }", {"m/s"}),
+    ],
+)
+def test_completion(offered, text, some):
+    assert some <= set(offered(text))
+
+
+def test_completion_keeps_to_its_side_and_its_map(offered):
+    assert "twist" not in offered(to_ros("¦"))
+    assert "Velocity_X" not in offered(to_ros("X -> ¦"))
+    assert offered(to_ros("X -> y : look_up(¦)")) == ["gear"]
+
+
+def test_completion_in_the_elements_of_lists(offered):
+    text = """m { JAUS ReportPath ROS nav_msgs/Path
+        ROS->JAUS ( poses -> x { ¦ } ) }"""
+    assert {"header", "pose"} <= set(offered(text))
+
+
+def test_a_completion_replaces_the_whole_word(bench, at):
+    path, place = at(to_ros("Velocity_X -> twist.tw¦ist.linear.x"))
+    offer = complete(bench, path, place)
+    assert (offer.start.column, offer.end.column) == (23, 43)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_offered_units_are_units(unit):
+    parse_unit(unit)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (to_ros("Velo¦city_X -> a"), ["unit meter per second", "-327.68 to 327.67", "forward"]),
+        (to_ros("a -> twist.twist.linear.x¦"), ["unit m/s", "forwardLeftUp"]),
+        (to_ros("a -> b : sc¦ale(2)"), ["scale(factor): number -> number", "factor"]),
+        (to_ros("a -> b : look_up(ge¦ar)"), ["value_table **gear**"]),
+        (to_ros("a -> b { when¦Absent: leave }"), ["**whenAbsent**: AbsentPolicy"]),
+        (to_ros("a -> b { whenAbsent: le¦ave }"), ["**leave**"]),
+        (to_jaus("imu.orient¦ation -> a"), ["geometry_msgs/Quaternion"]),
+        ("m { JAUS ReportVelocity¦State }", ["VelocityStateSensor.ReportVelocityState", "0x"]),
+        ("m { ROS geometry_msgs/Tw¦ist }", ["geometry_msgs.Twist"]),
+        ("bri¦dge b { }", ["**bridge**"]),
+        ("bridge b { freq¦uency: 5 }", ["**frequency**"]),
+        ("/** Says it. */ velo¦city { JAUS X }", ["attribute_map **velocity**", "Says it."]),
+    ],
+)
+def test_hover(bench, at, text, words):
+    path, place = at(text)
+    found = hover(bench, path, place)
+    assert found is not None
+    for word in words:
+        assert word in found.text
+
+
+@pytest.mark.parametrize("text", ["¦", "m { ¦ }", to_ros("Nothing¦ -> a"), "§¦"])
+def test_hover_over_nothing(bench, at, text):
+    assert hover(bench, *at(text)) is None
+
+
+def test_definition_within_a_text(bench, at):
+    path, place = at(to_ros("a -> b : look_up(ge¦ar)"))
+    found = define(bench, path, place)
+    assert (found.path, found.span.line, found.span.column) == (path, 4, 11)
+
+
+def test_definition_of_an_imported_map(bench, at, tmp_path):
+    (tmp_path / "maps.ros2jaus").write_text("\n  shared { JAUS X }")
+    text = 'import "maps.ros2jaus" bridge b { connection c { map: sha¦red } }'
+    found = define(bench, *at(text))
+    assert (found.path.name, found.span.line, found.span.column) == ("maps.ros2jaus", 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "file", "tag"),
+    [
+        ("m { JAUS ReportVelocity¦State }", "mobility.xmi", 'name="ReportVelocityState"'),
+        (to_ros("Velocity_¦X -> a"), "mobility.xmi", 'name="Velocity_X"'),
+        (to_ros("a -> twist.twist.linear¦"), "geometry_msgs.xmi", 'name="linear"'),
+    ],
+)
+def test_definition_in_the_library(bench, at, text, file, tag):
+    found = define(bench, *at(text))
+    assert found.path.name == file
+    assert tag in found.path.read_text().splitlines()[found.span.line - 1]
+
+
+def renamed(bench, text_at, name):
+    """Returns the texts after a renaming, by the names of their files."""
+    path, place = text_at
+    edits = rename(bench, path, place, name)
+    texts = {}
+    for file in {each.path for each in edits}:
+        lines = bench.text(file).split("\n")
+        own = (each for each in edits if each.path == file)
+        for each in sorted(own, key=lambda e: (e.span.line, -e.span.column), reverse=False):
+            line, span = lines[each.span.line - 1], each.span
+            lines[span.line - 1] = line[: span.column - 1] + each.text + line[span.end_column - 1 :]
+        texts[file.name] = "\n".join(lines)
+    return texts
+
+
+@pytest.mark.parametrize("mark", ["table ge¦ar", "look_up(ge¦ar)"])
+def test_rename_a_table_from_anywhere(bench, at, mark):
+    text = to_ros("a -> b : look_up(gear)") + "third { table gear ( ) }"
+    new = renamed(bench, at(text.replace(mark.replace("¦", ""), mark, 1)), "the gear")
+    expected = text.replace("table gear ( A", "table `the gear` ( A", 1)
+    assert new["robot.ros2jaus"] == expected.replace("look_up(gear)", "look_up(`the gear`)")
+
+
+def test_rename_a_join_in_paths(bench, at):
+    text = to_jaus("imu.orientation -> a imu.x, twist -> b")
+    new = renamed(bench, at(text.replace("join imu", "join im¦u")), "unit")["robot.ros2jaus"]
+    assert new == text.replace("imu", "unit")
+
+
+def test_rename_reaches_other_texts_and_steps_of_names(bench, at, tmp_path):
+    using = tmp_path / "using.ros2jaus"
+    using.write_text("nothing")
+    bench.texts[using] = 'import "robot.ros2jaus"\nbridge b { connection c { map: velocity } }'
+    new = renamed(bench, at(to_ros("a -> b").replace("velocity", "velo¦city", 1)), "speed")
+    assert new["using.ros2jaus"].endswith("map: speed } }")
+    assert new["robot.ros2jaus"].startswith("speed {")
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "reason"),
+    [
+        ("m { JAUS Report¦VelocityState }", "x", "only what a text declares"),
+        ("node a¦ { } node b { }", "b", "line 1 declares another"),
+        ("node a¦ { }", " ", "printable"),
+    ],
+)
+def test_renames_that_cannot_be(bench, at, text, name, reason):
+    with pytest.raises(RenameError, match=reason):
+        rename(bench, *at(text), name)
+
+
+def test_outline():
+    (velocity, other) = outline(to_ros("a -> b"))
+    assert (velocity.name, velocity.kind) == ("velocity", "attribute_map")
+    inner = [(each.name, each.kind) for each in velocity.children]
+    assert inner == [("gear", "value_table"), ("top", "quantity"), ("imu", "join")]
+    assert [each.name for each in other.children] == ["other gear"]
+
+
+def test_positions_in_units_of_the_editor():
+    columns = Columns("ä🚜b\nx", "utf-16")
+    assert [columns.place(0, units).column for units in (0, 1, 3, 4, 9)] == [1, 2, 3, 4, 4]
+    assert columns.units(1, 4) == (0, 4)
+    assert Columns("ä🚜b", "utf-8").units(1, 4) == (0, 7)
+    assert Columns("ä🚜b", "utf-32").units(1, 4) == (0, 3)
+    assert columns.end() == (1, 1)
+    assert columns.place(7, 7) == Place(8, 1)
+
+
+@given(st.text(st.characters(exclude_categories=["Cs"]), max_size=20), st.integers(1, 25))
+def test_positions_lead_back(text, column):
+    line = text.split("\n")[0].rstrip("\r")
+    column = min(column, len(line) + 1)
+    for encoding in ("utf-8", "utf-16", "utf-32"):
+        columns = Columns(text, encoding)
+        assert columns.place(*columns.units(1, column)) == Place(1, column)
+
+
+def test_answers_anywhere_in_a_text_whole_or_broken(bench, at):
+    text = to_ros("Velocity_X -> twist.twist.linear.x : negate { whenAbsent: leave }")
+    for position in range(0, len(text), 7):
+        for broken in (text[:position] + "¦" + text[position:], text[:position] + "¦"):
+            path, place = at(broken)
+            complete(bench, path, place)
+            hover(bench, path, place)
+            define(bench, path, place)
+            outline(bench.text(path))
+    assert parse(text).faults == []

@@ -1,0 +1,304 @@
+"""The parser of ros2jaus text: all faults in one run, located, and never an exception."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jausml.text.expectations import KEYWORDS
+from jausml.text.parsing import DEEPEST, LONGEST, MOST_FAULTS, parse
+from jausml.text.tree import (
+    Assignment,
+    Clock,
+    Direction,
+    Element,
+    End,
+    Feature,
+    Href,
+    Member,
+    Name,
+    Number,
+    Span,
+    Text,
+)
+
+# Figure 5 of the paper, as it stands.
+FIGURE_5 = """\
+struct [
+  type name
+]
+array_type [s] name
+
+MessageName {
+  JAUS jausname ( type membername  type secondmembername )
+  ROS rosname ( type membername2  type secondmembername2 )
+  JAUS->ROS ( membername -> membername2  secondmembername -> secondmembername2 )
+  ROS->JAUS ( membername2 -> membername  secondmembername2 -> secondmembername )
+}
+"""
+
+
+def faults(text):
+    found = parse(text).faults
+    return [f"{each.span.line}:{each.span.column}: {each.message}" for each in found]
+
+
+def names(items):
+    return [each.text for each in items]
+
+
+def test_figure_5_of_the_paper():
+    parsed = parse(FIGURE_5)
+    assert parsed.faults == []
+    struct, array, message = parsed.document.items
+    assert (struct.name, array.size, array.name.text) == (None, "s", "name")
+    assert message.name.text == "MessageName"
+    jaus, ros, to_ros, to_jaus = message.items
+    assert (jaus.is_jaus, jaus.type.text) == (True, "jausname")
+    assert [each.name.text for each in ros.members] == ["membername2", "secondmembername2"]
+    assert to_ros.to_ros
+    assert not to_jaus.to_ros
+    assert [(names(each.sources), names(each.targets)) for each in to_jaus.assignments] == [
+        (["membername2"], ["membername"]),
+        (["secondmembername2"], ["secondmembername"]),
+    ]
+
+
+def test_values_of_all_kinds():
+    text = 'a: x.y, 0x1F, "\\u00e4\\ud83d\\ude9c\\n", @"f.xmi#//", 100.1.1, { b: 1 }, new c d {}'
+    (feature,) = parse(text).document.items
+    *plain, block, new = feature.values
+    kinds = [(type(each), each.text) for each in plain]
+    assert kinds == [
+        (Name, "x.y"),
+        (Number, "0x1F"),
+        (Text, "ä🚜\n"),
+        (Href, "f.xmi#//"),
+        (Number, "100.1.1"),
+    ]
+    assert (block.keyword, block.name) == (None, None)
+    assert (new.keyword.text, new.name.text) == ("c", "d")
+
+
+def test_an_assignment_with_everything():
+    text = """m { JAUS->ROS (
+        Roll, `odd name`[2].x -> a, b[3] : scale(0.1, max, "t"), negate { whenAbsent: leave }
+        clock -> header.stamp
+        "odom" -> header.frame_id
+        list -> poses { X -> . ignore y }
+    ) }"""
+    (element,) = parse(text).document.items
+    first, second, third, nested = element.items[0].assignments
+    assert names(first.sources) == ["Roll", "odd name[2].x"]
+    assert names(first.targets) == ["a", "b[3]"]
+    assert [each.name.text for each in first.conversions] == ["scale", "negate"]
+    assert [type(each) for each in first.conversions[0].arguments] == [Number, Name, Text]
+    assert isinstance(first.items[0], Feature)
+    assert isinstance(second.sources[0], Clock)
+    assert third.sources[0].text == "odom"
+    assert isinstance(nested.items[0], Assignment)
+
+
+def test_members_of_all_shapes():
+    text = """m { JAUS W ( uint16 length uint8 [4] codes uint8[4] more string<=20 note
+        struct [ float32 x ] pose  float64 [] all  int8 [<=3] few { optional: true } )
+        { code: 1 } }"""
+    (element,) = parse(text).document.items
+    (end,) = element.items
+    assert isinstance(end, End)
+    shapes = [(each.size, each.name.text) for each in end.members]
+    assert shapes == [
+        ("", "length"),
+        ("4", "codes"),
+        ("4", "more"),
+        ("", "note"),
+        ("", "pose"),
+        ("*", "all"),
+        ("<=3", "few"),
+    ]
+    assert end.members[3].type.text == "string<=20"
+    assert isinstance(end.members[4].type, list)
+    assert [each.name.text for each in end.features] == ["code"]
+
+
+def test_a_struct_is_named_on_the_line_of_its_bracket():
+    named, other = parse("struct [ int8 x ] pose\ngear [2] x").document.items
+    assert (named.name.text, other.name.text) == ("pose", "x")
+    bare, element = parse("struct [ int8 x ]\npose { }").document.items
+    assert isinstance(bare, Member)
+    assert bare.name is None
+    assert isinstance(element, Element)
+
+
+def test_keywords_are_features_before_a_colon():
+    (element,) = parse("c { table: gear clock: 1 }").document.items
+    assert [each.name.text for each in element.items] == ["table", "clock"]
+
+
+def test_comments_stay_at_their_items():
+    text = """// one
+
+/** Says
+  * it. */
+bridge a { // two
+    x: 1 /* three */
+    // four
+
+    // five
+    y /* six */: 2
+    /* seven */
+}
+// eight
+"""
+    document = parse(text).document
+    (element,) = document.items
+    assert element.comments == ["// one", ""]
+    assert element.documentation == "Says it."
+    x, y = element.items
+    assert (x.comments, x.trailing) == (["// two"], "/* three */")
+    assert y.comments == ["// four", "", "// five", "/* six */"]
+    assert element.closing == ["/* seven */"]
+    assert document.closing == ["// eight"]
+
+
+def test_spans():
+    (element,) = parse("\n  bridge `a b` {\n}").document.items
+    assert element.span == Span(2, 3, 3, 2)
+    assert element.name.span == Span(2, 10, 2, 15)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault", "hint"),
+    [
+        ("m { JAUS->ROS ( speed } }", "expected '->' or ',' behind 'speed', found '}'", ""),
+        ("bridge b { rate 25 }", "expected ':', '{', '[' or a name behind 'rate', found '25'", ""),
+        ("x { rate = 25 }", "expected ", "a feature is written 'rate: ...'"),
+        ("m { JAUS->ROS ( a = b ) }", "expected ", "an assignment is written 'source -> target'"),
+        ("m { JAUS->ROS ( a -> b, c -> d ) }", "expected ", "no comma stands between assignments"),
+        ("x { a: table }", "expected a value", "as a name it stands in back quotes: `table`"),
+        ("m { JASU X ( int8 x ) }", "expected ", "did you mean 'JAUS'?"),
+        ("m {", "expected an item or '}'", "the '{' of line 1 is not closed"),
+        ("}", "expected an item, found '}'", ""),
+        ('a: "b', "the text is not closed on its line", "a line break is written \\n"),
+        ("/* a", "the comment is not closed", "it ends with '*/'"),
+        ("a: `b", "the name in back quotes is not closed on its line", ""),
+        ("a: 3d", "'3d' is no number", "a name that begins with a digit stands in back quotes"),
+        ("a: my-robot", "nothing is written with '-' here", "back quotes"),
+        ("m { JAUS->ROS ( a → b ) }", "nothing is written with '→' here", "write '->'"),
+        ("# no", "nothing is written with '#' here", "comments begin with '//'"),
+        ('a: "\\x"', "'\\x' is no escape", "\\uXXXX"),
+        ('a: "\\ud800"', "'\\ud800' is no escape", ""),
+        ("\0", "nothing is written with 'U+0000' here", ""),
+    ],
+)
+def test_faults_say_what_was_expected(text, fault, hint):
+    first = parse(text).faults[0]
+    assert first.message.startswith(fault)
+    assert hint in first.hint
+
+
+def test_all_faults_of_a_text_in_one_run_and_all_the_rest_is_understood():
+    text = """\
+component front
+bridge b {
+    rate 25
+    frequency: 10
+    connection c { map: velocity  topic t { } }
+}
+velocity {
+    JAUS ReportVelocityState (
+    ROS nav_msgs/Odometry
+    JAUS->ROS (
+        Velocity_X -> twist.twist.linear.x : scale(0.5
+        Velocity_Y -> : negate
+        Velocity_Z -> twist.twist.linear.z
+    }
+    vector v JAUS->ROS ( Yaw = 0 )
+    table gear ( A <-> 0 )
+}
+node last { }
+"""
+    assert [each.partition(": ")[0] for each in faults(text)] == [
+        "2:1",  # a block is missing
+        "3:10",  # a colon
+        "9:5",  # a bracket
+        "12:9",  # a bracket
+        "12:23",  # a target
+        "14:5",  # a bracket of another kind
+        "15:34",  # what is to be expected
+    ]
+    items = parse(text).document.items
+    assert [each.name.text for each in items] == ["b", "velocity", "last"]
+    assert [type(each).__name__ for each in items[1].items] == ["End", "End", "Direction", "Table"]
+
+
+def test_a_fault_leaves_its_neighbours_alone():
+    text = "m { JAUS->ROS (\n a -> b\n c ->\n d -> e : scale(1\n f -> g\n) a: 1\n}\nn { }"
+    document = parse(text).document
+    element, last = document.items
+    direction, feature = element.items
+    assert isinstance(direction, Direction)
+    assert (
+        direction.assignments[0].sources[0].text,
+        direction.assignments[-1].sources[0].text,
+    ) == ("a", "f")
+    assert feature.name.text == "a"
+    assert last.name.text == "n"
+
+
+def test_missing_brackets_are_added_and_surplus_ones_left_out():
+    assert faults("m { JAUS->ROS ( a -> b }\nn { ) }") == [
+        "1:24: expected an assignment or ')' behind 'b', found '}'",
+        "2:5: expected an item or '}' behind '{', found ')'",
+    ]
+    items = parse("m { JAUS->ROS ( a -> b }\nn { ) }").document.items
+    assert [each.name.text for each in items] == ["m", "n"]
+    assert len(items[0].items[0].assignments) == 1
+
+
+def test_a_broken_item_at_the_end_of_a_whole_one_keeps_that():
+    (element,) = parse("m { } )").document.items
+    assert element.name.text == "m"
+
+
+def test_nesting_is_bounded():
+    deep = "m { " * (DEEPEST + 1)
+    assert "nested more than" in faults(deep)[-1]
+    assert faults("m { " * DEEPEST + "}" * DEEPEST) == []
+    # The tree of what is too deep can still be walked.
+    assert parse("x { a: { " * 5000).document.items
+
+
+def test_faults_and_length_are_bounded():
+    assert len(faults("x\n:\n" * 500)) == MOST_FAULTS + 1
+    assert faults(" " * (LONGEST + 1)) == [f"1:1: the text is longer than {LONGEST:,} characters"]
+
+
+def test_marks_and_line_ends_of_other_systems():
+    assert parse("\ufeffnode a {\r\n}\r\n").faults == []
+    assert faults("\ufeffnode a\r\n\r\nb").count("3:1") == 0
+
+
+@settings(max_examples=60)
+@given(
+    st.text(max_size=60)
+    | st.lists(
+        st.sampled_from([*"{}()[]:,;a1\n", "->", "<->", "=>", *KEYWORDS, '"t"', "/*"]),
+        max_size=30,
+    ).map(" ".join)
+)
+def test_it_never_raises_and_places_each_fault_in_the_text(text):
+    parsed = parse(text)
+    lines = text.removeprefix("\ufeff").split("\n")
+    for fault in parsed.faults:
+        assert fault.message
+        assert 1 <= fault.span.line <= len(lines)
+        assert 1 <= fault.span.column <= len(lines[fault.span.line - 1]) + 1
+
+
+@settings(max_examples=60)
+@given(st.integers(0, len(FIGURE_5) - 1), st.sampled_from(["", "{", ")", "->", "x", '"']))
+def test_a_text_broken_anywhere_still_yields_a_tree(position, put):
+    broken = FIGURE_5[:position] + put + FIGURE_5[position + 1 :]
+    assert parse(broken).document is not None
