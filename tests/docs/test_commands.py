@@ -61,6 +61,17 @@ def test_readme_names_exactly_the_two_commands() -> None:
     assert re.findall(r"^    (\S.*)$", text, re.MULTILINE) == ["make demo", "make test"]
 
 
+def test_readme_shows_a_system_that_generates(tmp_path: Path) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^```ros2jaus\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    (tmp_path / "front.ros2jaus").write_text(shown, encoding="utf-8")
+    command = [sys.executable, "-m", "jausml", "generate", "front.ros2jaus", "-o", "src"]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert result.returncode == 0, result.stderr
+    base = (tmp_path / "src" / "front" / "front" / "front_base.py").read_text(encoding="utf-8")
+    assert "target.twist.twist.linear.y = negate(source.velocity_y)" in base
+
+
 def test_reference_is_what_the_tool_says() -> None:
     command = [sys.executable, str(ROOT / "tools" / "build_reference.py"), "--check"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=60)
