@@ -99,7 +99,8 @@ def store(place: str, code: str | Call, column: int = MARGIN) -> str:
     """
     text = statement(code, f"{place} = ", column)
     prefix, _, last = place.rpartition(".")
-    if prefix and column + max(map(len, text.split("\n"))) > LINE_WIDTH - _ROOM:
+    lines = [f"{place} = {code}"] if isinstance(code, str) else text.split("\n")
+    if prefix and column + max(map(len, lines)) > LINE_WIDTH - _ROOM:
         return f"{_HANDY}{prefix}\n" + statement(code, f"{HOLDER}.{last} = ", column)
     return text
 

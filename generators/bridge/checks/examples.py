@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.assertions import has_value
-from jausml.generators.bridge.checks.check import Check, equals, tidy
+from jausml.generators.bridge.checks.check import Check, equals, holds, tidy
 from jausml.generators.bridge.checks.ends import overlap
 from jausml.generators.common.ros_fields import PathError
 
@@ -29,6 +29,8 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
     lines = list(begin)
     for path, value in sample.expected.items():
         lines += has_value(ends.target.place(path), value)
+    for path in sample.changed:
+        lines.append(holds(f"{ends.target.place(path).code} != {ends.default(path)}"))
     if not ends.to_ros:
         lines += [
             f"decoded = {view.target_name}.decode(target.encode())",

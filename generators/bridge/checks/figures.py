@@ -127,6 +127,11 @@ class Chain:
         return value
 
     @property
+    def has_unit_step(self) -> bool:
+        """Whether the unit of the result is not that of the target."""
+        return self._unit_step != (1.0, 0.0)
+
+    @property
     def _unit_step(self) -> tuple[float, float]:
         step = unit_step(self.map, self.assignment, to_ros=self.to_ros)
         return (1.0, 0.0) if step is None else step

@@ -1,8 +1,7 @@
 """A source message for each translation, with what must come out.
 
 Each number of the source gets a value of its own, so that two attributes that are mixed up differ,
-as far as its targets can carry it: out-of-range policies would drop the others. Conversions of
-orientations and times are exercised only: their results are held by the tests of the runtime.
+as far as its targets can carry it: out-of-range policies would drop the others.
 """
 
 from __future__ import annotations
@@ -12,7 +11,20 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
-from jausml.generators.common.assignments.values import BOOLEAN
+from jausml.generators.bridge.checks.spatial import (
+    MOMENT,
+    PITCH,
+    ROLL,
+    SPATIAL,
+    STAMP,
+    TO_STAMP,
+    TO_TIME,
+    YAW,
+    angles_of_sample,
+    orientation,
+    orientation_of,
+)
+from jausml.generators.common.assignments.values import BOOLEAN, QUATERNION, TIME
 from jausml.generators.common.jaus_fields import BITS, INTEGER, TEXT
 from jausml.generators.common.ros_fields import PathError
 
@@ -22,21 +34,6 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.checks.ends import Ends
     from jausml.generators.bridge.checks.figures import Chain
 
-# What takes an orientation or a time as messages are made, and fails for none of them.
-_HARMLESS = {
-    "frd_angles_to_flu_quaternion",
-    "frd_yaw_to_flu_quaternion",
-    "flu_quaternion_to_frd_roll",
-    "flu_quaternion_to_frd_pitch",
-    "flu_quaternion_to_frd_yaw",
-    "flu_quaternion_to_frd_angles",
-    "ned_angles_to_enu_quaternion",
-    "ned_heading_to_enu_quaternion",
-    "enu_quaternion_to_ned_angles",
-    "enu_quaternion_to_ned_heading",
-    "timestamp_to_time",
-    "time_to_timestamp",
-}
 _KINDS = {"FieldAssignment", "ConstantAssignment", "ClockAssignment", "Ignore"}
 # Values to try where the first choice leads out of the range of a target.
 # Zero comes last: it hides signs and factors.
@@ -50,10 +47,12 @@ class Sample:
     Attributes:
         values: Values of the source by path.
         expected: Values of the target by path, where they are known.
+        changed: Paths of the target at which something else must stand than as it is made.
     """
 
     values: dict[str, Scalar] = field(default_factory=dict)
     expected: dict[str, Scalar] = field(default_factory=dict)
+    changed: list[str] = field(default_factory=list)
 
     def without(self, path: str) -> dict[str, Scalar]:
         """Returns the values but for one."""
@@ -97,6 +96,13 @@ class _Sampler:
         place = self._ends.source.place(path)
         if place.kind == TEXT:
             self._sample.values[path] = "a"
+        elif place.kind == QUATERNION:
+            parts = orientation(ROLL, PITCH, YAW)
+            for name, part in zip("xyzw", parts, strict=True):
+                self._sample.values[f"{path}.{name}"] = part
+        elif place.kind == TIME:
+            self._sample.values[f"{path}.sec"] = int(MOMENT.timestamp())
+            self._sample.values[f"{path}.nanosec"] = MOMENT.microsecond * 1000
         elif place.kind == BITS:
             self._sample.values[path] = PRESENT
         elif place.is_number or place.kind == BOOLEAN:
@@ -162,8 +168,9 @@ class _Sampler:
     def _expect(self, chain: Chain) -> None:
         values = [self._sample.values.get(path) for path in chain.sources]
         if not self._is_judged(chain):
-            if set(chain.kinds) - _HARMLESS:
+            if set(chain.kinds) - SPATIAL:
                 raise _NoSampleError
+            self._expect_spatial(chain, values)
             return
         if len(values) == 1 and not chain.kinds and isinstance(values[0], str):
             if values[0] != PRESENT:
@@ -178,6 +185,23 @@ class _Sampler:
         result = self._result(chain, values)
         if result is not None and len(chain.targets) == 1:
             self._note(chain.targets[0], result)
+
+    def _expect_spatial(self, chain: Chain, values: list[Any]) -> None:
+        """Notes angles, the parts of an orientation or those of a TimeStamp."""
+        if len(chain.kinds) != 1 or chain.has_unit_step:
+            return
+        (kind,) = chain.kinds
+        if kind == TO_TIME:
+            # The TimeStamp names neither month nor year: when it was is told by the clock.
+            self._sample.changed += filter(self._ends.is_alone, chain.targets)
+        elif kind == TO_STAMP:
+            for name, part in STAMP.items():
+                self._note(f"{chain.targets[0]}.{name}", part)
+        elif all(isinstance(value, float) for value in values):
+            for name, number in orientation_of(kind, tuple(values)).items():
+                self._note(f"{chain.targets[0]}.{name}", number)
+        for path, angle in zip(chain.targets, angles_of_sample(kind), strict=False):
+            self._note(path, angle)
 
     def _expect_constant(self, assignment: Any) -> None:
         path = assignment.target.strip()

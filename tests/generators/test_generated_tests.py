@@ -1,0 +1,148 @@
+"""The tests of generated bridges can fail: each kind of damage to a translation is found."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+MODEL = Path(__file__).with_name("checked_bridge.ros2jaus")
+BASE = "checked_bridge/checked_bridge_base.py"
+
+# What is damaged, the text that is replaced in the base, and what replaces it.
+DAMAGES = {
+    "a factor of the effort": ("source.linear.y, -20.0", "source.linear.y, -2.0"),
+    "a sign of the effort": ("source.linear.z, -10.0", "source.linear.z, 10.0"),
+    "percent the other way": (
+        "value_to_percent(source.linear.x",
+        "percent_to_value(source.linear.x",
+    ),
+    "a negation": ("= negate(source.velocity_y)", "= source.velocity_y"),
+    "a negation on the way back": (
+        "negate(source.twist.twist.angular.z)",
+        "source.twist.twist.angular.z",
+    ),
+    "two members": (
+        "twist.twist.linear.x = source.velocity_x",
+        "twist.twist.linear.y = source.velocity_x",
+    ),
+    "two sources": (
+        '"Velocity_X", source.twist.twist.linear.x',
+        '"Velocity_X", source.twist.twist.linear.y',
+    ),
+    "a field that is forgotten": ("target.yaw_rate = self", "target.yaw_accel = self"),
+    "clamp for drop": ("self.drive.drop_field(", "self.drive.clamp("),
+    "drop for clamp": (
+        'self.own_speed.clamp(\n            "Velocity_Z"',
+        'self.own_speed.drop_field(\n            "Velocity_Z"',
+    ),
+    "drop for error": ("self.drive.error(", "self.drive.drop_message("),
+    "the name of a counter": ('"PropulsiveLinearEffortY",', '"PropulsiveLinearEffortZ",'),
+    "a limit": ("linear.y, -20.0), -100.0, 100.0", "linear.y, -20.0), -100.0, 200.0"),
+    "the world for the body": (
+        "ned_angles_to_enu_quaternion(source.roll",
+        "frd_angles_to_flu_quaternion(source.roll",
+    ),
+    "the body for the world": (
+        "= enu_quaternion_to_ned_angles(source",
+        "= flu_quaternion_to_frd_angles(source",
+    ),
+    "roll and pitch": (
+        "(source.roll, source.pitch, source.yaw)",
+        "(source.pitch, source.roll, source.yaw)",
+    ),
+    "pitch and yaw on the way back": ("roll, pitch, yaw = enu", "roll, yaw, pitch = enu"),
+    "the required field": (
+        'raise AbsentFieldError("Velocity_X")',
+        "source.velocity_x = 0.0",
+    ),
+    "the default value": ("twist.linear.z = 0.25", "twist.linear.z = 0.5"),
+    "the last value": (
+        "self.last_speed_twist_twist_angular_z = negate(source.yaw_rate)",
+        "target.twist.twist.angular.z = negate(source.yaw_rate)",
+    ),
+    "a square": ("= square(source.velocity_rms)", "= source.velocity_rms"),
+    "the constant": ('frame_id = "odom"', 'frame_id = "map"'),
+    "the time": (
+        "set_time(target.header.stamp, timestamp_to_time(source.time_stamp, near=self.now()))",
+        "timestamp_to_time(source.time_stamp, near=self.now())",
+    ),
+    "what is ignored": (
+        'header.frame_id = "odom"',
+        'child_frame_id = target.header.frame_id = "odom"',
+    ),
+}
+MORE_NAMES = "from jausml_runtime.conversions import (\n"
+IMPORTED = (
+    "    flu_quaternion_to_frd_angles,\n    frd_angles_to_flu_quaternion,\n    percent_to_value,\n"
+)
+
+
+def write(folder):
+    """Writes the generated bridge and the runtime."""
+    result = read_models([MODEL], notations=NOTATIONS)
+    assert result.diagnostics == []
+    for artifact in render(result.model, [TARGET, RUNTIME]):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+
+
+def damaged(text, found, replacement):
+    assert text.count(found) == 1, found
+    return text.replace(found, replacement).replace(MORE_NAMES, MORE_NAMES + IMPORTED)
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory):
+    """Returns exit code and output of the generated tests by damage; none for the name None."""
+    pytest.importorskip("rclpy")
+    folder = tmp_path_factory.mktemp("checked")
+    write(folder)
+    package = folder / "checked_bridge"
+    text = (package / BASE).read_text(encoding="utf-8")
+    replacements = []
+    for number, (found, replacement) in enumerate(DAMAGES.values()):
+        replacements.append(folder / f"damage_{number}.py")
+        replacements[-1].write_text(damaged(text, found, replacement), encoding="utf-8")
+    runner = Path(__file__).with_name("forked_pytest.py")
+    done = subprocess.run(
+        [sys.executable, str(runner), str(package), BASE, *map(str, replacements)],
+        env={
+            **os.environ,
+            "PYTHONPATH": str(folder / "jausml_runtime"),
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+        },
+        capture_output=True,
+        text=True,
+        timeout=100,
+    )
+    assert done.returncode == 0, done.stderr
+    outputs = [path.with_suffix(".txt").read_text() for path in (package, *replacements)]
+    codes = map(int, done.stdout.split())
+    return dict(zip([None, *DAMAGES], zip(codes, outputs, strict=True), strict=True))
+
+
+def test_the_generated_tests_pass(outcomes):
+    code, output = outcomes[None]
+    assert code == 0, output
+    assert re.search("^[0-9]{2} passed", output, re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_damage_is_found(outcomes, name):
+    code, output = outcomes[name]
+    # Other codes than 1 mean that the tests did not run.
+    assert code == 1, output
+    assert "1 failed" in output
+    assert "NameError" not in output
