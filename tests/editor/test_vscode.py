@@ -1,0 +1,96 @@
+"""The extension of Visual Studio Code: its files are sound, and its colours know the language."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from jausml.editor.classes import keywords
+from jausml.editor.completion import conversion_literals
+from jausml.text.expectations import KEYWORDS
+from jausml.text.notation import SUFFIX
+
+FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
+GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))
+PACKAGE = json.loads((FOLDER / "package.json").read_text("utf-8"))
+
+
+def patterns(node):
+    """Yields the regular expressions of a grammar."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if key in ("match", "begin", "end"):
+                yield value
+            yield from patterns(value)
+    elif isinstance(node, list):
+        for each in node:
+            yield from patterns(each)
+
+
+def coloured(name, line):
+    """Returns what a rule of the grammar colours on a line."""
+    rule = re.compile(GRAMMAR["repository"][name]["match"])
+    return [
+        text
+        for match in rule.finditer(line)
+        for text in (match.groups() if rule.groups else (match.group(),))
+    ]
+
+
+@pytest.mark.parametrize("pattern", sorted(set(patterns(GRAMMAR))))
+def test_the_patterns_are_regular_expressions(pattern):
+    re.compile(pattern)
+
+
+def test_what_is_included_is_there():
+    included = {each["include"].removeprefix("#") for each in GRAMMAR["patterns"]}
+    assert included == set(GRAMMAR["repository"])
+
+
+@pytest.mark.parametrize("word", KEYWORDS)
+def test_keywords_are_coloured(word):
+    assert coloured("statements", f"  {word} x") == [word]
+    assert coloured("statements", f"{word}: x `{word}` a.{word} {word}s") == []
+
+
+@pytest.mark.parametrize("literal", conversion_literals(), ids=str)
+def test_conversions_are_coloured(literal):
+    name = str(literal.name)
+    assert coloured("conversions", f"a -> b : {name}(1), {name}") == [name, name]
+
+
+def test_no_word_is_coloured_as_a_conversion_that_is_none():
+    known = {str(each.name) for each in conversion_literals()}
+    pattern = GRAMMAR["repository"]["conversions"]["match"]
+    listed = re.search(r"\(\?:([\w|]+)\)", pattern).group(1).split("|")
+    assert set(listed) == known
+
+
+def test_classes_are_coloured():
+    classes = {each for each in keywords() if "." not in each}
+    pattern = GRAMMAR["repository"]["elements"]["match"]
+    assert set(re.search(r"\(([\w|]+)\)", pattern).group(1).split("|")) == classes
+    assert coloured("elements", "bridge front {") == ["bridge"]
+
+
+def test_features_directions_and_numbers_are_coloured():
+    assert coloured("features", "c { rate: 5  map: x } a -> b : c") == ["rate", "map"]
+    assert coloured("directions", "JAUS->ROS (") == ["JAUS", "->", "ROS"]
+    assert coloured("ends", "ROS nav_msgs/Odometry (") == ["ROS", "nav_msgs/Odometry"]
+    numbers = ["100.1.1", "-0x1F", "1.5e-3", "2"]
+    assert coloured("numbers", " ".join([*numbers, "x2", "a.3"])) == numbers
+
+
+def test_the_extension_starts_the_server_and_is_complete():
+    (language,) = PACKAGE["contributes"]["languages"]
+    (grammar,) = PACKAGE["contributes"]["grammars"]
+    assert language["extensions"] == [SUFFIX]
+    assert grammar["scopeName"] == GRAMMAR["scopeName"]
+    for file in (PACKAGE["main"], language["configuration"], grammar["path"]):
+        assert (FOLDER / file).is_file()
+    assert '"language-server"' in (FOLDER / "extension.js").read_text("utf-8")
+    configuration = json.loads((FOLDER / language["configuration"]).read_text("utf-8"))
+    assert configuration["comments"]["lineComment"] == "//"
