@@ -7,6 +7,7 @@ class, a list is a list, a variant a union of the classes of its options.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -124,7 +125,7 @@ class MessagesModule:
         Args:
             body: The text of the module.
         """
-        return "=lambda: " in body
+        return re.search(r"=lambda: [\w.]+\(\)", body) is not None
 
     def head(self, body: str) -> str:
         """Returns the import statements of the module.

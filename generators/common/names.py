@@ -148,6 +148,12 @@ class Scope:
         self._separator = separator
         self._taken: set[str] = set()
 
+    def copy(self) -> Scope:
+        """Returns a scope with the same names, which goes its own way from now on."""
+        other = Scope(self._reserved, self._separator)
+        other._taken |= self._taken
+        return other
+
     def claim(self, name: str) -> str:
         """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`.
 

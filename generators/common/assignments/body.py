@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import LINE_WIDTH, printable, python_string
@@ -83,6 +83,10 @@ class Body:
     def column(self) -> int:
         """Column of the next statement."""
         return MARGIN + len(_STEP) * self.depth
+
+    def tried(self) -> Body:
+        """Returns the body of a block in this one that may be given up without a trace."""
+        return replace(self.deeper(), local_names=self.local_names.copy(), _names=dict(self._names))
 
     def deeper(self) -> Body:
         """Returns the body of a block in this one, whose lines are added when it is complete."""

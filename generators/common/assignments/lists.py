@@ -12,7 +12,6 @@ from jausml.generators.common.jaus_fields import joined, there
 from jausml.generators.common.layout import Call, comprehension
 
 if TYPE_CHECKING:
-    from jausml.generators.common.assignments.body import Body
     from jausml.generators.common.assignments.sources import Many
     from jausml.generators.common.assignments.targets import ManyTarget
     from jausml.generators.common.assignments.translation import Translation
@@ -188,7 +187,7 @@ class _ListStatements:
     def _comprehend(self, inner: Translation, items: _Items, item: str, counters: Counters) -> bool:
         """Adds the list as a comprehension; tells whether its elements are that simple."""
         (assignment,) = self._assignment.assignments
-        trial = self._trial_body()
+        trial = self._body.tried()
         trial_translation = replace(inner, body=trial)
         if assignment.eClass.name != "FieldAssignment":
             return False
@@ -227,12 +226,9 @@ class _ListStatements:
             code = self._body.local("items", items.code)
         return f"enumerate({code})" if INDEX in counters.used else code
 
-    def _trial_body(self) -> Body:
-        return self._body.deeper()
-
     def _loop(self, items: _Items, item: str, source: Any, counters: Counters) -> None:
         element = self._body.local_names.claim("element")
-        inner_body = self._trial_body()
+        inner_body = self._body.deeper()
         target: Any = self._outer.target
         inner = replace(
             self._outer,
