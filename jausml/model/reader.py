@@ -252,8 +252,8 @@ class _Reading:
     def _declare(self) -> None:
         """Has notations declare what is used and known nowhere, imported documents first."""
         for document in in_order_of_import(self._written):
-            if document not in self._written:
-                continue
+            if document not in self._written or document.lacks_imports:
+                continue  # what looks new may stand in the document that is missing
             known = Surroundings(self._model, self._names, document)
             nodes, faults = self._written[document].declare(known)
             self._add_roots(document, nodes, faults)

@@ -6,6 +6,9 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.messages import load_catalogue
+from jausml.text.notation import NOTATIONS
+
 
 def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own"):
     model = texts.good(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
@@ -88,6 +91,22 @@ def test_listing_a_declared_message_again_is_checked(texts):
         f"m {{ JAUS Own ( {members} ) {{ code: 0xD100 }} {ros} }}\nn {{ JAUS Own ( {wrong} ) {ros} }}"
     )
     assert [each.rule for each in found.diagnostics] == ["JML709", "JML709"]
+
+
+def test_on_the_wire_structs_and_lists_follow_in_turn(texts):
+    """The bytes were put together by hand: little endian, counts before lists and strings."""
+    path = texts.write(
+        "wire.ros2jaus",
+        "m { JAUS Own ( uint16 a  struct [ uint8 b  int8 c ] d  uint8 [2] e  uint8 [] f  "
+        "string<=9 g  bool h ) { code: 0xD100 } ROS std_msgs/Float64 }",
+    )
+    members = {
+        "a": 0x0102, "d": {"b": 3, "c": -1}, "e": [4, 5], "f": [{"value": 6}, {"value": 7}],
+        "g": "hi", "h": 1,
+    }  # fmt: skip
+    catalogue = load_catalogue([path], notations=NOTATIONS)
+    data = catalogue.encode({"message": "Own", "fields": {"OwnRec": members}})
+    assert data.hex() == "00d1020103ff04050200060702686901"
 
 
 @pytest.mark.parametrize(

@@ -142,6 +142,11 @@ def test_names_of_an_import_that_is_lost_are_not_missed(texts):
     assert [each.rule for each in result.diagnostics] == ["JML203"]
 
 
+def test_nothing_is_declared_that_an_import_that_is_lost_may_have(texts):
+    result = texts.one('import "none.xmi"\nm { JAUS Own ( uint8 a ) ROS Own ( uint8 a ) }')
+    assert [each.rule for each in result.diagnostics] == ["JML203"]
+
+
 def test_referring_twice_is_a_warning(texts):
     [finding] = texts.check(
         "component a { address: 1.1.1 provides: LocalPoseSensor, ⟦JML213⟧LocalPoseSensor }"
