@@ -1,4 +1,4 @@
-"""Which JAUS messages get a ROS message."""
+"""Which interface packages are made, and which JAUS messages get a ROS message."""
 
 from __future__ import annotations
 
@@ -10,6 +10,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.model.model import Model
+
+
+def declared_packages(model: Model) -> list[Any]:
+    """Returns the interface packages that stand in the files that the user named.
+
+    Args:
+        model: A valid model.
+    """
+    packages = model.instances("ros.InterfacePackage", library=False)
+    documents = [(package, model.document_of(package)) for package in packages]
+    return [package for package, place in documents if place is not None and place.given]
 
 
 def all_messages(model: Model) -> list[Any]:

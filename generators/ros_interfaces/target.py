@@ -10,7 +10,11 @@ from jausml.generators.common.names import package_name
 from jausml.generators.common.system import source_of, system_of
 from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml.generators.ros_interfaces.ros_types import package_files
-from jausml.generators.ros_interfaces.selection import all_messages, unmapped_messages
+from jausml.generators.ros_interfaces.selection import (
+    all_messages,
+    declared_packages,
+    unmapped_messages,
+)
 from jausml.generators.ros_interfaces.views import InterfacesView
 from jausml.metamodel.filling import new_object
 
@@ -20,18 +24,44 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
 
 
-class RosInterfacesTarget:
-    """The interface packages that a model declares, and one of JAUS messages as ROS messages.
+class DeclaredInterfacesTarget:
+    """The interface packages that a model declares in its own file.
 
-    The latter is `<system>_jaus_msgs`, without a system `<model file>_jaus_msgs`. It has the
-    messages that no attribute map turns into a ROS type.
+    Those of files that it refers to are elsewhere: they were imported from what is installed.
+    """
+
+    name = "declared_interfaces"
+    description = "The packages of ROS interfaces that the model declares."
+    template_folders = (templates_beside(__file__),)
+    needs_system = False
+
+    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
+        """Returns the files of the packages; none for a package without interfaces.
+
+        Args:
+            model: A valid model.
+        """
+        system, source = _system(model)
+        packages = []
+        for package in declared_packages(model):
+            description = str(package.documentation or f"Interfaces of {system.name}.")
+            files = list(package_files(package, source))
+            packages.append(InterfacesView(system, str(package.name), description, files, source))
+        return _tasks(packages)
+
+
+class RosInterfacesTarget:
+    """JAUS messages as ROS messages, in one interface package.
+
+    It is `<system>_jaus_msgs`, without a system `<model file>_jaus_msgs`, and has the messages that
+    no attribute map turns into a ROS type.
 
     Args:
         every_message: Whether it has all messages of the model's services, mapped ones too.
     """
 
     name = "ros_interfaces"
-    description = "Packages of ROS interfaces: declared ones, and JAUS messages without a map."
+    description = "A package of ROS messages for the JAUS messages without a map."
     template_folders = (templates_beside(__file__),)
     is_on_request = True
     needs_system = False
@@ -44,40 +74,31 @@ class RosInterfacesTarget:
         return RosInterfacesTarget(every_message=True)
 
     def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of the packages; none for a package without interfaces.
+        """Returns the files of the package; none without such messages.
 
         Args:
             model: A valid model.
         """
-        packages = [view for view in self._packages(model) if view.files]
-        files = [file for package in packages for file in package.files]
-        return [
-            FileTask("package.xml.j2", packages, lambda view: f"{view.name}/package.xml"),
-            FileTask("CMakeLists.txt.j2", packages, lambda view: f"{view.name}/CMakeLists.txt"),
-            FileTask("definition.j2", files, lambda file: file.path),
-        ]
-
-    def _packages(self, model: Model) -> list[InterfacesView]:
         system, source = _system(model)
-        declared = model.instances("ros.InterfacePackage", library=False)
-        views = [
-            InterfacesView(
-                system,
-                str(package.name),
-                str(package.documentation or f"Interfaces of {system.name}."),
-                list(package_files(package, source)),
-                source,
-            )
-            for package in declared
-        ]
+        taken = {str(package.name) for package in model.instances("ros.InterfacePackage")}
         name = package_name(f"{system.name}_jaus_msgs")
-        while any(view.name == name for view in views):
+        while name in taken:
             name += "_2"
         messages = MessagesPackage(name, source)
         for message in (all_messages if self._every_message else unmapped_messages)(model):
             messages.add(message)
         description = f"JAUS messages of {system.name} as ROS messages."
-        return [*views, InterfacesView(system, name, description, messages.files, source)]
+        return _tasks([InterfacesView(system, name, description, messages.files, source)])
+
+
+def _tasks(packages: Sequence[InterfacesView]) -> list[ArtifactTask[Any]]:
+    packages = [package for package in packages if package.files]
+    files = [file for package in packages for file in package.files]
+    return [
+        FileTask("package.xml.j2", packages, lambda view: f"{view.name}/package.xml"),
+        FileTask("CMakeLists.txt.j2", packages, lambda view: f"{view.name}/CMakeLists.txt"),
+        FileTask("definition.j2", files, lambda file: file.path),
+    ]
 
 
 def _system(model: Model) -> tuple[Any, str]:
@@ -91,3 +112,4 @@ def _system(model: Model) -> tuple[Any, str]:
 
 
 TARGET = RosInterfacesTarget()
+DECLARED = DeclaredInterfacesTarget()

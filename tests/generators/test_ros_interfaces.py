@@ -16,7 +16,7 @@ from jausml.generation.target import is_on_request
 from jausml.generators.ros_interfaces.definitions import ConstantLine, FieldLine
 from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml.generators.ros_interfaces.names import constant_name, field_name, type_name
-from jausml.generators.ros_interfaces.target import TARGET
+from jausml.generators.ros_interfaces.target import DECLARED, TARGET
 from jausml.interfaces import parse_definition
 from jausml.interfaces.definitions import PRIMITIVES, FieldType
 from jausml.model import library_root, read_models
@@ -127,8 +127,10 @@ def model(tmp_path):
     return result.model
 
 
-def render(model, target=TARGET):
-    return {each.path: each.text for each in Renderer(target, model).render()}
+def render(model, *targets):
+    """Returns the files of targets, of both of them when none is named."""
+    chosen = targets or (DECLARED, TARGET)
+    return {each.path: each.text for one in chosen for each in Renderer(one, model).render()}
 
 
 def body(text):
@@ -320,15 +322,37 @@ def test_a_value_of_another_type_is_an_error(line):
         assert line.code
 
 
-def test_the_target_makes_the_same_again_and_only_on_request(model, tmp_path):
+def test_the_targets_make_the_same_again(model, tmp_path):
     assert render(model) == render(model)
-    assert is_on_request(TARGET)
     command = [sys.executable, "-m", "jausml", "generate", str(tmp_path / "tug.xmi")]
-    command += ["--target", "ros_interfaces", "-o", str(tmp_path / "out")]
-    done = subprocess.run(command, capture_output=True, text=True)
+    command += ["--target", "ros_interfaces", "--target", "declared_interfaces"]
+    done = subprocess.run([*command, "-o", tmp_path / "out"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     for path, text in render(model).items():
         assert (tmp_path / "out" / path).read_text(encoding="utf-8") == text
+
+
+def test_messages_are_made_on_request_and_declared_packages_always():
+    assert is_on_request(TARGET)
+    assert not is_on_request(DECLARED)
+
+
+def test_a_package_of_a_file_that_is_referred_to_is_not_made(tmp_path):
+    start, end = SYSTEM.index("    <interfaces"), SYSTEM.index("</interfaces>")
+    package = SYSTEM[start:end].replace(
+        "    <interfaces", '<ros:InterfacePackage xmi:version="2.0"'
+    )
+    head = SYSTEM[SYSTEM.index(" xmlns:xmi") : SYSTEM.index(">\n  <system")]
+    package = package.replace(' xmi:version="2.0"', f' xmi:version="2.0"{head}', 1)
+    (tmp_path / "own.xmi").write_text(f"{package}</ros:InterfacePackage>", encoding="utf-8")
+    node = """<nodes name="n"><publishers name="w" topic="w"><type href="own.xmi#Winch"/>
+        </publishers></nodes>"""
+    path = tmp_path / "tug.xmi"
+    text = SYSTEM[:start] + node + SYSTEM[end + len("</interfaces>") :]
+    path.write_text(text, encoding="utf-8")
+    result = read_models([path])
+    assert result.diagnostics == []
+    assert render(result.model, DECLARED) == {}
 
 
 ROSIDL = """
