@@ -14,8 +14,8 @@ from jausml.model.diagnostics import Severity
 from jausml.model.identifiers import name_identifiers
 from jausml.model.reader import ReadResult, read_models
 from jausml.model.writer import UnwritableError, to_xmi
+from jausml.text.comments import ordinary_comments
 from jausml.text.notation import NOTATIONS
-from jausml.text.scanning import scan
 from jausml.text.unparsing import to_text
 from jausml.validation.formats import text
 from jausml.validation.report import Report
@@ -113,8 +113,7 @@ def _left_behind(result: ReadResult, target: str) -> Iterator[str]:
     """Yields what the new file does not say."""
     document = result.model.documents[0]
     if not document.is_xml:
-        comments = scan(document.data.decode("utf-8", "replace")).comments
-        number = sum(not each.startswith("/**") for each in comments)
+        number = len(ordinary_comments(document.data.decode("utf-8", "replace")))
         if number:
             noun = "comment stays" if number == 1 else "comments stay"
             yield f"{number} {noun} behind: only documentation comments are part of a model"

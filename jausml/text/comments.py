@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from lark import Token
 
+_APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
+"""Texts, quoted names and comments: within one there is none of the others."""
 _LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")
 _LINE_BREAK = re.compile(r"(?<!\n)\n(?!\n)")
 _ESCAPED_END = re.compile(r"\*\\(\\*)/")
@@ -63,6 +65,16 @@ def is_documentation(comment: str) -> bool:
     """
     is_marked = comment.startswith("/**") and comment[3] not in "*/"
     return is_marked and bool(documentation_text(comment))
+
+
+def ordinary_comments(text: str) -> list[str]:
+    """Returns the comments of a text that document nothing, in order.
+
+    Args:
+        text: A text without syntax errors.
+    """
+    found = (match.group() for match in _APART.finditer(text))
+    return [each for each in found if each[0] == "/" and not is_documentation(each)]
 
 
 def documentation_text(comment: str) -> str:

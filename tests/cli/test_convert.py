@@ -29,7 +29,7 @@ def test_xmi_becomes_text_and_xmi_again(jausml, folder):
     assert jausml("convert", "good.ros2jaus", "back.xmi").exit_code == 0
     differences = compare(root(folder / "good.xmi"), root(folder / "back.xmi"), load_metamodels())
     assert differences == []
-    assert not [each for each in os.listdir() if "tmp" in each]
+    assert not [each for each in folder.iterdir() if "tmp" in each.name]
 
 
 def test_what_is_there_already_is_left_alone(jausml, folder):
@@ -81,7 +81,8 @@ def test_text_with_errors_is_placed_and_nothing_is_written(jausml, folder):
     assert not (folder / "out.xmi").exists()
 
 
-def test_models_that_break_rules_are_converted(jausml, folder):
+@pytest.mark.usefixtures("folder")
+def test_models_that_break_rules_are_converted(jausml):
     """Who turns a draft into text wants to mend it there."""
     assert jausml("validate", "bad.xmi").exit_code == 1
     assert jausml("convert", "bad.xmi", "bad.ros2jaus").exit_code == 0
@@ -89,7 +90,8 @@ def test_models_that_break_rules_are_converted(jausml, folder):
 
 def test_comments_that_stay_behind_are_counted(jausml, folder):
     (folder / "a.ros2jaus").write_text(
-        "// one\n/** Kept. */\nhost here { /* two */ port: 3795 } // three\n", encoding="utf-8"
+        '// one\n/** Kept. */\nhost here { /* "two */ port: 3795 interface: "//" } // three\n',
+        encoding="utf-8",
     )
     done = jausml("convert", "a.ros2jaus", "a.xmi")
     assert done.exit_code == 0
@@ -125,6 +127,19 @@ def test_references_to_text_are_told(jausml, folder):
     done = jausml("convert", "robot.ros2jaus", "robot.xmi")
     assert done.exit_code == 0
     assert "refers to hosts.ros2jaus, which Eclipse cannot read" in done.stderr
+
+
+def test_text_in_another_folder_imports_the_same_files(jausml, folder):
+    (folder / "hosts.ros2jaus").write_text("host here { port: 3795 }", encoding="utf-8")
+    (folder / "robot.ros2jaus").write_text(
+        'import "hosts.ros2jaus"\nplacement { host: here }', encoding="utf-8"
+    )
+    (folder / "deeper").mkdir()
+    assert jausml("convert", "robot.ros2jaus", "deeper/robot.ros2jaus").exit_code == 0
+    text = (folder / "deeper" / "robot.ros2jaus").read_text(encoding="utf-8")
+    assert text == 'import "../hosts.ros2jaus"\n\nplacement { host: here }\n'
+    assert jausml("convert", "deeper/robot.ros2jaus", "deeper/robot.xmi").exit_code == 0
+    assert root(folder / "deeper" / "robot.xmi").placements[0].host.name == "here"
 
 
 @pytest.mark.parametrize(
