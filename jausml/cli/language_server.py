@@ -11,7 +11,7 @@ from jausml.cli.common import EnvironmentFault
 
 @click.command("language-server")
 def command() -> None:
-    """Serve an editor of ros2jaus text by the Language Server Protocol, on stdin and stdout.
+    """Serve editors of ros2jaus text by the Language Server Protocol, on stdin and stdout.
 
     Editors start it; docs/how-to/editor.md says how. It needs the extra `editor`.
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
+from pathlib import Path
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -302,3 +306,15 @@ def test_it_never_raises_and_places_each_fault_in_the_text(text):
 def test_a_text_broken_anywhere_still_yields_a_tree(position, put):
     broken = FIGURE_5[:position] + put + FIGURE_5[position + 1 :]
     assert parse(broken).document is not None
+
+
+def test_the_texts_of_the_language_page():
+    page = Path(__file__).parents[2] / "docs" / "ros2jaus.md"
+    blocks = re.findall(r"(?:^ {4}.*\n|^\n)+", page.read_text("utf-8"), re.MULTILINE)
+    texts = [textwrap.dedent(each).strip() for each in blocks if each.strip()]
+    example, *_, members, structs, _ = texts
+    for text in (example, f"m {{ {members} }}", structs):
+        assert faults(text) == []
+    assert example.startswith("import ")
+    assert members.startswith("JAUS ")
+    assert structs.startswith("struct ")
