@@ -111,7 +111,7 @@ class Chain:
         for conversion in self.assignment.conversions:
             try:
                 current = [self._converted(conversion, current)]
-            except (EvaluationError, ZeroDivisionError, ValueError, OverflowError):
+            except (EvaluationError, ArithmeticError, KeyError, ValueError):
                 return None
         if len(current) != 1:
             return None

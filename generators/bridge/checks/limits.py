@@ -31,6 +31,7 @@ _POLICIES = {
 _PART, _LEAST = 0.01, 1.0
 # A longer name of a field gets a line of its own.
 _LONG_LABEL = 50
+_SLACK = 1e-6
 _LARGEST_SINGLE = 3.4028234663852886e38
 
 
@@ -97,15 +98,16 @@ def _is_limited(target: Place) -> bool:
 def _source_value(ends: Ends, chain: Chain, source: Place, beyond: float) -> Scalar | None:
     """The value of the source that leads beyond an end; None when it cannot have it."""
     wanted = chain.back(beyond)
+    if not math.isfinite(wanted):
+        return None
     low, high = _brought(ends, source)
     value: Scalar = round(wanted) if source.kind == INTEGER else wanted
     if not low <= float(value) <= high:
         return None
     result = chain.forward([float(value)])
-    end = chain.forward([chain.back(beyond)])
-    if result is None or end is None:
-        return None
-    return value if abs(result - beyond) <= 0.5 * abs(chain_gain(chain)) + 1e-6 else None
+    # A source of integers may not meet it.
+    margin = 0.5 * abs(chain_gain(chain)) + _SLACK * abs(beyond)
+    return value if result is not None and abs(result - beyond) <= margin else None
 
 
 def chain_gain(chain: Chain) -> float:
