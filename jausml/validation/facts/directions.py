@@ -46,12 +46,28 @@ def directions(subject: Subject) -> tuple[Direction, ...]:
     return subject.once(_directions)
 
 
+def direction_of(subject: Subject, attribute_map: Any, *, to_ros: bool) -> Direction | None:
+    """Returns one direction of a map, which may be one of the library.
+
+    Args:
+        subject: The model.
+        attribute_map: The map.
+        to_ros: Which direction.
+
+    Returns:
+        None when an end of the map was not read.
+    """
+    if not subject.is_intact(attribute_map.message, attribute_map.type):
+        return None
+    assignments = attribute_map.toRos if to_ros else attribute_map.toJaus
+    return _direction(subject, attribute_map, attribute_map, assignments, to_ros=to_ros)
+
+
 def _directions(subject: Subject) -> tuple[Direction, ...]:
     found = []
     for each in subject.instances("bridge.AttributeMap"):
-        if subject.is_intact(each.message, each.type):
-            found.append(_direction(subject, each, each, each.toRos, to_ros=True))
-            found.append(_direction(subject, each, each, each.toJaus, to_ros=False))
+        ways = (direction_of(subject, each, to_ros=to_ros) for to_ros in (True, False))
+        found += [way for way in ways if way is not None]
     for connection in subject.instances("bridge.Connection"):
         used = connection.map
         if used is not None and subject.is_intact(used.message, used.type):

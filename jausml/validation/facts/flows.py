@@ -48,7 +48,8 @@ def flow_of(connection: Any, bridge: Any) -> Flow:
         bridge: The bridge that has it.
     """
     namespace, node = bridge.namespace or "", bridge.name or ""
-    names = [each.name for each in connection.topics if each.name]
+    # What arrives on a joined topic waits for a message on the main one.
+    names = [each.name for each in connection.topics if each.name and each.join is None]
     return Flow(
         connection,
         bridge,

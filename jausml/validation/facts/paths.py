@@ -178,26 +178,6 @@ def target_paths(assignment: Any) -> list[str]:
     return _split(assignment.target or "")
 
 
-def jaus_attribute(message: Any, path: str) -> Found:
-    """Follows a path from the flattened body of a JAUS message.
-
-    Args:
-        message: A `jaus.MessageDef`.
-        path: JAUS names joined by dots, with `[index]` behind lists and arrays.
-    """
-    return _attribute(message_place(message).follow(path))
-
-
-def ros_attribute(message_type: Any, path: str) -> Found:
-    """Follows a path through a ROS type.
-
-    Args:
-        message_type: A `ros.MessageType`.
-        path: Field names joined by dots, with `[index]` behind the name of a fixed array.
-    """
-    return _attribute(RosPlace(type=message_type).follow(path))
-
-
 def parse_path(path: str) -> tuple[str, ...]:
     """Returns the steps of a path, indices as steps of their own, to compare paths."""
     if path == ".":

@@ -104,7 +104,9 @@ def _bridge_endpoints(bridge: Any) -> Iterator[Endpoint]:
         for each in connection.topics:
             if each.name and not topic_fault(each.name):
                 topic = resolve_topic(each.name, bridge.namespace or "", bridge.name or "")
-                yield Endpoint(each, "name", bridge, topic, connection.map.type, publishes)
+                type_ = connection.map.type if each.join is None else each.join.type
+                if type_ is not None:
+                    yield Endpoint(each, "name", bridge, topic, type_, publishes)
 
 
 def _tokens_fault(tokens: list[str]) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.attributes import NUMBER, OCTETS, TEXT, Attribute
-from jausml.validation.facts.layouts import class_name
-from jausml.validation.facts.paths import jaus_attribute
+from jausml.validation.facts.attributes import NUMBER, OCTETS, TEXT, Attribute, Found
+from jausml.validation.facts.directions import direction_of, directions
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
 _DROP_FIELD = "dropField"
@@ -34,13 +34,14 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for each in subject.instances("bridge.AttributeMap"):
-        for to_ros in (True, False):
-            for assignment in _assignments(subject, each, to_ros=to_ros):
-                policy = assignment.outOfRange.name
-                if policy == _DROP_FIELD and _must_be_there(each, assignment, to_ros=to_ros):
-                    message = f"'{assignment.target}' is no optional JAUS field, it is never"
-                    yield Finding(assignment, f"{message} left out", "outOfRange", _HINT)
+    for direction in directions(subject):
+        for placed in direction.of_kind("FieldAssignment"):
+            if placed.assignment.outOfRange.name != _DROP_FIELD:
+                continue
+            path = _never_left_out(placed)
+            if path is not None:
+                message = f"'{path}' is no optional JAUS field, it is never left out"
+                yield Finding(placed.assignment, message, "outOfRange", _HINT)
     for connection in subject.instances("bridge.Connection"):
         if connection.outOfRange.name == _DROP_FIELD and connection.map is not None:
             yield from _connection_findings(subject, connection)
@@ -59,41 +60,37 @@ def clamped_values(subject: Subject) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for each in subject.instances("bridge.AttributeMap"):
-        for assignment in _assignments(subject, each, to_ros=False):
-            if assignment.outOfRange.name != "clamp":
+    for direction in directions(subject):
+        if direction.to_ros:
+            continue
+        for placed in direction.of_kind("FieldAssignment"):
+            if placed.assignment.outOfRange.name != "clamp":
                 continue
-            target = jaus_attribute(each.message, assignment.target)
-            if not isinstance(target, Attribute):
-                continue
-            message = ""
-            if target.named:
-                message = f"the values of '{assignment.target}' have names, none is nearest"
-            elif target.kind in (TEXT, OCTETS):
-                message = f"'{assignment.target}' is {target.name}, which is never cut"
-            if message:
-                yield Finding(assignment, message, "outOfRange", "dropField, dropMessage or error")
+            for path, target in placed.targets:
+                message = _unclampable(path, target)
+                if message:
+                    hint = "dropField, dropMessage or error"
+                    yield Finding(placed.assignment, message, "outOfRange", hint)
 
 
-def _assignments(subject: Subject, attribute_map: Any, *, to_ros: bool) -> list[Any]:
-    """The field assignments of a direction, as far as they and both ends were read."""
-    if not subject.is_intact(attribute_map.message, attribute_map.type):
-        return []
-    found = attribute_map.toRos if to_ros else attribute_map.toJaus
-    return [
-        each
-        for each in found
-        if subject.is_intact(each)
-        and each.target is not None
-        and class_name(each) == "FieldAssignment"
-    ]
+def _unclampable(path: str, target: Found) -> str:
+    if not isinstance(target, Attribute):
+        return ""
+    if target.named:
+        return f"the values of '{path}' have names, none is nearest"
+    if target.kind in (TEXT, OCTETS):
+        return f"'{path}' is {target.name}, which is never cut"
+    return ""
 
 
-def _must_be_there(attribute_map: Any, assignment: Any, *, to_ros: bool) -> bool:
-    if to_ros:
-        return True
-    target = jaus_attribute(attribute_map.message, assignment.target)
-    return isinstance(target, Attribute) and target.kind in _LIMITED and not target.optional
+def _never_left_out(placed: Placed) -> str | None:
+    """The first target that is there in any case, None when all may be left out."""
+    for path, target in placed.targets:
+        if placed.scope.to_ros:
+            return path
+        if isinstance(target, Attribute) and target.kind in _LIMITED and not target.optional:
+            return path
+    return None
 
 
 def _connection_findings(subject: Subject, connection: Any) -> Iterator[Finding]:
@@ -102,11 +99,14 @@ def _connection_findings(subject: Subject, connection: Any) -> Iterator[Finding]
         message = f"'{connection.name}' makes ROS messages, whose fields are never left out"
         yield Finding(connection, message, "outOfRange", _HINT)
         return
+    direction = direction_of(subject, connection.map, to_ros=False)
+    if direction is None:
+        return
     found = [
-        each
-        for each in _assignments(subject, connection.map, to_ros=False)
-        if each.outOfRange.name == "asConnection"
-        and _must_be_there(connection.map, each, to_ros=False)
+        placed.assignment
+        for placed in direction.of_kind("FieldAssignment")
+        if placed.assignment.outOfRange.name == "asConnection"
+        and _never_left_out(placed) is not None
     ]
     if found:
         names = ", ".join(f"'{each.target}'" for each in found[:_MOST_NOTES])
