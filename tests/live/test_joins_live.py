@@ -1,0 +1,92 @@
+"""A generated bridge that makes one JAUS report of two ROS topics."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+OBSERVER = str(Path(__file__).with_name("join_observer.py"))
+SYSTEM = """
+import mappings.global_pose_sensor
+bridge pose_bridge {
+  address: 10.1.9
+  provides: GlobalPoseSensor
+  connection pose {
+    map: global_pose
+    direction: rosToJaus
+    exchange: query
+    topic fix { }
+    topic `imu/data` { join: global_pose.imu }
+  }
+}
+"""
+
+
+def generate(folder):
+    model = folder / "pose.ros2jaus"
+    model.write_text(SYSTEM, encoding="utf-8")
+    result = read_models([model], notations=NOTATIONS)
+    assert result.diagnostics == []
+    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    return [str(folder / name) for name in ("jausml_runtime", "pose_bridge")]
+
+
+@pytest.fixture
+def system(tmp_path, monkeypatch):
+    """Starts the bridge and an observer; yields the observer and a node of the test."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    path, port = generate(tmp_path), str(free_port())
+    processes = []
+    ros = RosPeer()
+    for number, line in enumerate((["-m", "pose_bridge.main"], [OBSERVER])):
+        log = tmp_path / f"{number}.log"
+        processes.append(Process([*line, "--jaus-port", port], path, log))
+    yield processes[1], ros
+    for process in processes:
+        process.close()
+        sys.stderr.write(process.log.read_text())
+    ros.close()
+
+
+def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
+    from sensor_msgs.msg import Imu, NavSatFix
+
+    observer, ros = system
+
+    def poses(*, with_yaw):
+        return [each for each in observer.of_kind("pose") if (each["yaw"] is not None) is with_yaw]
+
+    fix = NavSatFix(latitude=48.5, longitude=-11.25, altitude=519.75)
+    east = Imu()  # REP 103: no turn is east
+    with Repeater(ros.publisher(NavSatFix, "fix"), fix):
+        before = wait_for(lambda: poses(with_yaw=False), "pose without attitude")
+        assert before[0]["latitude"] == pytest.approx(48.5, abs=1e-7)
+        with Repeater(ros.publisher(Imu, "imu/data"), east):
+            joined = wait_for(lambda: poses(with_yaw=True), "pose with attitude")
+            assert joined[0]["latitude"] == pytest.approx(48.5, abs=1e-7)
+            assert joined[0]["yaw"] == pytest.approx(1.5707963, abs=1e-4)
+        known = len(poses(with_yaw=False))
+        wait_for(lambda: len(poses(with_yaw=False)) > known, "pose with a stale joined topic")
