@@ -345,3 +345,20 @@ def test_a_path_becomes_a_list_of_waypoints(translator: Callable[[str], Translat
 def test_a_path_that_is_empty_empties_the_list(translator: Callable[[str], Translator]) -> None:
     maps = translator("waypoint_lists")
     assert maps.to_jaus("local_waypoint_list", Path()).element_list == []
+
+
+def test_the_bytes_of_a_list_of_one_waypoint(translator: Callable[[str], Translator]) -> None:
+    """AS5710 SetElement: one element, numbered 1 without neighbours, whose data is a message."""
+    maps = translator("waypoint_lists")
+    command = maps.to_jaus("local_waypoint_list", Path(poses=[PoseStamped()]))
+    head = "1a 04  01  01  01 00  00 00  00 00  00  15 00  0d 04  0f"
+    assert command.encode().startswith(bytes.fromhex(head))
+
+
+def test_a_list_of_other_messages_is_no_path(translator: Callable[[str], Translator]) -> None:
+    maps = translator("waypoint_lists")
+    command = maps.to_jaus("local_waypoint_list", Path(poses=[PoseStamped()]))
+    data = command.element_list[0].element_data
+    data.data = b"\x0c\x04" + data.data[2:]
+    with pytest.raises(ValueError, match="another message"):
+        maps.to_ros("local_waypoint_list", command)

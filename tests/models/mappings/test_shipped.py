@@ -10,7 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from mapping_support import MAPPINGS, files_read, findings, ready_maps
+from mapping_support import (
+    MAPPINGS,
+    ROOT,
+    Translator,
+    files_read,
+    findings,
+    generate,
+    read,
+    ready_maps,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -107,3 +116,20 @@ def test_the_example_uses_ready_maps_alone() -> None:
     (bridge,) = files_read().model.instances("bridge.Bridge")
     assert len(bridge.bridgeConnections) == 6
     assert not bridge.maps
+
+
+def test_the_bridge_of_the_guide_knows_its_own_maximum(tmp_path: Path) -> None:
+    """The text in docs/how-to/ready-mappings.md; 100 percent are 8.5 m/s there, not 2."""
+    guide = (ROOT / "docs" / "how-to" / "ready-mappings.md").read_text(encoding="utf-8")
+    text = tmp_path / "rover.ros2jaus"
+    text.write_text(guide.split("<<'END'\n")[1].split("END\n")[0], encoding="utf-8")
+    result = read(text)
+    assert findings(result) == []
+    generate(result, tmp_path)
+    maps = Translator(tmp_path / "rover")
+    command = maps.messages.SetWrenchEffort(
+        propulsive_linear_effort_x=100.0, propulsive_rotational_effort_z=50.0
+    )
+    target = maps.bridge.translate_drive(command)
+    assert target.linear.x == pytest.approx(8.5, abs=1e-3)
+    assert target.angular.z == pytest.approx(-0.4, abs=1e-3)
