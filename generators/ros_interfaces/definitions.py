@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import re
 from dataclasses import dataclass, field
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
-from jausml.interfaces.definitions import SINGLE, TEXTS, FieldType
-from jausml.interfaces.values import parse_value
-
-_UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
+from jausml.interfaces.definitions import FieldType
+from jausml.interfaces.values import ValueTextError, write_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +35,8 @@ class FieldLine:
         """
         if self.default is None:
             return f"{self.type} {self.name}"
-        if "=" in self.default:
-            raise GenerationError(f"a definition cannot hold the = in the default of '{self.name}'")
-        return f"{self.type} {self.name} {value_text(self.default, self.type, self.name)}"
+        text = _value_text(self.default, self.type, self.name, is_default=True)
+        return f"{self.type} {self.name} {text}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +62,7 @@ class ConstantLine:
         Raises:
             GenerationError: A definition cannot say the value.
         """
-        value = value_text(self.value, FieldType(self.type), self.name)
+        value = _value_text(self.value, FieldType(self.type), self.name)
         return f"{self.type} {self.name}={value}"
 
 
@@ -148,32 +143,8 @@ def comment_lines(text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def value_text(value: str, kind: FieldType, name: str) -> str:
-    """Returns a default or a constant as a definition writes it.
-
-    Args:
-        value: The value as models write it.
-        kind: Its type.
-        name: What has it, for errors.
-
-    Raises:
-        GenerationError: A definition cannot say it: a text with a # or a line end.
-    """
-    text = value
+def _value_text(value: str, kind: FieldType, name: str, *, is_default: bool = False) -> str:
     try:
-        if kind.name in TEXTS and kind.array == SINGLE:
-            text = _quoted(value)
-        elif kind.name in TEXTS:
-            text = f"[{', '.join(map(_quoted, json.loads(value)))}]"
-        read = parse_value(text, kind)
-    except (ValueError, TypeError, AttributeError) as error:
-        raise GenerationError(f"value {value!a} of '{name}' is none of type {kind}") from error
-    if _UNSAYABLE.search(value) or (kind.name in TEXTS and read != value):
-        message = f"a definition cannot hold the value {value!a} of '{name}': # starts a comment,"
-        raise GenerationError(f"{message} and blanks at the ends of elements are lost")
-    return text
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace('"', '\\"')
-    return f'"{escaped}"'
+        return write_value(value, kind, is_default=is_default)
+    except ValueTextError as error:
+        raise GenerationError(f"value {value!a} of '{name}' {error}") from error

@@ -17,6 +17,8 @@ _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 _LONGEST_NUMBER = 400
 _JSON_NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+# What ends a line of a definition, or starts a comment.
+_UNSAYABLE = re.compile("[#\x00-\x1f\x7f\x85\u2028\u2029]")
 _BITS = {"byte": (0, 255), "char": (0, 255)}
 
 
@@ -52,6 +54,50 @@ def parse_value(text: str, kind: FieldType) -> str:
     if kind.name in TEXTS:
         return json.dumps(values, ensure_ascii=False)
     return f"[{', '.join(map(_shown, values))}]"
+
+
+def write_value(value: str, kind: FieldType, *, is_default: bool = False) -> str:
+    """Returns a default or a constant as definitions write it.
+
+    Args:
+        value: The value as models write it.
+        kind: The type of what it is for.
+        is_default: True for the default of a field.
+
+    Raises:
+        ValueTextError: It is no value of the type, or no definition can say it.
+    """
+    unsayable = _UNSAYABLE.search(value)
+    if unsayable or (is_default and "=" in value):
+        character = unsayable[0] if unsayable else "="
+        raise ValueTextError(f"has a {character!a}, which no definition can hold there")
+    if kind.name not in TEXTS or not kind.is_primitive:
+        parse_value(value, kind)
+        return value
+    if kind.array == SINGLE:
+        text = _quoted(value)
+    else:
+        text = f"[{', '.join(map(_quoted, _json_texts(value)))}]"
+    if parse_value(text, kind) != value:
+        raise ValueTextError("has blanks or quotes at the ends of an element, which are lost")
+    return text
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _json_texts(value: str) -> list[str]:
+    try:
+        elements = json.loads(value)
+    except ValueError as error:
+        raise ValueTextError("is no array in JSON") from error
+    if not isinstance(elements, list) or not all(isinstance(each, str) for each in elements):
+        raise ValueTextError("is no array of texts in JSON")
+    if value != json.dumps(elements, ensure_ascii=False):
+        raise ValueTextError(f"is written {json.dumps(elements, ensure_ascii=False)}")
+    return elements
 
 
 def integer_range(name: str) -> tuple[int, int]:

@@ -301,7 +301,7 @@ def test_names_of_constants():
     ],
 )
 def test_what_no_definition_can_say_is_an_error(line):
-    with pytest.raises(GenerationError, match="cannot hold"):
+    with pytest.raises(GenerationError, match=r"no definition can hold|are lost"):
         assert line.code
 
 
@@ -314,11 +314,11 @@ def test_what_no_definition_can_say_is_an_error(line):
         FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "no list"),
         FieldLine("x", FieldType("string", "", 0, "unboundedSequence"), "", "[1]"),
         FieldLine("x", FieldType("bool", "", 0, "fixedArray", 2), "", "[true]"),
-        ConstantLine("X", "int8", ""),
+        ConstantLine("x", "int8", ""),
     ],
 )
 def test_a_value_of_another_type_is_an_error(line):
-    with pytest.raises(GenerationError, match="is none of type"):
+    with pytest.raises(GenerationError, match=r"value .* of .x. "):
         assert line.code
 
 

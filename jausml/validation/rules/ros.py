@@ -7,7 +7,10 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
+from jausml.interfaces.definitions import TEXTS, FieldType
+from jausml.interfaces.values import ValueTextError, write_value
 from jausml.model.diagnostics import Severity
+from jausml.model.values import show
 from jausml.validation.facts.attributes import primitive
 from jausml.validation.facts.ros_paths import ros_name
 from jausml.validation.facts.topics import Endpoint, endpoints, namespace_fault, topic_fault
@@ -212,9 +215,34 @@ def constant_values(subject: Subject) -> Iterator[Finding]:
         # A byte is no number to rclpy, but its constants are.
         kind = "uint8" if constant.type.name == "byte" else constant.type.name
         fault = constant_fault(constant.value or "", primitive(kind))
+        if not fault and kind in TEXTS:
+            fault = _text_fault(constant.value or "", kind)
         if fault:
             message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
             yield Finding(constant, message, "value")
+
+
+@rule("JML410", Severity.ERROR, "impossible default")
+def default_values(subject: Subject) -> Iterator[Finding]:
+    """The default of a field of an interface is of its type, and a definition can say it.
+
+    Arrays stand as JSON. A text has no # and no line end, which would end it in a definition, and
+    no =, which would make a constant of the field.
+
+    Bad: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="256"/>`
+
+    Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
+    """
+    for field in subject.instances("ros.PrimitiveField"):
+        if field.defaultValue is None:
+            continue
+        array = (field.arrayKind.name, field.arraySize)
+        kind = FieldType(field.type.name, "", field.stringBound, *array)
+        try:
+            write_value(field.defaultValue, kind, is_default=True)
+        except ValueTextError as error:
+            message = f"default {show(field.defaultValue)} of '{field.name}' {error}"
+            yield Finding(field, message, "defaultValue")
 
 
 def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
@@ -224,6 +252,14 @@ def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
             if not subject.is_broken(end.element):
                 by_topic[end.topic].append(end)
         yield from by_topic.values()
+
+
+def _text_fault(text: str, kind: str) -> str:
+    try:
+        write_value(text, FieldType(kind))
+    except ValueTextError as error:
+        return str(error)
+    return ""
 
 
 def _policy(profile: Any, feature: str) -> str:
@@ -275,4 +311,5 @@ RULES = (
     interfaces,
     frequencies,
     constant_values,
+    default_values,
 )
