@@ -25,9 +25,9 @@ PAYLOAD = (
 )
 # The texts that are free: everything else has rules of its own and must be refused.
 FREE = {
-    *("documentation", "units", "format", "defaultValue"),
+    *("documentation", "units", "format"),
     *("EnumeratedValue.name", "Format.name", "Alternative.name", "Action.arguments"),
-    *("Parameter.value", "Constant.value", "ConstantAssignment.value"),
+    *("Parameter.value", "ConstantAssignment.value"),
 }
 
 
