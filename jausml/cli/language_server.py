@@ -15,8 +15,7 @@ def command() -> None:
 
     Editors start it; docs/how-to/editor.md says how. It needs the extra `editor`.
 
-    Exit status: 0 the editor has ended it, 1 the editor left without a word, 2 the extra is
-    missing, 3 internal error.
+    Exit status: 0 the editor has ended it or left, 2 the extra is missing, 3 internal error.
     """
     if find_spec("pygls") is None:
         raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")

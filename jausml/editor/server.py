@@ -120,6 +120,7 @@ class _Desk:
         self._bench.forget(path)
         self._publish(path, [])
         self._uris.pop(path, None)
+        self._check_soon()
 
     def _take(self, uri: str, version: int, text: str) -> None:
         path = _path(uri)
@@ -128,6 +129,9 @@ class _Desk:
         faults = syntax_problems(text)
         if faults:
             self._publish(path, faults)
+        self._check_soon()
+
+    def _check_soon(self) -> None:
         if self._checking is not None:
             self._checking.cancel()
         self._checking = asyncio.ensure_future(self._check())

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import textwrap
 from pathlib import Path
 
@@ -318,3 +320,14 @@ def test_the_texts_of_the_language_page():
     assert example.startswith("import ")
     assert members.startswith("JAUS ")
     assert structs.startswith("struct ")
+
+
+def test_who_reads_no_text_does_not_wait_for_the_parser():
+    model = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
+    code = (
+        "import sys; from click.testing import CliRunner; from jausml.cli import main; "
+        f"print(CliRunner().invoke(main, ['validate', {str(model)!r}]).exit_code); "
+        "print([each for each in ('lark', 'pygls') if each in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.stdout.split("\n")[:2] == ["0", "[]"]
