@@ -89,7 +89,9 @@ class _Elements:
                 drawn = st.lists(values(feature, self.texts), max_size=3, unique_by=repr)
                 set_values(obj, feature, draw(drawn))
             elif feature.kind is FeatureKind.ATTRIBUTE:
-                set_value(obj, feature, draw(values(feature, self.texts)))
+                may_be_null = feature.data_type.nullable and not feature.is_id
+                nulls = st.none() if may_be_null else st.nothing()
+                set_value(obj, feature, draw(values(feature, self.texts) | nulls))
             elif feature.kind is FeatureKind.CONTAINMENT and depth:
                 fitting = [each for each in feature.target.subtypes if not each.abstract]
                 fitting.sort(key=lambda each: each.qualified_name)

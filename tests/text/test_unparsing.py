@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.metamodel import load_metamodels
 from jausml.model import read_models
+from jausml.model.values import convert
 from jausml.model.writer import UnwritableError
+from jausml.text import literals
 from jausml.text.notation import NOTATIONS
 from jausml.text.unparsing import to_text
 
+REAL = load_metamodels().classes["ros.Node"].features["frequency"].data_type
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
@@ -278,6 +282,27 @@ def test_values_that_defaults_hide(text_of):
     )
     assert 'version: @""' in text
     assert "host { multicastTtl: 0 }" in text
+
+
+@pytest.mark.parametrize(
+    ("value", "number"),
+    [
+        (0.0, "0"),
+        (-0.0, "-0"),
+        (25.0, "25"),
+        (1e-7, "1e-07"),
+        (1e300, "1e+300"),
+        (0.1, "0.1"),
+        (float("nan"), "NaN"),
+        (float("-inf"), "-Infinity"),
+    ],
+)
+def test_numbers_are_short_and_exact(value, number):
+    written = literals.number(value).text
+    assert written == number
+    read, fault = convert(written, REAL)
+    assert fault is None
+    assert repr(read) == repr(value)
 
 
 def test_models_that_text_cannot_hold_are_refused(text_of):
