@@ -141,9 +141,8 @@ def context_at(text: str, document: Document, place: Place) -> Context:
     levels = tuple(_levels(document, start))
     tokens = [each for each in scan(text).tokens if _position(each) <= start]
     quoted = next((each for each in tokens if _is_text_around(each, place)), None)
-    if quoted is not None:
-        tokens = tokens[: tokens.index(quoted)]
-    statement = _statement([each for each in tokens if _position(each) < start], levels[-1], start)
+    limit = start if quoted is None else _position(quoted)
+    statement = _statement([each for each in tokens if _position(each) < limit], levels[-1], start)
     part, about = _part(levels[-1], statement)
     return Context(levels, part, word, start, end, about, quoted is not None)
 

@@ -72,6 +72,7 @@ def offered(bench, at):
         (to_ros("X -> y : value_to_percent(¦"), {"top"}),
         (to_ros("X -> y : with_units(¦)"), {"m/s"}),
         (to_ros('X -> y : with_units("¦")'), {"rad/s"}),
+        (to_ros('"m" -> z\nX -> y : with_units("m¦")'), {"rad/s"}),
         (to_ros("X -> y { whenAbsent: ¦ }"), {"dropMessage", "leave"}),
         (to_ros("X -> y { ¦ }"), {"whenAbsent", "precision"}),
         (to_jaus("¦"), {"twist", "imu"}),

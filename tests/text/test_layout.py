@@ -206,7 +206,7 @@ documents = closed(
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(documents)
 def test_what_is_written_is_read(document):
     text = render(document)
@@ -220,7 +220,7 @@ def test_what_is_written_is_read(document):
 separators = st.sampled_from([" ", "\n", "\n\n\n", "\t", " // why\n", " /* what\n ever */ "])
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(documents, st.randoms(use_true_random=False), st.data())
 def test_layout_is_idempotent_and_keeps_all_tokens_and_comments(document, random, data):
     tokens = scan(render(document)).tokens
