@@ -239,7 +239,8 @@ def test_output_passes_the_type_checker(tmp_path):
     )
     package = tmp_path / "loop_bridge" / "loop_bridge"
     path = os.pathsep.join([str(tmp_path / "jausml_runtime"), str(package.parent)])
-    modules = sorted(str(each) for each in package.glob("*.py"))
+    folders = (package, package.parent / "test")
+    modules = sorted(str(each) for folder in folders for each in folder.glob("*.py"))
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
         env={**os.environ, "MYPYPATH": path},

@@ -16,6 +16,7 @@ from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 
+ROOT = Path(__file__).resolve().parents[2]
 MODEL = Path(__file__).with_name("checked_bridge.ros2jaus")
 BASE = "checked_bridge/checked_bridge_base.py"
 
@@ -104,11 +105,34 @@ def damaged(text, found, replacement):
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory):
-    """Returns exit code and output of the generated tests by damage; none for the name None."""
+def folder(tmp_path_factory):
+    """Returns a folder with the generated bridge."""
+    made = tmp_path_factory.mktemp("checked")
+    write(made)
+    return made
+
+
+def test_the_generated_tests_need_no_formatter(folder):
+    config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+    for check in (["format", "--check"], ["check", "--ignore", "S101"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *check, *config, "test"],
+            cwd=folder / "checked_bridge",
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_hypothesis_is_what_the_tests_need(folder):
+    manifest = (folder / "checked_bridge" / "package.xml").read_text(encoding="utf-8")
+    assert "<test_depend>python3-hypothesis</test_depend>" in manifest
+
+
+@pytest.fixture(scope="module")
+def outcomes(folder):
+    """Returns exit code and output of the generated tests by damage; undamaged for None."""
     pytest.importorskip("rclpy")
-    folder = tmp_path_factory.mktemp("checked")
-    write(folder)
     package = folder / "checked_bridge"
     text = (package / BASE).read_text(encoding="utf-8")
     replacements = []
