@@ -13,7 +13,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from .bridge_joins import StaleJoinError
-from .bridge_limits import CLAMP, ERROR, Clamp, DropField, DropMessage, Error, OutOfRangeError
+from .bridge_limits import (
+    CLAMP,
+    DROP_FIELD,
+    ERROR,
+    Clamp,
+    DropField,
+    DropMessage,
+    Error,
+    OutOfRangeError,
+)
 from .bridge_statistics import AbsentFieldError, Statistics
 from .conversions import ConversionError
 from .message import DecodeError, EncodeError
@@ -163,8 +172,8 @@ class Connection(Generic[SourceT, TargetT]):
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
         """Counts a value that its target field cannot carry.
 
-        A value that is clamped is ordinary traffic, for which the model found a use; what is left
-        out or dropped goes into the log.
+        A value that is clamped or left out is ordinary traffic, which the model foresees: ROS marks
+        what is unknown by values that no JAUS field carries. What is dropped goes into the log.
         """
         counts = self.statistics.out_of_range
         counts[policy, field] = counts.get((policy, field), 0) + 1
@@ -172,7 +181,7 @@ class Connection(Generic[SourceT, TargetT]):
         if self._counters is None:  # a translation that is tried before the bridge is open
             return
         name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
-        if policy == CLAMP:
+        if policy in {CLAMP, DROP_FIELD}:
             self._counters.add(name)
         else:
             level = logging.ERROR if policy == ERROR else logging.WARNING

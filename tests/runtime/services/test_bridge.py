@@ -641,7 +641,7 @@ def test_counters_name_field_and_policy(
     assert status.level == level
     assert (f"out of range: {counted} M", "1") in status.values
     records = [record for record in caplog.records if "out_of_range" in record.message]
-    names = {"clamp": [], "error": ["ERROR"]}.get(counted, ["WARNING"])
+    names = {"clamp": [], "drop_field": [], "error": ["ERROR"]}.get(counted, ["WARNING"])
     assert [record.levelname for record in records] == names
     world.run(0.1)
     assert connection.status().level == "ok"  # a matter of the past
