@@ -134,7 +134,7 @@ class BlockBuilder:
             return
         owning = self._owning(owner, table)
         if len(owning) == 1:
-            self.fill(self._nodes.element(owner, owning[0], table, self._place(block)), block)
+            self.fill(self._nodes.element(owner, owning[0], table, block.span), block)
             return
         self._report_owner(owner, block, table, owning)
 
@@ -145,7 +145,7 @@ class BlockBuilder:
         if len(owning) != 1:
             self._report_owner(owner, block, table, owning)
             return
-        node = self._nodes.element(owner, owning[0], table, self._place(block))
+        node = self._nodes.element(owner, owning[0], table, block.span)
         self.fill_map(node, block)
 
     def fill_map(self, node: Node, block: Element) -> None:
@@ -211,7 +211,7 @@ class BlockBuilder:
             hint = f"write 'new' and one of: {legal}"
             self._wrong(node, feature, block.span, f"takes {wanted.name}; this {what}", hint)
         else:
-            child = self._nodes.element(node, feature.name, table, self._place(block))
+            child = self._nodes.element(node, feature.name, table, block.span)
             self.fill(child, block)
 
     def _wrong(
@@ -250,10 +250,6 @@ class BlockBuilder:
             what = f"{table.name} may stand in {' or '.join(owning)}"
             hint = f"write {owning[0]}: new {keyword_of(table)} ..."
         self._nodes.fault("JML702", block.span, what, hint, owner=owner)
-
-    @staticmethod
-    def _place(block: Element) -> Span:
-        return block.span
 
 
 def is_map(block: Element) -> bool:
