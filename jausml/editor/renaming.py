@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.editor.definition import declaration_at, meant
 from jausml.editor.positions import is_within
 from jausml.editor.workbench import names_in
+from jausml.model.uris import library_root
 from jausml.text.words import path as written_path
 from jausml.text.words import word as written_word
 
@@ -66,12 +67,15 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
         name: The new name, without back quotes.
 
     Raises:
-        RenameError: No text declares what is at the place, or the name is taken or empty.
+        RenameError: No text of the user declares what is at the place, or the name is taken or
+            empty.
     """
     found = declaration_at(bench, path, place)
     if found is None:
         raise RenameError("only what a text declares can be renamed here")
     home, declaration = found
+    if home not in bench.texts and home.is_relative_to(library_root().resolve()):
+        raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
     if not name.strip() or any(not each.isprintable() for each in name):
         raise RenameError("a name has printable characters")
     _check_free(bench, home, declaration, name)

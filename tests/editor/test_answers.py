@@ -209,6 +209,12 @@ def test_rename_reaches_other_texts_and_steps_of_names(bench, at, tmp_path):
     ("text", "name", "reason"),
     [
         ("m { JAUS Report¦VelocityState }", "x", "only what a text declares"),
+        (
+            "import mappings.local_waypoint_driver "
+            "bridge b { connection c { map: local_way¦point } }",
+            "x",
+            "shipped library",
+        ),
         ("node a¦ { } node b { }", "b", "line 1 declares another"),
         ("node a¦ { }", " ", "printable"),
     ],
