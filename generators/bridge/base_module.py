@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         UserMethod,
     )
 
-_VALUE_TYPES = {PYTHON_TYPES[kind] for kind in (QUATERNION, TIME, BITS)}
+VALUE_TYPES = {PYTHON_TYPES[kind] for kind in (QUATERNION, TIME, BITS)}
 _WORD = re.compile(r"\w+")
 _METHOD_COLUMN = 4
 
@@ -63,13 +63,17 @@ class BaseModule:
         """All words of the annotations."""
         texts = [each.annotation for each in self.around.constants.values()]
         texts += [each.annotation for each in self.around.memories]
-        for method in self.around.methods.values():
-            texts += [*method.inputs, method.output]
         for nested in self.nested:
             texts += [nested.source_name, nested.target_name]
         texts += [join.type_name for view in self.connections for join in view.joins]
         if self.quantities:
             texts += ["RosSide", "Transport"]
+        return self.method_words | frozenset(_WORD.findall("\n".join(texts)))
+
+    @property
+    def method_words(self) -> frozenset[str]:
+        """All words of the types of the conversions that the user writes."""
+        texts = [text for each in self.methods for text in (*each.inputs, each.output)]
         return frozenset(_WORD.findall("\n".join(texts)))
 
     @property
@@ -99,7 +103,7 @@ class BaseModule:
     def typing_lines(self) -> tuple[str, ...]:
         """Import statements that type checkers alone need."""
         only = self._annotations - self._running
-        names = {("jausml_runtime.conversions", name) for name in _VALUE_TYPES & only}
+        names = {("jausml_runtime.conversions", name) for name in VALUE_TYPES & only}
         if self.quantities:
             names |= {
                 ("jausml_runtime.bridge", "RosSide"),

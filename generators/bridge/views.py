@@ -9,8 +9,8 @@ from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.literals import python_literal, python_string
-from jausml.generators.bridge.base_module import BaseModule, names_of, stub
+from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
+from jausml.generators.bridge.base_module import VALUE_TYPES, BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, argument, query_of
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.common.assignments import AssignmentError, Surroundings, used_maps
@@ -185,8 +185,10 @@ class BridgeView:
         """Arguments of BridgeSettings, laid out."""
         lines = [argument(key, value, _ARGUMENT) for key, value in self.settings]
         if self.services:
+            lone = f"services=({self.services[0]},)"
             inner = [indent(f"{statement(each, '', 21)},", "    ") for each in self.services]
-            lines.append("\n".join(["services=(", *inner, ")"]))
+            is_short = len(self.services) == 1 and len(lone) + 1 + _ARGUMENT <= LINE_WIDTH
+            lines.append(lone if is_short else "\n".join(["services=(", *inner, ")"]))
         return tuple(lines)
 
     # ------------------------------------------------------------------ imports
@@ -248,9 +250,15 @@ class BridgeView:
     @property
     def skeleton_standard_lines(self) -> tuple[str, ...]:
         """Import statements of the standard library that the skeleton needs."""
-        words = " ".join(f"{' '.join(each.inputs)} {each.output}" for each in self.module.methods)
-        names = [name for name in ("Any",) if name in words.replace("|", " ").split()]
+        names = ["TYPE_CHECKING"] if self.skeleton_typing_lines else []
+        names += ["Any"] if "Any" in self.module.method_words else []
         return import_lines(("typing", name) for name in names)
+
+    @property
+    def skeleton_typing_lines(self) -> tuple[str, ...]:
+        """Import statements of the skeleton that type checkers alone need."""
+        names = VALUE_TYPES & self.module.method_words
+        return import_lines((("jausml_runtime.conversions", name) for name in names), 4)
 
     def _requested(self, message: Any) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""

@@ -10,7 +10,7 @@ from tests.generators.assignment_support import generated
 
 pytest.importorskip("rclpy")
 
-from geometry_msgs.msg import Quaternion, Twist
+from geometry_msgs.msg import PoseStamped, Quaternion, Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import UInt8
 
@@ -55,6 +55,12 @@ turn {
   ROS->JAUS ( angular.z -> rate )
 }
 
+tilt {
+  JAUS Tilting ( float32 tilt )
+  ROS geometry_msgs/PoseStamped
+  ROS->JAUS ( pose.orientation -> tilt : user(tilt) )
+}
+
 fix {
   JAUS Fixed ( int8 state )
   ROS sensor_msgs/NavSatFix
@@ -75,13 +81,17 @@ lamps {
 
 bridge valued {
   address: 1.1.2
+  frequency: 12.5
   quantity reach { value: 80 units: "m" }
   connection attitude { map: attitude topic a {} }
+  connection polled { map: attitude exchange: query topic a {} }
+  connection often { map: attitude exchange: periodicEvent rate: 50 topic a {} }
   connection attitude_out { map: attitude direction: rosToJaus topic a {} }
   connection gear { map: gear topic g {} }
   connection gear_out { map: gear direction: rosToJaus topic g {} }
   connection turn { map: turn topic t {} }
   connection turn_out { map: turn direction: rosToJaus topic t {} }
+  connection tilt { map: tilt direction: rosToJaus topic p {} }
   connection fix { map: fix topic f {} }
   connection lamps { map: lamps direction: rosToJaus topic l {} }
 }
@@ -212,6 +222,10 @@ def test_quantities_are_parameters(made):
     assert asked == [("reach", 80.0, "reach (m).")]
 
 
+def test_rates_that_are_not_stated_are_that_of_the_bridge(made):
+    assert (made.bridge.polled.rate, made.bridge.often.rate) == (12.5, 50.0)
+
+
 def test_expressions(made):
     report = made.messages.ReportLocalPose
     values = [(6.0, 4.0), (-3.0, 4.0)]
@@ -224,7 +238,7 @@ def test_expressions(made):
 
 
 def test_user_conversions_stand_in_the_skeleton(made):
-    method = made.skeleton.contract.methods[-1]
+    method = made.skeleton.contract.methods[-2]
     assert (method.name, method.parameters) == ("convert_choose_mode", ("value",))
     assert not method.optional
     assert method.identity == "conversion:choose_mode"
@@ -236,3 +250,15 @@ def test_user_conversions_stand_in_the_skeleton(made):
 
     target = Mine().translate_gear_out(UInt8(data=20))
     assert (target.gear, target.mode) == (1, 2)
+
+
+def test_user_conversions_may_take_orientations(made):
+    class Mine(type(made.bridge)):
+        def convert_tilt(self, value):
+            return value.x
+
+    source = PoseStamped()
+    source.pose.orientation = Quaternion(x=0.25, z=0.5)
+    target = Mine().translate_tilt(source)
+    assert target.tilt == 0.25
+    assert "    from jausml_runtime.conversions import Quaternion\n" in made.skeleton.text

@@ -9,6 +9,7 @@ from jausml.generation.literals import python_literal
 from jausml.generators.common.assignments.formulas import ExpressionStatements
 from jausml.generators.common.assignments.tables import look_up
 from jausml.generators.common.assignments.values import (
+    BOOLEAN,
     NUMBERS,
     PYTHON_TYPES,
     QUATERNION,
@@ -192,7 +193,11 @@ class Chain:
         return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
 
     def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
-        inputs = [PYTHON_TYPES.get(value.kind, "Any") for value in values]
+        # A bool is an int, and the style allows none as a parameter.
+        inputs = [
+            "int" if value.kind == BOOLEAN else PYTHON_TYPES.get(value.kind, "Any")
+            for value in values
+        ]
         kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
         outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
         output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"

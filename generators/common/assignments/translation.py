@@ -18,6 +18,7 @@ from jausml.generators.common.assignments.values import (
 from jausml.generators.common.jaus_fields import BITS, joined
 from jausml.generators.common.layout import Call
 from jausml.generators.common.names import snake_case
+from jausml.validation.facts.conversions import conversion_signature
 from jausml.validation.facts.paths import place
 from jausml.validation.facts.units import attribute_measure, result_measure, unit_step
 
@@ -191,8 +192,11 @@ class Translation:
     def _store(self, assignment: Any, values: Sequence[Value]) -> None:
         results = self.results_of(assignment, values)
         remark = self._unit_remark(assignment)
+        # A conversion may make another quantity of the source, in a unit that nobody states.
+        kinds = [conversion.kind for conversion in assignment.conversions]
+        keeps_units = all(conversion_signature(kind).units == "same" for kind in kinds)
         for path, value in zip(paths_of(assignment.target), results, strict=True):
-            words = remark or (value.units if self.to_ros else "")
+            words = remark or (value.units if self.to_ros and keeps_units else "")
             self.target.put(self.body, path, self.target.fitted(path, value), words)
 
     def _unit_remark(self, assignment: Any) -> str:
