@@ -28,7 +28,7 @@ from jausml.generators.common.ros import import_lines
 from jausml.generators.common.ros_fields import PathError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml.generators.common.messages import MessageView
 
@@ -263,13 +263,21 @@ class BridgeView:
     def _requested(self, message: Any) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""
         return frozenset(
-            path.strip().split(".")[0]
+            path.split(".")[0].partition("[")[0]
             for connection in self.bridge.bridgeConnections
             if connection.direction.name == "jausToRos" and connection.map.message is message
-            for assignment in connection.map.toRos
-            if assignment.eClass.name == "FieldAssignment"
-            for path in assignment.source.split(",")
+            for path in _read_paths(connection.map.toRos)
         )
+
+
+def _read_paths(assignments: Iterable[Any]) -> Iterator[str]:
+    """Yields the source paths that start at the message, those in lists included."""
+    for assignment in assignments:
+        for path in getattr(assignment, "source", "").split(","):
+            yield path.strip()
+        for inner in _read_paths(getattr(assignment, "assignments", ())):
+            if inner.startswith("/"):
+                yield inner[1:]
 
 
 def _messages_of(connection: Any) -> Iterator[Any]:

@@ -15,6 +15,10 @@ TEXT = """
 service_set shapes {
   service Shapes {
     urn: "urn:example:Shapes"
+    inputs: new message_def QueryNumbers {
+      code: "0x2201"
+      body: new record QueryRec { fixed_field PresenceVector { type: uint8 } }
+    }
     outputs: new message_def ReportNumbers {
       code: "0xD201"
       body: new sequence NumbersSeq {
@@ -86,6 +90,7 @@ bridge shaped {
   connection numbers { map: numbers topic a {} }
   connection numbers_out { map: numbers direction: rosToJaus topic a {} }
   connection few { map: numbers direction: rosToJaus outOfRange: error topic a {} }
+  connection polled { map: numbers exchange: query topic a {} }
   connection codes { map: codes topic b {} }
   connection codes_out { map: codes direction: rosToJaus topic b {} }
   connection rows { map: rows topic c {} }
@@ -140,6 +145,10 @@ def test_too_many_elements_follow_the_policy(made, name, policy):
 def test_elements_have_limits(made):
     target = made.bridge.translate_numbers_out(Float64MultiArray(data=[1e300]))
     assert target.numbers[0].number == pytest.approx(3.4028234663852886e38)
+
+
+def test_queries_ask_for_the_lists_that_are_read(made):
+    assert "query=QueryNumbers(presence_vector=0x0001)," in made.base
 
 
 # ------------------------------------------------------------------ arrays and indices
