@@ -26,7 +26,9 @@ def test_problems_are_lines_that_editors_know(jausml, folder):
     lines = (folder / "bad.xmi").read_text().splitlines()
     line = next(number for number, text in enumerate(lines, 1) if 'rate="2000"' in text)
     place = f"./bad.xmi:{line}:{lines[line - 1].index('rate=') + 1}"
-    assert result.stdout.startswith(f"{place}: error: JML425 rate 2000 of 'velocity' is out of range")
+    assert result.stdout.startswith(
+        f"{place}: error: JML425 rate 2000 of 'velocity' is out of range"
+    )
     assert result.stderr == "1 error in 1 file\n"
 
 
