@@ -94,7 +94,11 @@ def result_measure(placed: Placed) -> Measure | UnitFault | None:
     Returns:
         None when nothing is known, a fault when a conversion cannot take what it gets.
     """
-    current = _common([attribute_measure(found) for _, found in placed.sources])
+    measures = [attribute_measure(found) for _, found in placed.sources]
+    fault = _source_fault(placed, [each for each in measures if each is not None])
+    if fault is not None:
+        return fault
+    current = _common(measures)
     for conversion in placed.assignment.conversions:
         following = _converted(conversion, current)
         if following is None or isinstance(following, Measure):
@@ -121,6 +125,22 @@ def attribute_measure(found: Any) -> Measure | None:
     """Returns the unit of what a path leads to, when it is a number with a known one."""
     if isinstance(found, Attribute) and found.kind in _NUMERIC:
         return measure(found.units)
+    return None
+
+
+def _source_fault(placed: Placed, known: list[Measure]) -> UnitFault | None:
+    """What is wrong with several sources, which a conversion takes in one unit."""
+    first = next(iter(placed.assignment.conversions), None)
+    if first is None or len(placed.sources) < 2:
+        return None
+    rule = conversion_signature(first.kind).units.split()
+    if len(rule) == 2:
+        results = (_between(first, each, *rule) for each in known)
+        faults = (each for each in results if isinstance(each, UnitFault))
+        return next((UnitFault(first, each.message) for each in faults), None)
+    if rule and rule[0] in ("same", "square", "root") and len({each.unit for each in known}) > 1:
+        units = " and ".join(dict.fromkeys(each.text for each in known))
+        return UnitFault(first, f"{first.kind.name} takes one unit, but gets {units}")
     return None
 
 
