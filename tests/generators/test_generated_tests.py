@@ -129,6 +129,31 @@ def test_hypothesis_is_what_the_tests_need(folder):
     assert "<test_depend>python3-hypothesis</test_depend>" in manifest
 
 
+def test_a_bridge_without_vectors_has_a_test(tmp_path):
+    """Without one, pytest ends with an exit status of its own, and linters see unused imports."""
+    model = tmp_path / "arm.ros2jaus"
+    model.write_text(
+        """\
+import `jaus.manipulator-2.0`
+joints {
+  JAUS ReportJointPositions
+  ROS sensor_msgs/JointState
+  JAUS->ROS ( JointPositionList -> position { JointPosition.radian -> . : user(trim) } )
+}
+component arm { address: 10.1.2  provides: ManipulatorJointPositionSensor }
+bridge arm_bridge {
+  address: 10.1.1
+  uses: ManipulatorJointPositionSensor
+  connection joints { map: joints  exchange: query  peers: arm  topic joint_states {} }
+}
+"""
+    )
+    result = read_models([model], notations=NOTATIONS)
+    assert result.diagnostics == []
+    [tests] = [each for each in render(result.model, [TARGET]) if "/test/" in each.path]
+    assert "    assert len(bridge.connections) == 1\n" in tests.text
+
+
 @pytest.fixture(scope="module")
 def outcomes(folder):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""

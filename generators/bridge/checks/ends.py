@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generators.bridge.checks.check import MARGIN, store
 from jausml.generators.bridge.checks.figures import Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
+from jausml.generators.common.assignments import used_maps
 from jausml.generators.common.layout import Call, statement
 
 if TYPE_CHECKING:
@@ -76,6 +77,16 @@ class Ends:
             if assignment.eClass.name == "FieldAssignment"
         ]
         return [each for each in chains if not any(map(self.join_of, each.sources))]
+
+    @property
+    def overridden(self) -> dict[str, float]:
+        """What the maps state for quantities that the bridge replaces, by attribute.
+
+        Vectors are figures of the map as it stands.
+        """
+        self.view.body  # noqa: B018 - writing a translation collects what it uses
+        maps = used_maps(self.map, to_ros=self.to_ros)
+        return self.view.around.overridden(each for one in maps for each in one.quantities)
 
     def join_of(self, path: str) -> JoinView | None:
         """Returns the join that a path of the source starts with."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.bridge.checks.absences import absences
+from jausml.generators.bridge.checks.check import Check
 from jausml.generators.bridge.checks.ends import Ends
 from jausml.generators.bridge.checks.examples import examples
 from jausml.generators.bridge.checks.limits import limits
@@ -22,7 +23,6 @@ from jausml.generators.common.ros import import_lines
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.generators.bridge.checks.check import Check
     from jausml.generators.bridge.views import BridgeView
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -69,7 +69,8 @@ class TestModule:
     def checks(self) -> tuple[Check, ...]:
         """The tests in the order of the connections, under names of their own."""
         names = Scope()
-        return tuple(replace(check, name=names.claim(check.name)) for check in self._checks())
+        checks = list(self._checks()) or [self._connections()]
+        return tuple(replace(check, name=names.claim(check.name)) for check in checks)
 
     @property
     def dependencies(self) -> tuple[str, ...]:
@@ -129,3 +130,12 @@ class TestModule:
                 yield from limits(ends, sample)
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
+
+    def _connections(self) -> Check:
+        """Shows that the bridge can be made, where there is nothing else to show."""
+        about = "The bridge has its connections."
+        return Check(
+            "connections",
+            about,
+            (f"assert len(bridge.connections) == {len(self.bridge.connections)}",),
+        )

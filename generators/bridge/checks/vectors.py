@@ -44,6 +44,7 @@ def vectors(ends: Ends) -> Iterator[Check]:
 
 def _check(ends: Ends, vector: Any) -> Check:
     lines, joined = _given(ends, vector)
+    lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
     lines += ends.translated(joined)
     if not ends.to_ros:
         lines.append(f"target = {ends.view.target_name}.decode(target.encode())")

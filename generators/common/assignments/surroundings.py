@@ -9,7 +9,7 @@ from jausml.generators.common.assignments.values import AssignmentError
 from jausml.generators.common.names import Scope, constant_name, snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from jausml.generators.common.assignments.body import Body
     from jausml.generators.common.messages import MessageView
@@ -151,14 +151,34 @@ class Surroundings:
         Args:
             quantity: The `bridge.Quantity`.
         """
-        found = self.overrides.get(quantity.name, quantity)
-        units = str(found.units or quantity.units or "")
-        key = (str(quantity.name), float(found.value), units)
+        key = self._quantity_key(quantity)
         if key not in self.quantities:
+            found = self.overrides.get(quantity.name, quantity)
             about = found.documentation or quantity.documentation or ""
             name = self.attributes.claim(snake_case(quantity.name))
-            self.quantities[key] = QuantityView(name, float(found.value), units, str(about))
+            self.quantities[key] = QuantityView(name, *key[1:], str(about))
         return f"self.{self.quantities[key].name}"
+
+    def overridden(self, quantities: Iterable[Any]) -> dict[str, float]:
+        """Returns what maps state for quantities that the bridge replaces.
+
+        Args:
+            quantities: Each a `bridge.Quantity` of a map.
+
+        Returns:
+            The values of the maps by names of attributes, of those that are used.
+        """
+        found: dict[str, float] = {}
+        for quantity in quantities:
+            used = self.quantities.get(self._quantity_key(quantity))
+            if used is not None and used.value != quantity.value:
+                found.setdefault(used.name, float(quantity.value))
+        return found
+
+    def _quantity_key(self, quantity: Any) -> tuple[str, float, str]:
+        """Returns name, value and unit: what is the same in all of them is one attribute."""
+        found = self.overrides.get(quantity.name, quantity)
+        return str(quantity.name), float(found.value), str(found.units or quantity.units or "")
 
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
         """Returns the Python path of a conversion that the user writes.
