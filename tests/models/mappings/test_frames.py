@@ -84,6 +84,22 @@ def test_attitude_on_the_earth(
     assert (back.roll, back.pitch, back.yaw) == pytest.approx((roll, pitch, heading), abs=1e-3)
 
 
+@pytest.mark.parametrize("from_vertical", [0.0, 1e-9, 1e-7, 1e-5])
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_nearly_straight_up_and_down_on_the_earth(
+    translator: Callable[[str], Translator], up: float, from_vertical: float
+) -> None:
+    maps = translator("global_pose_sensor")
+    half_pitch, half_yaw = -up * (math.pi / 2 - from_vertical) / 2, 0.6
+    sp, cp, sy, cy = (f(each) for each in (half_pitch, half_yaw) for f in (math.sin, math.cos))
+    orientation = Quaternion(x=-sp * sy, y=sp * cy, z=cp * sy, w=cp * cy)
+    report = maps.to_jaus("global_pose", NavSatFix(), imu=Imu(orientation=orientation))
+    source = maps.messages.ReportGlobalPose(roll=report.roll, pitch=report.pitch, yaw=report.yaw)
+    again = maps.to_ros("global_attitude", source).orientation
+    for axis in ((1, 0, 0), (0, 1, 0)):
+        assert turned(again, axis) == pytest.approx(turned(orientation, axis), abs=1e-3)
+
+
 @pytest.mark.parametrize(("roll", "pitch", "yaw"), ATTITUDES)
 def test_attitude_in_odom(
     translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float

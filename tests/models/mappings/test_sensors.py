@@ -109,6 +109,23 @@ def test_each_cell_stays_where_it_is(
         assert again[occupancy] == pytest.approx(place, abs=0.01)
 
 
+@pytest.mark.parametrize("name", ["cost_map", "cost_map_enu"])
+def test_the_length_of_the_orientation_of_a_grid_does_not_matter(
+    translator: Callable[[str], Translator], name: str
+) -> None:
+    maps = translator("cost_map_2d")
+    made, longer = grid(4, 2, 10.0, 3.0, 1.0, 0.4), grid(4, 2, 10.0, 3.0, 1.0, 0.4)
+    longer.info.origin.orientation.z *= 2.0
+    longer.info.origin.orientation.w *= 2.0
+    expected, found = (maps.to_jaus(name, each).cost_map2d_pose_var for each in (made, longer))
+    assert found.map_center_x == near(expected.map_center_x)
+    assert found.map_center_y == near(expected.map_center_y)
+    assert found.map_rotation == near(expected.map_rotation)
+    longer.info.origin.orientation.z = longer.info.origin.orientation.w = 0.0
+    with pytest.raises(ValueError, match="divided by zero"):
+        maps.to_jaus(name, longer)
+
+
 def test_unknown_cells_and_walls(translator: Callable[[str], Translator]) -> None:
     maps = translator("cost_map_2d")
     made = grid(3, 1, 20 * WIDTH_STEP, 0.0, 0.0, 0.0)
