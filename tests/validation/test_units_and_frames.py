@@ -51,3 +51,33 @@ def test_sources_of_different_units_are_no_sources_of_one_conversion(
       JAUS->ROS ( {sources} -> {target} : {conversion} )
     }}"""
     assert findings(tmp_path, text) == [("JML431", message)]
+
+
+@pytest.mark.parametrize("conversion", ["scale(1e308)", "scale(1e308), negate", "linear(1, 1e308)"])
+def test_ranges_of_huge_numbers_do_not_stop_checking(conversion, tmp_path):
+    text = f"""
+    turn {{
+      JAUS Turn ( uint16 angle {{ lower: -3.14159 upper: 3.14159 }} )
+      ROS std_msgs/UInt8
+      ROS->JAUS ( data -> angle : {conversion} )
+    }}"""
+    assert {rule for rule, _ in findings(tmp_path, text)} <= {"JML434", "JML435"}
+
+
+@pytest.mark.parametrize(
+    ("jaus", "ros", "is_wrong"),
+    [
+        ("localUp", "localUp", True),
+        ("localDown", "localDown", True),
+        ("localDown", "localUp", False),
+        ("localUp", "localDown", False),
+    ],
+)
+def test_horizontal_axes_change_places_only_between_up_and_down(jaus, ros, is_wrong, tmp_path):
+    text = f"""
+    place {{
+      JAUS Place ( float64 x {{ units: "m" frame: {jaus} }} )
+      ROS place_msgs/Place ( float64 y {{ units: "m" frame: {ros} }} )
+      JAUS->ROS ( x -> y )
+    }}"""
+    assert ("JML433" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong

@@ -151,7 +151,8 @@ def _direct(placed: Placed, source: Axis, target: Axis) -> Finding | None:
 def _is_exchange(source: Axis, target: Axis) -> bool:
     """Whether x goes to y or y to x, as from north-east-down to east-north-up."""
     are_lengths = not source.is_angle and not target.is_angle
-    return are_lengths and {source.name, target.name} == {"x", "y"} and source.sign > 0
+    are_opposite = source.frame != target.frame
+    return are_opposite and are_lengths and {source.name, target.name} == {"x", "y"} and source.sign > 0
 
 
 def _frames_of(conversion: Any) -> tuple[str, ...]:

@@ -213,11 +213,12 @@ def _is_cut(attribute: Attribute) -> bool:
 def _is_flattened(end: _End) -> bool:
     """Whether all values become one number, although they differ."""
     step = end.attribute.step
-    if not step or not all(map(math.isfinite, end.given)) or _is_cut(end.attribute):
+    values = intervals.meet(end.given, end.carried)
+    if not step or not all(map(math.isfinite, values)) or _is_cut(end.attribute):
         return False
     origin = 0.0 if end.attribute.integral else end.carried[0]
-    low, high = (round((each - origin) / step) for each in end.given)
-    return end.given[0] < end.given[1] and low == high
+    low, high = (round((each - origin) / step) for each in values)
+    return values[0] < values[1] and low == high
 
 
 def _sent_for_zero(value: Any, target: Any) -> float:
