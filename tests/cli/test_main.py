@@ -102,4 +102,4 @@ def test_explain_shows_the_documentation(jausml):
 def test_explain_of_an_unknown_rule(jausml):
     result = jausml("explain", "JML331")
     assert result.exit_code == 2
-    assert "did you mean JML3" in result.stderr
+    assert "did you mean JML" in result.stderr
