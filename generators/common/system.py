@@ -12,12 +12,14 @@ if TYPE_CHECKING:
 
 
 def system_of(model: Model) -> Any:
-    """Returns the `system.System` of a valid model.
+    """Returns the `system.System` of a valid model: that of the file that is generated from.
+
+    Systems of other files have their own workspaces; here they are only referred to.
 
     Raises:
         GenerationError: There is none, or more than one: a workspace is made of one system.
     """
-    systems = model.instances("system.System")
+    systems = [root for root in model.documents[0].roots if root.eClass.name == "System"]
     if len(systems) != 1:
         names = ", ".join(repr(system.name) for system in systems) or "none"
         raise GenerationError(f"a workspace is generated from one system; the model has {names}")

@@ -103,7 +103,7 @@ def _tasks(packages: Sequence[InterfacesView]) -> list[ArtifactTask[Any]]:
 
 def _system(model: Model) -> tuple[Any, str]:
     """Returns the system and the name of its file; without one, a system named after the file."""
-    if model.instances("system.System"):
+    if any(root.eClass.name == "System" for root in model.documents[0].roots):
         return system_of(model), source_of(model)
     path = PurePath(model.documents[0].display)
     system = new_object(model.metamodels.classes["system.System"])

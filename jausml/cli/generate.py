@@ -167,14 +167,15 @@ def _valid_model(read: ReadResult) -> Model:
 
 def _require_system(path: str, model: Model) -> None:
     systems = [root for root in model.documents[0].roots if root.eClass.name == "System"]
-    if len(systems) == len(model.instances("system.System")) == 1:
+    if len(systems) == 1:
         return
     name = click.format_filename(path)
     maps = model.instances("bridge.AttributeMap", library=False)
     if maps and not systems and path.endswith(SUFFIX):
         message = f"{name} holds maps, but no bridge that uses them; add one, for example:"
         raise EnvironmentFault(f"{message}\n\n{_EXAMPLE.format(map=maps[0].name)}")
-    raise EnvironmentFault(f"{name} holds no system, or refers to another; generate needs one")
+    found = f"holds {len(systems)} systems" if systems else "holds no system"
+    raise EnvironmentFault(f"{name} {found}; generate needs one")
 
 
 def _installed() -> dict[str, Target[Any]]:

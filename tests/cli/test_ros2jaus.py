@@ -137,3 +137,17 @@ def test_declared_messages_are_listed_and_encoded(jausml, text):
 def test_rules_are_explained(jausml, rule):
     assert rule in jausml("rules").stdout
     assert "Good:" in jausml("explain", rule).stdout.replace("\n", " ")
+
+
+def test_peers_may_stand_in_the_system_of_another_file(jausml, text):
+    sensor, bridge = SYSTEM.split("\n", 1)
+    text.with_name("parts.ros2jaus").write_text(sensor)
+    text.write_text(f'import "parts.ros2jaus"\n{bridge}')
+    result = jausml("generate", "demo.ros2jaus", "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    assert Path("out/sensor_bridge").is_dir()
+    assert not Path("out/sensor").exists()
+    assert (
+        "JausAddress(10, 1, 1)"
+        in contents("out")["sensor_bridge/sensor_bridge/sensor_bridge_base.py"]
+    )
