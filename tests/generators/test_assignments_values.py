@@ -72,6 +72,25 @@ fix {
   )
 }
 
+counts {
+  JAUS Counting ( uint8 few  uint64 many  int16 level )
+  ROS geometry_msgs/Twist
+  JAUS->ROS (
+    few -> linear.x : deadband(0.5)
+    many -> linear.y : square
+    level -> linear.z : with_units("m/s"), negate
+    many -> angular.x : negate, square, square, square, square, scale(0.5)
+    many -> angular.y : expression("value")
+    few -> angular.z : clamp(0, 9)
+  )
+}
+
+digits {
+  JAUS Digits ( uint64 digits )
+  ROS std_msgs/UInt64
+  JAUS->ROS ( digits -> data : clamp(0, 1e19) )
+}
+
 lamps {
   JAUS SetIlluminationState
   ROS std_msgs/UInt8
@@ -93,6 +112,8 @@ bridge valued {
   connection turn_out { map: turn direction: rosToJaus topic t {} }
   connection tilt { map: tilt direction: rosToJaus topic p {} }
   connection fix { map: fix topic f {} }
+  connection counts { map: counts topic c {} }
+  connection digits { map: digits topic d {} }
   connection lamps { map: lamps direction: rosToJaus topic l {} }
 }
 """
@@ -235,6 +256,21 @@ def test_expressions(made):
     assert found == [1.5, 5.0]
     with pytest.raises(made.error("ConversionError"), match="divide"):
         made.bridge.translate_attitude(report(x=1.0, y=0.0))
+
+
+def test_integers_become_real_numbers_on_their_way_to_real_fields(made):
+    """ROS takes no int for a float, and integers of Python grow without end."""
+    source = made.messages.Counting(few=7, many=2**64 - 1, level=-3)
+    target = made.bridge.translate_counts(source)
+    assert (target.linear.x, target.linear.y, target.linear.z) == (7.0, 2.0**128, 3.0)
+    assert (target.angular.x, target.angular.y, target.angular.z) == (math.inf, 2.0**64, 7.0)
+    numbers = [getattr(each, axis) for each in (target.linear, target.angular) for axis in "xyz"]
+    assert {type(each) for each in numbers} == {float}
+
+
+def test_integers_keep_their_digits_on_their_way_to_integers(made):
+    source = made.messages.Digits(digits=2**53 + 1)
+    assert made.bridge.translate_digits(source).data == 2**53 + 1
 
 
 def test_user_conversions_stand_in_the_skeleton(made):

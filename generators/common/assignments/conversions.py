@@ -17,7 +17,7 @@ from jausml.generators.common.assignments.values import (
     AssignmentError,
     Value,
 )
-from jausml.generators.common.jaus_fields import BITS, REAL
+from jausml.generators.common.jaus_fields import BITS, INTEGER, REAL
 from jausml.generators.common.layout import Call, unpacking
 from jausml.generators.common.names import snake_case
 from jausml.model.expressions import occurrences, parse_expression, source_names
@@ -36,6 +36,9 @@ _RESULTS = {
     "builtin_interfaces/Time": TIME,
     "TimeStamp": BITS,
 }
+
+# What gives integers when it gets integers, of a bounded size.
+_KEEP_INTEGERS = frozenset({"with_units", "negate", "clamp", "deadband"})
 
 # Characters of a source that may stand in an expression without a name of its own.
 _SHORT = 40
@@ -81,6 +84,8 @@ class Chain:
             AssignmentError: A conversion does not take what it gets.
         """
         current, paths = list(values), list(source_paths)
+        if not self._keeps_integers(conversions):
+            current = [_real(each) for each in current]
         for position, conversion in enumerate(conversions):
             is_last = position == len(conversions) - 1
             before = len(current)
@@ -110,6 +115,19 @@ class Chain:
             replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None, known=())
             for each in values
         ]
+
+    def _keeps_integers(self, conversions: Sequence[Any]) -> bool:
+        """Whether integers may stay what they are.
+
+        So they may before what gives real numbers anyway, and where all of their digits go to other
+        integers.
+        """
+        names = [each.kind.name for each in conversions]
+        first = next((each for each in names if each != "with_units"), "")
+        if first not in _KEEP_INTEGERS and first != "square":
+            return True
+        kinds = {self._target.kind(path) for path in self._target_paths}
+        return kinds == {INTEGER} and _KEEP_INTEGERS.issuperset(names)
 
     # -- one conversion --------------------------------------------------------------------------
 
@@ -187,6 +205,7 @@ class Chain:
         """The value as Python text that stands some times in an expression."""
         if value.kind not in NUMBERS:
             raise AssignmentError(f"{path}: an expression needs numbers")
+        value = _real(value)
         is_short = len(str(value.code)) <= _SHORT
         if is_short and (times == 1 or isinstance(value.code, str)):
             return str(value.code)
@@ -204,6 +223,13 @@ class Chain:
         method = self._surroundings.user_method(conversion.method or "", inputs, output)
         call = Call(method, tuple(each.code for each in values))
         return self._results(call, kinds, values)
+
+
+def _real(value: Value) -> Value:
+    """A number as Python's float: ROS takes no int for it, and products of int have no end."""
+    if value.kind not in (INTEGER, BOOLEAN):
+        return value
+    return replace(value, code=Call("float", (value.code,)), kind=REAL)
 
 
 def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:
