@@ -54,6 +54,9 @@ class NameFinder:
             document: The document in which it stands.
             owner: The element that refers, None for the document as a whole.
         """
+        referred = self._in_what_owners_refer_to(name, wanted, owner)
+        if referred:
+            return referred
         own = self._innermost(self._in_document(document, name, wanted), owner)
         if own:
             return own
@@ -108,6 +111,32 @@ class NameFinder:
         candidates = self._index(document).get(_last_step(text), ())
         return [each for each in candidates if self._is_a(each, wanted) and _matches(each, text)]
 
+    def _in_what_owners_refer_to(self, name: str, wanted: ClassTable, owner: Any) -> list[Any]:
+        """Returns the elements that stand in what the owners of an element refer to.
+
+        A topic names a join of the map that its connection refers to, wherever that map stands.
+        """
+        text = _normal(name)
+        for scope in _lineage(owner)[1:]:
+            found = [
+                each
+                for target in self._referred(scope)
+                for each in target.eAllContents()
+                if self._is_a(each, wanted) and _matches(each, text)
+            ]
+            if found:
+                return found
+        return []
+
+    def _referred(self, element: Any) -> list[Any]:
+        """Returns what the references of an element that take one value refer to."""
+        features = self._model.metamodels.class_of(element).features.values()
+        single = [
+            each for each in features if each.kind is FeatureKind.CROSS_REFERENCE and not each.many
+        ]
+        values = (getattr(element, each.name) for each in single)
+        return [value for value in values if value is not None]
+
     @staticmethod
     def _innermost(candidates: list[Any], owner: Any) -> list[Any]:
         others = [each for each in candidates if each is not owner]
@@ -136,6 +165,11 @@ def qualified_name(element: Any) -> str:
     """Returns the names of an element and of its owners, joined by dots."""
     names = (getattr(each, "name", None) for each in _lineage(element))
     return ".".join(reversed([name for name in names if name]))
+
+
+def depth(element: Any) -> int:
+    """Returns how many owners an element has, and itself."""
+    return len(_lineage(element))
 
 
 @cache

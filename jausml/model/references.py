@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind, Metamodels
@@ -12,6 +13,7 @@ from jausml.metamodel.filling import holds, link
 from jausml.model.diagnostics import Related
 from jausml.model.documents import Document
 from jausml.model.fragments import Found, FragmentFinder
+from jausml.model.names import depth
 from jausml.model.references_by_name import NameResolution
 from jausml.model.uris import UriFault
 from jausml.model.values import show
@@ -62,22 +64,40 @@ class Resolution:
         self._circular: set[Node] = set()
         self._suggestions = 0
 
-    def run(self, references: Iterable[Reference]) -> None:
-        """Resolves references, in the order in which they are written."""
-        for reference in references:
-            target = reference.direct or self._target(reference)
-            if target is None:
-                self._problems.spoil(reference.owner, reference.feature.name)
-            elif reference.feature.kind is FeatureKind.CONTAINMENT:
-                self._contain(reference, target)
-            elif reference.feature.kind is FeatureKind.CONTAINER:
-                self._check_container(reference, target)
-            elif holds(reference.owner, reference.feature, target):
-                self._report_repeated(reference)
+    def run(self, references: Sequence[Reference]) -> None:
+        """Resolves references, in the order in which they are written.
+
+        Single names wait for those of owners: they are looked for in what these mean.
+
+        Args:
+            references: They become more while names open documents of the library.
+        """
+        waiting: list[Reference] = []
+        done = 0
+        for done, reference in enumerate(references, 1):  # noqa: B007 - counts for what follows
+            if reference.name and not reference.feature.many:
+                waiting.append(reference)
             else:
-                link(reference.owner, reference.feature, target)
+                self._resolve(reference)
+        for reference in sorted(waiting, key=lambda each: depth(each.owner)):
+            self._resolve(reference)
+        for reference in islice(references, done, None):
+            self._resolve(reference)
         for absent in self._absent.values():
             self._report_absent(absent)
+
+    def _resolve(self, reference: Reference) -> None:
+        target = reference.direct or self._target(reference)
+        if target is None:
+            self._problems.spoil(reference.owner, reference.feature.name)
+        elif reference.feature.kind is FeatureKind.CONTAINMENT:
+            self._contain(reference, target)
+        elif reference.feature.kind is FeatureKind.CONTAINER:
+            self._check_container(reference, target)
+        elif holds(reference.owner, reference.feature, target):
+            self._report_repeated(reference)
+        else:
+            link(reference.owner, reference.feature, target)
 
     def _target(self, reference: Reference) -> Any:
         """Returns the element referred to, None when a finding explains why there is none."""

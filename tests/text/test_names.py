@@ -42,6 +42,31 @@ def test_own_names_go_before_the_library(texts):
     assert component.provides[0].inherits.urn == "v"
 
 
+def test_a_topic_names_the_join_of_the_map_of_its_connection(texts):
+    attribute_map = """\
+{} {{
+  JAUS ReportVelocityState
+  ROS nav_msgs/Odometry
+  join imu {{ type: sensor_msgs/Imu }}
+  ROS->JAUS ( imu.angular_velocity.z -> YawRate : negate )
+}}
+"""
+    texts.write("maps.ros2jaus", attribute_map.format("far"))
+    connection = """\
+  connection {0} {{ topic odom {{}} topic imu {{ join: imu }} direction: rosToJaus map: {0} }}
+"""
+    model = texts.good(
+        'import "maps.ros2jaus"\n'
+        + "".join(map(attribute_map.format, ("one", "two")))
+        + "bridge b { address: 1.1.1  uses: VelocityStateSensor\n"
+        + "".join(map(connection.format, ("one", "two", "far")))
+        + "}"
+    )
+    [bridge] = model.instances("bridge.Bridge")
+    for each in bridge.bridgeConnections:
+        assert each.topics[1].join is each.map.joins[0], each.name
+
+
 def test_an_element_never_means_itself(texts):
     model = texts.good('service VelocityStateSensor { urn: "u" inherits: VelocityStateSensor }')
     [own] = model.root.services
