@@ -71,7 +71,9 @@ class Workbench:
         Returns:
             What was found in this text.
         """
-        contents = {each: text.encode("utf-8", "replace") for each, text in self.texts.items()}
+        # A copy: the editor may open and close texts meanwhile.
+        held = dict(self.texts)
+        contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
         result = read_models([path], notations=NOTATIONS, contents=contents)
         self._models[path] = result.model
         shown = result.model.documents[0].display

@@ -38,7 +38,7 @@ _SEPARATOR = "---"
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
 _CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
 _UNITS = re.compile(r"\[([^,\[\]]+)\]")
-_NOT_TEXT = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def parse_definition(text: str, kind: str) -> Definition:

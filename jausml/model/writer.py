@@ -29,7 +29,7 @@ _ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD
 _ESCAPED = re.compile('[&<"\n\r\t]')
 _TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", "\r": "&#xD;", "]]>": "]]&gt;"}
 _TEXT_ESCAPED = re.compile("[&<\r]|]]>")
-_NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 # Other texts mean something else, or nothing, where references stand side by side.
 _REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")
 _XMI = ' xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
