@@ -193,7 +193,11 @@ def _bodies(item: Item) -> Iterator[_Body]:
     """Yields the lists of an item, from the first to the last."""
     for items, closing in lists_of(item):
         if isinstance(items, Items) and items.start is not None:
-            yield _Body(items, closing, items.start, items.end)
+            start = items.start
+            if isinstance(item, Vector) and items is item.expected and item.given:
+                # What stands before the arrow, on lines of its own, is about what stands behind it.
+                start = _end(item.given[-1])
+            yield _Body(items, closing, start, items.end)
 
 
 def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:

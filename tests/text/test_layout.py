@@ -308,6 +308,20 @@ velocity_state {
     )
 
 
+def test_comments_between_the_halves_of_a_vector_stay_there():
+    text = """m {
+    vector still JAUS->ROS (
+        Speed = 0  // at rest
+        // gives
+        => data = 0
+    )
+}
+"""
+    laid_out = render(parse(text).document)
+    assert laid_out.index("at rest") < laid_out.index("gives") < laid_out.index("data")
+    assert render(parse(laid_out).document) == laid_out
+
+
 def test_a_struct_without_name_ends_its_line():
     text = "x {\n    struct []\n    name: 1\n}\n"
     assert render(parse(text).document) == text
