@@ -88,6 +88,15 @@ class NameFinder:
         file_name = document.path.name if document is not None else ""
         return f"{qualified_name(element)} ({file_name})"
 
+    def how_to_choose(self, elements: list[Any]) -> str:
+        """Returns what makes one of several elements the one that is meant."""
+        documents = [self._model.document_of(each) for each in elements]
+        shipped = [each.path for each in documents if each is not None and each.is_library]
+        if len(set(shipped)) < len(elements):
+            return "write enough of the name, or import the document that is meant"
+        path = shipped[-1].relative_to(library_root().resolve()).with_suffix("")
+        return f"import the document that is meant, for example: import `{'.'.join(path.parts)}`"
+
     def kind(self, element: Any) -> str:
         """Returns the class of an element with its package."""
         return self._model.metamodels.class_of(element).qualified_name

@@ -50,7 +50,7 @@ class NameResolution:
             "JML216",
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
-            "write enough of the name, or import the document that is meant",
+            self._names.how_to_choose(found),
             tuple(self._related(each) for each in found[:_FEW]),
         )
 

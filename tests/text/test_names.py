@@ -115,6 +115,7 @@ def test_import_decides_between_versions(texts):
     assert ambiguous.rule == "JML216"
     assert "core.Events (core-1.0.xmi), core.Events (core-1.1.xmi)" in ambiguous.message
     assert len(ambiguous.related) == 2
+    assert "import `jaus.core-1.1`" in ambiguous.hint
     for written in (f'"{LIBRARY}core-1.1.xmi"', "`jaus.core-1.1`"):
         assert provided(texts.good(f"import {written}\n{text}")) == ["Events"]
 

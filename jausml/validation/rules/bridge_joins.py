@@ -70,7 +70,7 @@ def _topic_findings(connection: Any) -> Iterator[Finding]:
         if all(topic.join is not join for topic in connection.topics):
             message = f"no topic of '{connection.name}' feeds join '{join.name}'"
             note = Note(join, f"'{join.name}'", "name")
-            hint = f'add a topic with join="{join.name}"'
+            hint = f"add a topic that has the join {join.name}"
             yield Finding(connection, message, "topics", hint, (note,))
 
 

@@ -151,10 +151,11 @@ def _untranslatable(placed: Placed) -> Finding | None:
             continue
         verb = "translate" if feature == "source" else "fill"
         if not found.kind:
-            hint = f"{verb} it in the skeleton of the bridge"
+            hint = f"assign its members, or {verb} it in the skeleton of the bridge"
             return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
         if found.kind in _MANY:
-            hint = f"{verb} its elements by a ListAssignment"
+            arrow = f"{placed.assignment.source} -> {placed.assignment.target}"
+            hint = f"{verb} its elements by a ListAssignment, in text {arrow} {{ ... }}"
             return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
     return None
 

@@ -245,7 +245,8 @@ def missing_query(connection: Any, message: Any, provider: Any) -> Finding:
     if wanted:
         text = f"'{provider.name}' takes no {wanted}, which asks for {message.name}"
         feature = "query" if query is not None else None
-        return Finding(connection, text, feature, related=note)
+        hint = "" if query is not None else f"let it provide a service with the input {wanted}"
+        return Finding(connection, text, feature, hint, note)
     text = f"no query is known that asks for {message.name}"
     return Finding(connection, text, None, "name it in the feature 'query'", note)
 
