@@ -81,7 +81,10 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     _check_free(bench, home, declaration, name)
     edits = [Edit(home, declaration.name.span, written_word(name))]
     for file in bench.related(home):
-        edits += _references(bench, file, home, declaration, name)
+        changes = list(_references(bench, file, home, declaration, name))
+        if changes and file != home:
+            _check_unhidden(bench, file, declaration, name)
+        edits += changes
     return edits
 
 
@@ -92,6 +95,15 @@ def _check_free(bench: Workbench, home: Path, declaration: Declaration, name: st
         if is_beside and other.name.text == name and other is not declaration:
             line = other.name.span.line
             raise RenameError(f"line {line} declares another element of the name '{name}'")
+
+
+def _check_unhidden(bench: Workbench, file: Path, declaration: Declaration, name: str) -> None:
+    """Refuses a name that means something else in another text, where that text comes first."""
+    for other in names_in(bench.text(file)).declarations:
+        is_kin = bool(set(other.table.subtypes) & set(declaration.table.subtypes))
+        if is_kin and other.name.text == name:
+            place = f"{file.name}:{other.name.span.line}"
+            raise RenameError(f"{place} declares another element of the name '{name}'")
 
 
 def _references(

@@ -205,6 +205,16 @@ def test_rename_reaches_other_texts_and_steps_of_names(bench, at, tmp_path):
     assert new["robot.ros2jaus"].startswith("speed {")
 
 
+def test_no_name_is_given_that_means_something_else_in_another_text(bench, at, tmp_path):
+    using = tmp_path / "using.ros2jaus"
+    using.write_text("nothing")
+    bench.texts[using] = 'import "robot.ros2jaus"\nbridge b { connection m { peers: car } }'
+    place = at("component ca¦r { }")
+    with pytest.raises(RenameError, match=r"using.ros2jaus:2 declares another"):
+        rename(bench, *place, "b")
+    assert len(rename(bench, *place, "m")) == 2
+
+
 @pytest.mark.parametrize(
     ("text", "name", "reason"),
     [
