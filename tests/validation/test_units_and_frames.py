@@ -81,3 +81,27 @@ def test_horizontal_axes_change_places_only_between_up_and_down(jaus, ros, is_wr
       JAUS->ROS ( x -> y )
     }}"""
     assert ("JML433" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong
+
+
+@pytest.mark.parametrize(
+    ("jaus", "ros", "there", "back", "is_wrong"),
+    [
+        ("uint8", "int8", "scale(0.1)", "scale(10)", True),
+        ("uint8", "float32", "scale(0.1)", "scale(10)", False),
+        ("float64", "float64", "scale(0.0174532925)", "scale(57.29577951)", True),
+        ("float32", "float64", "scale(0.0174532925)", "scale(57.29577951)", False),
+        ("float64", "float64", "scale(0.5)", "scale(2)", False),
+        ("int32", "int16", "clamp(-9, 9)", "clamp(-9, 9)", False),
+    ],
+)
+def test_round_trips_are_judged_by_what_their_ends_can_hold(
+    jaus, ros, there, back, is_wrong, tmp_path
+):
+    text = f"""
+    trip {{
+      JAUS Trip ( {jaus} a )
+      ROS trip_msgs/Trip ( {ros} a )
+      JAUS->ROS ( a -> a : {there} )
+      ROS->JAUS ( a -> a : {back} )
+    }}"""
+    assert ("JML437" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong

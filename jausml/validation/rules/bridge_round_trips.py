@@ -29,6 +29,8 @@ _INVERSE = {
 _SAMPLES = (-100.0, -1.5, -0.25, 0.0, 0.25, 1.0, 100.0)
 _PARTS = (0.0, 0.125, 0.25, 0.5, 0.6, 0.75, 0.9, 1.0)
 _EXACT = 1e-9
+# Two roundings to single precision.
+_SINGLE = 2.0**-23
 _CELL = re.compile(r"(.*)\[([0-9]+)\]", re.DOTALL)
 _MATRICES = {9: 3, 36: 6}
 
@@ -134,14 +136,16 @@ def _number_findings(there: Placed, back: Placed) -> Iterator[Finding]:
     attribute = there.source_attributes[0]
     if attribute.kind != NUMBER or _shares_table(there, back):
         return
-    step = attribute.step or 0.0
+    step, between = attribute.step or 0.0, there.target_attributes[0]
+    part = _SINGLE if attribute.is_single or between.is_single else _EXACT
     for value in _samples(there, attribute):
         try:
-            result = sent_through(back, sent_through(there, value))
-        except NoValueError:
+            sent = sent_through(there, value)
+            result = sent_through(back, round(sent) if between.integral else sent)
+        except (NoValueError, OverflowError, ValueError):
             continue
-        if _distance(result, value) > step + _EXACT * max(1.0, abs(value)):
-            message = f"{value:.6g} of '{there.assignment.source}' comes back as {result:.6g}"
+        if _distance(result, value) > step + part * max(1.0, abs(value)):
+            message = f"{value:.9g} of '{there.assignment.source}' comes back as {result:.9g}"
             note = Note(there.assignment, f"'{there.assignment.target}'", "target")
             yield Finding(back.assignment, message, "target", related=(note,))
             return
@@ -168,7 +172,8 @@ def _samples(there: Placed, attribute: Attribute) -> Iterator[float]:
                 continue
     low, high = source_range(attribute) or (-math.inf, math.inf)
     if math.isfinite(low) and math.isfinite(high):
-        yield from (low + part * (high - low) for part in _PARTS)
+        found = (low + part * (high - low) for part in _PARTS)
+        yield from (math.floor(each) if attribute.integral else each for each in found)
     else:
         yield from (each for each in _SAMPLES if low <= each <= high)
 
