@@ -151,8 +151,8 @@ def _direct(placed: Placed, source: Axis, target: Axis) -> Finding | None:
 def _is_exchange(source: Axis, target: Axis) -> bool:
     """Whether x goes to y or y to x, as from north-east-down to east-north-up."""
     are_lengths = not source.is_angle and not target.is_angle
-    are_opposite = source.frame != target.frame
-    return are_opposite and are_lengths and {source.name, target.name} == {"x", "y"} and source.sign > 0
+    are_horizontal = {source.name, target.name} == {"x", "y"} and source.sign > 0
+    return source.frame != target.frame and are_lengths and are_horizontal
 
 
 def _frames_of(conversion: Any) -> tuple[str, ...]:
