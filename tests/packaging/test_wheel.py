@@ -64,10 +64,18 @@ def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
     assert result.returncode != 0
 
 
-@pytest.mark.parametrize("example", ["catvehicle", "minimal", "examples/winch"])
+@pytest.mark.parametrize(
+    "example",
+    [
+        "catvehicle/catvehicle.xmi",
+        "minimal/minimal.xmi",
+        "examples/winch/winch.xmi",
+        "examples/waypoints/waypoints.ros2jaus",
+    ],
+)
 def test_validate_and_generate(installed: Path, tmp_path: Path, example: str) -> None:
-    name = Path(example).name
-    model = shipped(installed, tmp_path) / example / f"{name}.xmi"
+    model = shipped(installed, tmp_path) / example
+    name = model.stem
     run(installed / "jausml", "validate", model, cwd=tmp_path)
     run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
     produced = sorted(path.name for path in (tmp_path / "out").iterdir())
