@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.metamodel import FeatureKind
 from jausml.model.writer import is_written
 from jausml.text.heads import IN_THE_HEAD, documented, head_name, needs_feature
-from jausml.text.keywords import snake_case
+from jausml.text.keywords import owning_features, snake_case
 from jausml.text.literals import attribute_value
 from jausml.text.maps import MAP, MapBuilder, is_map
 from jausml.text.spacing import space
@@ -134,21 +134,6 @@ class BlockBuilder:
             else:
                 written.append(attribute_value(each, feature))
         return Feature(Name(feature.name), written)
-
-
-def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
-    """Returns the features of a class that may own an element of another class.
-
-    The feature of the very class goes before one of a class that it specialises: a bridge of a
-    system is one of its bridges, and not just one of its components.
-    """
-    taking = {
-        name: feature.target
-        for name, feature in owner.features.items()
-        if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
-    }
-    exact = [name for name, target in taking.items() if target is table]
-    return exact or list(taking)
 
 
 def _is_said_by(feature: FeatureTable, table: ClassTable) -> bool:

@@ -8,7 +8,7 @@ from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, 
 from jausml.model.naming import target_class
 from jausml.model.parsing import MAX_DEPTH
 from jausml.model.values import nearest, show, suggest
-from jausml.text.keywords import classes_by_keyword, snake_case
+from jausml.text.keywords import classes_by_keyword, owning_features, snake_case
 from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text
 
 if TYPE_CHECKING:
@@ -228,18 +228,8 @@ class BlockBuilder:
         return is_alone and not near and bool(self._owning(owner, table)) and not block.items
 
     def _owning(self, owner: Node, table: ClassTable) -> list[str]:
-        """Returns the features of an element that may own an element of a class.
-
-        The feature of the very class goes before one of a class that it specialises: a bridge
-        of a system is one of its bridges, and not just one of its components.
-        """
-        taking = {
-            name: feature.target
-            for name, feature in self._nodes.classes[owner].features.items()
-            if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
-        }
-        exact = [name for name, target in taking.items() if target is table]
-        return exact or list(taking)
+        """Returns the features of an element that may own an element of a class."""
+        return owning_features(self._nodes.classes[owner], table)
 
     def _report_owner(
         self, owner: Node, block: Element, table: ClassTable, owning: Sequence[str]

@@ -1,9 +1,11 @@
-"""The words that stand for classes of the metamodels: `MessageDef` is `message_def`."""
+"""The words that stand for classes, `message_def` for MessageDef, and where their blocks go."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
+
+from jausml.metamodel import FeatureKind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,3 +32,18 @@ def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
     found = {f"{each.package.name}.{snake_case(each.name)}": each for each in concrete}
     short = zip(names, concrete, strict=True)
     return found | {name: table for name, table in short if names.count(name) == 1}
+
+
+def owning_features(owner: ClassTable, table: ClassTable) -> list[str]:
+    """Returns the features of a class that may own an element of another class.
+
+    The feature of the very class goes before one of a class that it specialises: a bridge of a
+    system is one of its bridges, and not just one of its components.
+    """
+    taking = {
+        name: feature.target
+        for name, feature in owner.features.items()
+        if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
+    }
+    exact = [name for name, target in taking.items() if target is table]
+    return exact or list(taking)

@@ -1,11 +1,12 @@
-"""Makes text_support importable and offers a folder of texts."""
+"""Makes the helpers of this folder and of tests/model importable; offers a folder of texts."""
 
 import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "model")]
 
 
 @pytest.fixture

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from model_strategies import TEXT, models
 
 from jausml.metamodel import load_metamodels
 from jausml.model import LIBRARY_URI, library_root, read_models
@@ -22,10 +22,6 @@ from jausml.text.layout import render
 from jausml.text.notation import NOTATIONS
 from jausml.text.parsing import parse
 from jausml.text.unparsing import to_text
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "model"))
-
-from model_strategies import TEXT, models
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = load_metamodels()

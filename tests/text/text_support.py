@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
+
+from reader_support import strip
 
 from jausml.model import read_models
 from jausml.model.comparison import compare
@@ -12,20 +13,6 @@ from jausml.validation.engine import check
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-MARKER = re.compile(r"⟦(JML\d\d\d)⟧")
-
-
-def strip(text: str) -> tuple[str, list[tuple[int, int, str]]]:
-    """Removes markers and returns where they stood: line, column, rule."""
-    expected = []
-    while match := MARKER.search(text):
-        before = text[: match.start()]
-        line = before.count("\n") + 1
-        column = len(before) - (before.rfind("\n") + 1) + 1
-        expected.append((line, column, match.group(1)))
-        text = before + text[match.end() :]
-    return text, sorted(expected)
 
 
 class Texts:
