@@ -25,11 +25,13 @@ class Policy:
             or inherits them and name (`jaus.Service.machines`).
         matched_by: Features whose elements belong together by the value of an attribute and not by
             position, for example `{"services": "name"}`. Their order may differ.
+        optional: Features that differ only where both elements have a value.
         closeness: Relative difference up to which two real numbers are the same.
     """
 
     ignored: frozenset[str] = frozenset()
     matched_by: Mapping[str, str] = field(default_factory=dict)
+    optional: frozenset[str] = frozenset()
     closeness: float = 0.0
 
 
@@ -37,14 +39,15 @@ EXACT = Policy()
 """Everything counts."""
 
 ON_THE_WIRE = Policy(
-    ignored=frozenset({"documentation", "jaus.Service.events", "jaus.Service.machines"}),
+    ignored=frozenset({"documentation", "frame", "jaus.Service.events", "jaus.Service.machines"}),
     matched_by={"services": "name", "inputs": "name", "outputs": "name"},
+    optional=frozenset({"units"}),
     closeness=1e-12,
 )
 """What two descriptions of the same services must agree on to understand each other.
 
-Documentation, internal events and protocol behaviour do not count, nor the order of messages;
-limits count up to the digits with which they are written.
+Documentation, axes, internal events and protocol behaviour do not count, nor the order of messages,
+nor units where one side states none; limits count up to the digits with which they are written.
 """
 
 
@@ -162,6 +165,8 @@ class _Comparison:
         self, one: Any, other: Any, path: str, feature: FeatureTable
     ) -> Iterator[Difference]:
         ours, theirs = (self._compared(obj, feature) for obj in (one, other))
+        if feature.name in self._policy.optional and not (ours and theirs):
+            return
         same = len(ours) == len(theirs) and all(map(self._same, ours, theirs))
         if not same:
             yield Difference(path, feature.name, _shown(ours), _shown(theirs), one, other)

@@ -89,7 +89,10 @@ def fixed(value: Fixed) -> st.SearchStrategy[Any]:
     if value.check == "real":
         return real(float(lower), float(upper), single=value.format == "f")
     numbers = st.integers(int(lower), int(upper))
-    return numbers.map(float) if value.check == "whole" else numbers
+    if value.check != "whole":
+        return numbers
+    # The largest integer of 64 bits is no double; the next one is out of range.
+    return numbers.map(float).filter(lambda number: int(lower) <= number <= int(upper))
 
 
 def real(lower: float, upper: float, *, single: bool) -> st.SearchStrategy[float]:

@@ -16,7 +16,7 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
   <inputs name="Set" code="0x0001" isCommand="true">
    <body xsi:type="jaus:Record" name="Rec">
     <fields xsi:type="jaus:FixedField" name="A"><scale lower="0.0" upper="1.0"/></fields>
-    <fields xsi:type="jaus:FixedField" name="B" type="uint16"/>
+    <fields xsi:type="jaus:FixedField" name="B" type="uint16" units="meter"/>
    </body>
   </inputs>
  </services>
@@ -24,7 +24,7 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
 </jaus:ServiceSet>
 """
 A = '    <fields xsi:type="jaus:FixedField" name="A"><scale lower="0.0" upper="1.0"/></fields>\n'
-B = '    <fields xsi:type="jaus:FixedField" name="B" type="uint16"/>\n'
+B = '    <fields xsi:type="jaus:FixedField" name="B" type="uint16" units="meter"/>\n'
 QUERY = '  <inputs name="Query" code="0x2001"/>\n'
 
 
@@ -55,11 +55,12 @@ def test_a_model_is_as_itself(differences):
         ('code="0x0001"', 'code="0x0002"', "set/Base/Set: code: 0x0001 / 0x0002"),
         (' isCommand="true"', "", "set/Base/Set: isCommand: True / False"),
         ('type="uint16"', 'type="int16"', "set/Base/Set/Rec/B: type: uint16 / int16"),
+        ('units="meter"', 'units="radian"', "set/Base/Set/Rec/B: units: meter / radian"),
         ('upper="1.0"', 'upper="2.0"', "set/Base/Set/Rec/A/scale: upper: 1.0 / 2.0"),
         ('inherits="//@services.0"', "", "set/Heir: inherits: urn:a:Base 1.0 / nothing"),
         (B, "", "set/Base/Set/Rec: fields: B / nothing"),
         (
-            'xsi:type="jaus:FixedField" name="B" type="uint16"',
+            'xsi:type="jaus:FixedField" name="B" type="uint16" units="meter"',
             'xsi:type="jaus:FixedLengthString" name="B" length="2"',
             "set/Base/Set/Rec/B: class: FixedField / FixedLengthString",
         ),
@@ -91,6 +92,15 @@ def test_what_nobody_sends_does_not_count_on_the_wire(differences):
     close = TEXT.replace('upper="1.0"', 'upper="1.00000000000001"')
     assert differences(close, ON_THE_WIRE) == []
     assert len(differences(close)) == 1
+    axes = TEXT.replace('name="B"', 'name="B" frame="northEastDown"')
+    assert differences(axes, ON_THE_WIRE) == []
+    assert len(differences(axes)) == 1
+
+
+def test_units_count_where_both_sides_state_them(differences):
+    silent = TEXT.replace(' units="meter"', "")
+    assert differences(silent, ON_THE_WIRE) == []
+    assert len(differences(silent)) == 1
 
 
 def test_a_difference_knows_its_elements(tmp_path):
