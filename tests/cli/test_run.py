@@ -164,6 +164,18 @@ def test_deaf_process_is_killed_after_the_grace(jausml, workspace, monkeypatch):
     assert "alpha was ended by SIGKILL when it was stopped" in result.stderr
 
 
+def wait_until_gone(pid):
+    """Waits until a process has ended and was reaped, which for an orphan is the work of init."""
+    until = time.monotonic() + 10
+    while time.monotonic() < until:
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.01)
+    pytest.fail(f"process {pid} is still there")
+
+
 def test_children_of_a_process_stop_too(workspace):
     child = "import time; print('child', flush=True); time.sleep(600)"
     program = (
@@ -177,8 +189,7 @@ def test_children_of_a_process_stop_too(workspace):
     pid = int(seen.split("pid ")[1].split()[0])
     process.send_signal(signal.SIGINT)
     finish(process)
-    with pytest.raises(ProcessLookupError):
-        os.kill(pid, 0)
+    wait_until_gone(pid)
 
 
 def test_no_process_is_left_when_the_reader_goes_away(workspace):
@@ -190,8 +201,7 @@ def test_no_process_is_left_when_the_reader_goes_away(workspace):
     process.stdout.close()
     process.wait(30)
     process.stderr.close()
-    with pytest.raises(ProcessLookupError):
-        os.kill(pid, 0)
+    wait_until_gone(pid)
 
 
 def test_environment_is_passed_on_and_packages_are_found(jausml, workspace, monkeypatch):
