@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test coverage live lint format bench fuzz emf reference clean
+.PHONY: demo test coverage live lint format bench fuzz emf reference types clean
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -50,6 +50,9 @@ emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and reco
 
 reference: $(READY)  ## write docs/reference/ anew
 	$(BIN)/python tools/build_reference.py
+
+types: $(READY)  ## write the stubs of the metamodels' classes anew
+	$(BIN)/python tools/build_model_types.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out

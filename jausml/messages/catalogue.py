@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
-from importlib.resources import files
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.messages.codec import shown
@@ -28,13 +26,14 @@ from jausml.messages.errors import (
     similar,
 )
 from jausml.messages.scalars import check_names
-from jausml.metamodel import read_metamodels
+from jausml.metamodel import load_jaus_metamodel
 from jausml.model import library_root, read_models
 from jausml.model.diagnostics import Severity
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
     from jausml.model import Model, ReadResult
     from jausml.model.notation import Notation
@@ -78,9 +77,7 @@ def load_catalogue(
 @cache
 def _library_catalogue() -> Catalogue:
     # The library needs no other metamodel; all four would take twice as long to load.
-    folder = Path(str(files("jausml.metamodels")))
-    metamodels = read_metamodels([folder / "jaus.ecore"])
-    return _catalogue_of(read_models(_library_files(), metamodels=metamodels))
+    return _catalogue_of(read_models(_library_files(), metamodels=load_jaus_metamodel()))
 
 
 def _library_files() -> list[Path]:

@@ -4,6 +4,7 @@ from jausml.metamodel.loading import (
     MetamodelError,
     annotation,
     documentation,
+    load_jaus_metamodel,
     load_metamodels,
     read_metamodels,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "ValueKind",
     "annotation",
     "documentation",
+    "load_jaus_metamodel",
     "load_metamodels",
     "read_metamodels",
 ]

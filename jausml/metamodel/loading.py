@@ -7,7 +7,7 @@ read by `jausml.model`, because pyecore's XMI reader keeps no positions and skip
 from __future__ import annotations
 
 import re
-from functools import lru_cache
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 GEN_MODEL = "http://www.eclipse.org/emf/2002/GenModel"
 EXTENDED_META_DATA = "http:///org/eclipse/emf/ecore/util/ExtendedMetaData"
 
-_FILES = ("jaus.ecore", "ros.ecore", "bridge.ecore", "system.ecore")
+_LANGUAGES = ("jaus", "ros", "bridge", "system")
 
 _INT = (-(2**31), 2**31 - 1)
 _LONG = (-(2**63), 2**63 - 1)
@@ -76,18 +76,53 @@ class MetamodelError(ValueError):
     """A metamodel uses something that the reader cannot honour."""
 
 
-@lru_cache(maxsize=1)
+@cache
 def load_metamodels() -> Metamodels:
     """Returns the jaus, ros, bridge and system metamodels, loaded once for each process."""
-    folder = Path(str(files("jausml.metamodels")))
-    return read_metamodels([folder / name for name in _FILES])
+    return read_metamodels([_shipped(name) for name in _LANGUAGES], _shipped_resources())
 
 
-def read_metamodels(paths: Sequence[Path]) -> Metamodels:
+@cache
+def load_jaus_metamodel() -> Metamodels:
+    """Returns the jaus metamodel alone, in half the time; its classes are those of all four."""
+    return read_metamodels([_shipped("jaus")], _shipped_resources())
+
+
+@cache
+def python_class(language: str, name: str) -> type:
+    """Returns the Python class that pyecore makes the elements of a class from.
+
+    Args:
+        language: Name of a shipped metamodel, such as `jaus`.
+        name: Name of a class in it.
+
+    Raises:
+        AttributeError: The metamodel has no such class.
+    """
+    (epackage,) = _shipped_resources().get_resource(URI(str(_shipped(language)))).contents
+    eclass = epackage.getEClassifier(name)
+    if not isinstance(eclass, EClass):
+        raise AttributeError(f"the {language} language has no class '{name}'")
+    made: type = eclass.python_class
+    return made
+
+
+@cache
+def _shipped_resources() -> ResourceSet:
+    # One set, so that each class exists once however many metamodels are loaded.
+    return ResourceSet()
+
+
+def _shipped(language: str) -> Path:
+    return Path(str(files("jausml.metamodels"))) / f"{language}.ecore"
+
+
+def read_metamodels(paths: Sequence[Path], resources: ResourceSet | None = None) -> Metamodels:
     """Loads .ecore files and flattens them.
 
     Args:
         paths: The files; what one of them names in another is found beside it.
+        resources: Files that were loaded before are taken from there.
 
     Returns:
         The tables of all their packages and sub-packages.
@@ -96,7 +131,7 @@ def read_metamodels(paths: Sequence[Path]) -> Metamodels:
         MetamodelError: A data type is of an unknown Java class, a pattern is not a regular
             expression, or two packages share an nsURI.
     """
-    resources = ResourceSet()
+    resources = ResourceSet() if resources is None else resources
     packages: dict[str, PackageTable] = {}
     for path in paths:
         for root in resources.get_resource(URI(str(path))).contents:

@@ -190,6 +190,17 @@ class Metamodels:
         """
         return self._by_eclass[obj.eClass]
 
+    def table_of(self, kind: Any) -> ClassTable:
+        """Returns the table of a class.
+
+        Args:
+            kind: The class, such as `jaus.Component`, or its qualified name.
+
+        Raises:
+            KeyError: These metamodels have no such class.
+        """
+        return self.classes[kind] if isinstance(kind, str) else self.class_of(kind)
+
     def package_named(self, name: str) -> PackageTable:
         """Returns the package of a name (`jaus`).
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import chain
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from jausml.metamodel import FeatureKind, FeatureTable, Metamodels
 from jausml.model.diagnostics import Location
@@ -12,8 +12,11 @@ from jausml.model.diagnostics import Location
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.parsing import Node
+
+ElementT = TypeVar("ElementT", bound="EObject")
 
 UNKNOWN_PATH = "<model>"
 """The path of elements that no document holds."""
@@ -92,11 +95,17 @@ class Model:
         for node in document.root_nodes:
             yield from _built(node)
 
-    def instances(self, qualified_class: str, *, library: bool = True) -> list[Any]:
+    @overload
+    def instances(self, kind: type[ElementT], *, library: bool = True) -> list[ElementT]: ...
+
+    @overload
+    def instances(self, kind: str, *, library: bool = True) -> list[Any]: ...
+
+    def instances(self, kind: Any, *, library: bool = True) -> list[Any]:
         """Returns the elements of a class and of the classes that specialise it.
 
         Args:
-            qualified_class: Package and class, such as `jaus.Component`.
+            kind: The class, such as `jaus.Component`, or its qualified name.
             library: False leaves out elements of the shipped library.
 
         Returns:
@@ -105,7 +114,7 @@ class Model:
         Raises:
             KeyError: The metamodels have no such class.
         """
-        wanted = {table.eclass for table in self.metamodels.classes[qualified_class].subtypes}
+        wanted = {table.eclass for table in self.metamodels.table_of(kind).subtypes}
         if self._by_class is None:
             self._by_class = {}
             for position, obj in enumerate(self.elements()):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from jausml.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
+ElementT = TypeVar("ElementT", bound="EObject")
 Fact = TypeVar("Fact")
 
 
@@ -61,16 +63,22 @@ class Subject:
             self._damaged.add(element)
             element = element.eContainer()
 
-    def instances(self, qualified_class: str) -> list[Any]:
+    @overload
+    def instances(self, kind: type[ElementT]) -> list[ElementT]: ...
+
+    @overload
+    def instances(self, kind: str) -> list[Any]: ...
+
+    def instances(self, kind: Any) -> list[Any]:
         """Returns the sound elements of a class and of the classes that specialise it.
 
         Args:
-            qualified_class: Package and class, such as `jaus.Component`.
+            kind: The class, such as `jaus.Component`, or its qualified name.
 
         Returns:
             The elements in document order.
         """
-        subtypes = self.model.metamodels.classes[qualified_class].subtypes
+        subtypes = self.model.metamodels.table_of(kind).subtypes
         found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
         found.sort(key=lambda pair: pair[0])
         return [element for _, element in found if element not in self._broken]

@@ -3,34 +3,37 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.layouts import (
-    CONTAINERS,
-    GROUPS,
     UNSIGNED_BITS,
     class_name,
     integer_range,
+    is_container,
+    is_group,
     resolve,
 )
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
 
+    from jausml.validation.facts.layouts import Group
     from jausml.validation.subject import Subject
+
+    Bytes: TypeAlias = (
+        jaus.VariableLengthString | jaus.VariableLengthField | jaus.VariableFormatField
+    )
+    Indexed: TypeAlias = jaus.Alternative | jaus.Format
+    WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
 
 _PRESENCE_BITS = {"none": 0, **UNSIGNED_BITS}
 # What the runtime puts together from fragments, in bytes.
 _LARGEST = 4 << 20
 _IN_RECORD = "a member of a record"
-_COUNTS = {
-    "List": ("countType", "minimumCount", "maximumCount"),
-    "VariableLengthString": ("countType", "minimumLength", "maximumLength"),
-    "VariableLengthField": ("countType", "minimumLength", "maximumLength"),
-    "VariableFormatField": ("countType", "minimumLength", "maximumLength"),
-}
 
 
 @rule("JML321", Severity.ERROR, "type refers to itself")
@@ -43,7 +46,7 @@ def reference_cycle(subject: Subject) -> Iterator[Finding]:
 
     Good: a list of a declared record
     """
-    for reference in subject.instances("jaus.TypeReference"):
+    for reference in subject.instances(jaus.TypeReference):
         if _reaches(reference, reference):
             yield Finding(reference, f"'{reference.name}' contains itself", "target")
 
@@ -60,17 +63,17 @@ def member_kinds(subject: Subject) -> Iterator[Finding]:
 
     Good: a sequence with a record that holds the FixedField
     """
-    for message in subject.instances("jaus.MessageDef"):
+    for message in subject.instances(jaus.MessageDef):
         yield from _kind_findings([message.body], "the body of a message", containers=True)
-    for record in subject.instances("jaus.Record"):
+    for record in subject.instances(jaus.Record):
         yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
-    for sequence in subject.instances("jaus.Sequence"):
+    for sequence in subject.instances(jaus.Sequence):
         yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
-    for each in subject.instances("jaus.List"):
+    for each in subject.instances(jaus.List):
         yield from _kind_findings([each.element], "the element of a list", containers=True)
-    for variant in subject.instances("jaus.Variant"):
+    for variant in subject.instances(jaus.Variant):
         yield from _kind_findings(variant.options, "an option of a variant", containers=True)
-    for array in subject.instances("jaus.Array"):
+    for array in subject.instances(jaus.Array):
         yield from _kind_findings([array.element], "the element of an array", containers=False)
 
 
@@ -86,17 +89,17 @@ def presence_vector(subject: Subject) -> Iterator[Finding]:
 
     Good: the same record with `presenceVector="uint8"`
     """
-    for kind in sorted(GROUPS):
-        for group in subject.instances(f"jaus.{kind}"):
-            optional = [field for field in group.fields if field.optional]
-            bits = _PRESENCE_BITS[group.presenceVector.name]
-            if len(optional) > bits:
-                field = optional[bits]
-                have = f"a presence vector of {bits} bits" if bits else "no presence vector"
-                message = f"{len(optional)} optional members in '{group.name}', which has {have}"
-                note = Note(group, f"'{group.name}'", "presenceVector")
-                hint, severity = _vector_hint(len(optional)), subject.severity(field)
-                yield Finding(field, message, "optional", hint, (note,), severity)
+    groups: list[Group] = [*subject.instances(jaus.Record), *subject.instances(jaus.Sequence)]
+    for group in groups:
+        optional = [field for field in group.fields if field.optional]
+        bits = _PRESENCE_BITS[group.presenceVector.name]
+        if len(optional) > bits:
+            field = optional[bits]
+            have = f"a presence vector of {bits} bits" if bits else "no presence vector"
+            message = f"{len(optional)} optional members in '{group.name}', which has {have}"
+            note = Note(group, f"'{group.name}'", "presenceVector")
+            hint, severity = _vector_hint(len(optional)), subject.severity(field)
+            yield Finding(field, message, "optional", hint, (note,), severity)
 
 
 @rule("JML324", Severity.WARNING, "optional without effect")
@@ -109,9 +112,9 @@ def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
 
     Good: a list with `minimumCount="0"`
     """
-    for field in subject.instances("jaus.Field"):
+    for field in subject.instances(jaus.Field):
         owner = field.eContainer()
-        if field.optional and owner is not None and class_name(owner) not in GROUPS:
+        if field.optional and owner is not None and not is_group(owner):
             message = f"'{field.name}' is optional, but is no member of a record or sequence"
             yield Finding(field, message, "optional")
 
@@ -127,7 +130,7 @@ def scale_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `type="uint16"` with `<scale lower="-1.0" upper="1.0"/>`
     """
-    for scale in subject.instances("jaus.ScaleRange"):
+    for scale in subject.instances(jaus.ScaleRange):
         field = scale.eContainer()
         if field is None or subject.is_broken(field):
             continue
@@ -154,13 +157,13 @@ def bit_ranges(subject: Subject) -> Iterator[Finding]:
 
     Good: parts 0..3 and 4..7
     """
-    for field in subject.instances("jaus.BitField"):
+    for field in subject.instances(jaus.BitField):
         bits = UNSIGNED_BITS.get(field.type.name)
         if bits is None:
             message = f"bit field '{field.name}' is of {field.type.name}, no unsigned integer"
             yield Finding(field, message, "type")
             continue
-        owners: dict[int, Any] = {}
+        owners: dict[int, jaus.SubField] = {}
         for part in field.subFields:
             if subject.is_broken(part):
                 continue
@@ -175,15 +178,16 @@ def count_types(subject: Subject) -> Iterator[Finding]:
 
     Good: `<element xsi:type="jaus:List" countType="uint8" .../>`
     """
-    for kind, (type_feature, minimum, maximum) in _COUNTS.items():
-        for field in subject.instances(f"jaus.{kind}"):
-            type_name = getattr(field, type_feature).name
-            if type_name not in UNSIGNED_BITS:
-                message = f"the count of '{field.name}' is of {type_name}, no unsigned integer"
-                yield Finding(field, message, type_feature)
-                continue
-            yield from _bound_findings(field, minimum, maximum, 2 ** UNSIGNED_BITS[type_name] - 1)
-    for variant in subject.instances("jaus.Variant"):
+    for each in subject.instances(jaus.List):
+        yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
+    fields: list[Bytes] = [
+        *subject.instances(jaus.VariableLengthString),
+        *subject.instances(jaus.VariableLengthField),
+        *subject.instances(jaus.VariableFormatField),
+    ]
+    for field in fields:
+        yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
+    for variant in subject.instances(jaus.Variant):
         type_name = variant.tagType.name
         if type_name not in UNSIGNED_BITS:
             message = f"the tag of '{variant.name}' is of {type_name}, no unsigned integer"
@@ -203,23 +207,23 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 
     Good: `length="16"`
     """
-    for text in subject.instances("jaus.FixedLengthString"):
+    for text in subject.instances(jaus.FixedLengthString):
         if text.length < 1:
             yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
         elif text.length > _LARGEST:
             message = f"'{text.name}' has a length of {text.length}, more than {_LARGEST}"
             yield Finding(text, message, "length")
-    for array in subject.instances("jaus.Array"):
+    for array in subject.instances(jaus.Array):
         if any(size < 1 for size in array.dimensions):
             yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
         elif math.prod(array.dimensions) > _LARGEST:
             count = math.prod(array.dimensions)
             message = f"'{array.name}' has {count} elements, more than {_LARGEST}"
             yield Finding(array, message, "dimensions")
-    for field in subject.instances("jaus.VariableField"):
+    for field in subject.instances(jaus.VariableField):
         yield from _index_findings(field.alternatives, field)
-    for field in subject.instances("jaus.VariableFormatField"):
-        yield from _index_findings(field.formats, field)
+    for blob in subject.instances(jaus.VariableFormatField):
+        yield from _index_findings(blob.formats, blob)
 
 
 @rule("JML329", Severity.ERROR, "impossible value set")
@@ -232,7 +236,7 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
 
     Good: `value="255"`, or `type="uint16"`
     """
-    for value_set in subject.instances("jaus.ValueSet"):
+    for value_set in subject.instances(jaus.ValueSet):
         field = value_set.eContainer()
         if field is None or subject.is_broken(field):
             continue
@@ -243,8 +247,9 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
             yield from _value_findings(value, field, limits)
 
 
-def _reaches(reference: Any, goal: Any) -> bool:
-    pending, seen = [reference.target], set()
+def _reaches(reference: jaus.TypeReference, goal: jaus.Field) -> bool:
+    pending: list[jaus.Field] = [reference.target]
+    seen = set()
     while pending:
         field = pending.pop()
         if field is None or field in seen:
@@ -252,29 +257,29 @@ def _reaches(reference: Any, goal: Any) -> bool:
         if field is goal:
             return True
         seen.add(field)
-        pending += [field.target] if class_name(field) == "TypeReference" else _parts(field)
+        pending += [field.target] if isinstance(field, jaus.TypeReference) else _parts(field)
     return False
 
 
-def _parts(field: Any) -> list[Any]:
-    kind = class_name(field)
-    if kind in GROUPS:
+def _parts(field: jaus.Field) -> list[jaus.Field]:
+    if is_group(field):
         return list(field.fields)
-    if kind == "Variant":
+    if isinstance(field, jaus.Variant):
         return list(field.options)
-    return [field.element] if kind in ("List", "Array") else []
+    return [field.element] if isinstance(field, (jaus.List, jaus.Array)) else []
 
 
-def _kind_findings(fields: Any, role: str, *, containers: bool) -> Iterator[Finding]:
+def _kind_findings(
+    fields: Iterable[jaus.Field | None], role: str, *, containers: bool
+) -> Iterator[Finding]:
     for field in fields:
-        target = resolve(field) if field is not None else None
-        if target is None:
+        target = resolve(field)
+        if field is None or target is None:
             continue
-        kind = class_name(target)
-        if (kind in CONTAINERS) is not containers:
+        if is_container(target) is not containers:
             wanted = "a record, list, variant or sequence" if containers else "a field"
             severity = Severity.INFO if role == _IN_RECORD else None
-            message = f"'{field.name}' is a {kind}, but {role} is {wanted}"
+            message = f"'{field.name}' is a {class_name(target)}, but {role} is {wanted}"
             yield Finding(field, message, severity=severity)
 
 
@@ -283,7 +288,9 @@ def _vector_hint(count: int) -> str:
     return f'presenceVector="{fitting}"' if fitting else "split the group"
 
 
-def _bit_findings(part: Any, field: Any, bits: int, owners: dict[int, Any]) -> Iterator[Finding]:
+def _bit_findings(
+    part: jaus.SubField, field: jaus.BitField, bits: int, owners: dict[int, jaus.SubField]
+) -> Iterator[Finding]:
     if part.lowBit > part.highBit:
         message = f"'{part.name}' has lowBit {part.lowBit} above highBit {part.highBit}"
         yield Finding(part, message, "lowBit")
@@ -301,8 +308,13 @@ def _bit_findings(part: Any, field: Any, bits: int, owners: dict[int, Any]) -> I
             return
 
 
-def _bound_findings(field: Any, minimum: str, maximum: str, largest: int) -> Iterator[Finding]:
-    low, high = getattr(field, minimum), getattr(field, maximum)
+def _count_findings(field: jaus.List | Bytes, noun: str, low: int, high: int) -> Iterator[Finding]:
+    minimum, maximum, type_name = f"minimum{noun}", f"maximum{noun}", field.countType.name
+    if type_name not in UNSIGNED_BITS:
+        message = f"the count of '{field.name}' is of {type_name}, no unsigned integer"
+        yield Finding(field, message, "countType")
+        return
+    largest = 2 ** UNSIGNED_BITS[type_name] - 1
     for feature, value in ((minimum, low), (maximum, high)):
         if not 0 <= value <= largest:
             message = f"{feature} {value} of '{field.name}' is not in 0..{largest}"
@@ -313,8 +325,8 @@ def _bound_findings(field: Any, minimum: str, maximum: str, largest: int) -> Ite
         yield Finding(field, message, minimum)
 
 
-def _index_findings(choices: Any, field: Any) -> Iterator[Finding]:
-    seen: dict[int, Any] = {}
+def _index_findings(choices: Iterable[Indexed], field: jaus.Field) -> Iterator[Finding]:
+    seen: dict[int, Indexed] = {}
     largest = 255  # one byte
     for choice in choices:
         first = seen.setdefault(choice.index, choice)
@@ -326,22 +338,31 @@ def _index_findings(choices: Any, field: Any) -> Iterator[Finding]:
             yield Finding(choice, message, "index", related=(Note(first, f"'{first.name}'"),))
 
 
-def _limits(field: Any) -> tuple[int, int] | None:
-    if class_name(field) == "SubField":
+def _limits(field: WithValues) -> tuple[int, int] | None:
+    if isinstance(field, jaus.SubField):
         return (0, 2 ** (field.highBit - field.lowBit + 1) - 1) if _is_sane(field) else None
     return integer_range(field.type.name)
 
 
-def _is_sane(part: Any) -> bool:
-    return bool(0 <= part.lowBit <= part.highBit < UNSIGNED_BITS["uint64"])
+def _is_sane(part: jaus.SubField) -> bool:
+    return 0 <= part.lowBit <= part.highBit < UNSIGNED_BITS["uint64"]
 
 
-def _value_findings(value: Any, field: Any, limits: tuple[int, int] | None) -> Iterator[Finding]:
-    if class_name(value) == "EnumeratedValue":
-        if limits is not None and not limits[0] <= value.value <= limits[1]:
-            message = f"value {value.value} of '{field.name}' is not in {limits[0]}..{limits[1]}"
-            yield Finding(value, message, "value")
+def _value_findings(
+    value: jaus.Value, field: WithValues, limits: tuple[int, int] | None
+) -> Iterator[Finding]:
+    if isinstance(value, jaus.ValueRange):
+        yield from _range_findings(value, field, limits)
+    elif not isinstance(value, jaus.EnumeratedValue) or limits is None:
         return
+    elif not limits[0] <= value.value <= limits[1]:
+        message = f"value {value.value} of '{field.name}' is not in {limits[0]}..{limits[1]}"
+        yield Finding(value, message, "value")
+
+
+def _range_findings(
+    value: jaus.ValueRange, field: WithValues, limits: tuple[int, int] | None
+) -> Iterator[Finding]:
     if not value.lower <= value.upper:
         message = f"a range of '{field.name}' has lower {value.lower:g} and upper {value.upper:g}"
         yield Finding(value, message, "lower")
@@ -353,13 +374,13 @@ def _value_findings(value: Any, field: Any, limits: tuple[int, int] | None) -> I
         yield Finding(value, f"{message} is not in {limits[0]}..{limits[1]}", feature)
 
 
-def _is_empty(value: Any, *, integral: bool) -> bool:
+def _is_empty(value: jaus.ValueRange, *, integral: bool) -> bool:
     """Whether a range whose limits are in order has no value between them."""
     if integral and math.isfinite(value.lower) and math.isfinite(value.upper):
         first = math.ceil(value.lower) if value.lowerInclusive else math.floor(value.lower) + 1
         last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
-        return bool(first > last)
-    return bool(value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive))
+        return first > last
+    return value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive)
 
 
 RULES = (

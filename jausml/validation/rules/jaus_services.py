@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.layouts import signature
 from jausml.validation.facts.services import along_inheritance, code, lineage, with_inherited
@@ -29,7 +30,7 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
 
     Good: A inherits B, B inherits Events
     """
-    services = list(subject.instances("jaus.Service"))
+    services = list(subject.instances(jaus.Service))
     sound = {service for service, _ in along_inheritance(services)}
     for service in services:
         if service in sound:
@@ -51,7 +52,7 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `0x0415` and `0x0416`
     """
-    services = list(subject.instances("jaus.Service"))
+    services = list(subject.instances(jaus.Service))
     judged = set(services)
     seen: dict[int, Any] = {}
     for service, entering in along_inheritance(services):
@@ -82,7 +83,7 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
 
     Good: both from the same service set
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         by_code: dict[int, list[Any]] = defaultdict(list)
         for message in _messages_of(subject, component):
             if code(message) >= 0 and subject.is_intact(message):
@@ -103,7 +104,7 @@ def urns(subject: Subject) -> Iterator[Finding]:
 
     Good: `urn="urn:jaus:jss:mobility:PrimitiveDriver"`
     """
-    for service in subject.instances("jaus.Service"):
+    for service in subject.instances(jaus.Service):
         if service.urn is None:
             continue
         if len(service.urn) > _LONGEST_URN:

@@ -1,0 +1,506 @@
+"""The classes of the bridge language with their features.
+
+Written by tools/build_model_types.py from bridge.ecore: do not edit.
+"""
+
+from collections import abc
+from typing import Literal
+
+from jausml.metamodel.classes import jaus, ros
+from jausml.metamodel.classes.ecore import EEnumLiteral, EObject
+
+class Direction(EEnumLiteral):
+    """Which way a connection carries messages."""
+
+    name: Literal[
+        "jausToRos",
+        "rosToJaus",
+    ]
+
+class Exchange(EEnumLiteral):
+    """How the JAUS side of a connection exchanges its message."""
+
+    name: Literal[
+        "message",
+        "periodicEvent",
+        "everyChangeEvent",
+        "query",
+    ]
+
+class Priority(EEnumLiteral):
+    """AS5669A message priority."""
+
+    name: Literal[
+        "low",
+        "standard",
+        "high",
+        "safetyCritical",
+    ]
+
+class OutOfRangePolicy(EEnumLiteral):
+    """What happens to a value that its target field cannot carry; each case is counted by field."""
+
+    name: Literal[
+        "clamp",
+        "dropMessage",
+        "dropField",
+        "error",
+    ]
+
+class FieldOutOfRangePolicy(EEnumLiteral):
+    """What happens to a value that the target of one assignment cannot carry; each case is
+    counted by field."""
+
+    name: Literal[
+        "asConnection",
+        "clamp",
+        "dropMessage",
+        "dropField",
+        "error",
+    ]
+
+class AbsentPolicy(EEnumLiteral):
+    """What happens when an optional JAUS source field is absent."""
+
+    name: Literal[
+        "leave",
+        "dropMessage",
+        "useDefault",
+        "lastValue",
+    ]
+
+class StalePolicy(EEnumLiteral):
+    """What happens to a message when a joined topic has delivered nothing, or nothing fresh."""
+
+    name: Literal[
+        "leave",
+        "dropMessage",
+    ]
+
+class ConversionKind(EEnumLiteral):
+    """Named value conversions.
+
+    The annotation of each literal states what it takes and yields; the function of the same name
+    computes it at run time.
+    """
+
+    name: Literal[
+        "negate",
+        "scale",
+        "linear",
+        "clamp",
+        "deadband",
+        "square",
+        "degrees_to_radians",
+        "radians_to_degrees",
+        "ned_heading_to_enu_yaw",
+        "enu_yaw_to_ned_heading",
+        "frd_angles_to_flu_quaternion",
+        "frd_yaw_to_flu_quaternion",
+        "flu_quaternion_to_frd_roll",
+        "flu_quaternion_to_frd_pitch",
+        "flu_quaternion_to_frd_yaw",
+        "ned_angles_to_enu_quaternion",
+        "timestamp_to_time",
+        "time_to_timestamp",
+        "square_root",
+        "covariance_to_rms",
+        "value_to_percent",
+        "percent_to_value",
+        "wrap_angle",
+        "flu_quaternion_to_frd_angles",
+        "enu_quaternion_to_ned_angles",
+        "enu_quaternion_to_ned_heading",
+        "ned_heading_to_enu_quaternion",
+        "occupancy_to_cost",
+        "cost_to_occupancy",
+        "reverse_rows",
+        "with_units",
+        "look_up",
+        "expression",
+        "user",
+    ]
+
+class NamedElement(EObject):
+    """Something with a name and documentation."""
+
+    name: str
+    """Name of the element, unique among its siblings.
+
+    Generated code derives identifiers from it.
+    """
+
+    documentation: str | None
+    """What the element is for, in plain text.
+
+    It is carried into generated documentation; XML comments would be lost when Eclipse saves the
+    model.
+    """
+
+class AttributeMap(NamedElement):
+    """Relates one JAUS message and one ROS type, attribute by attribute, for each direction in
+    which it is used."""
+
+    message: jaus.MessageDef
+    """The JAUS message."""
+
+    type: ros.MessageType
+    """The ROS type."""
+
+    toRos: abc.Sequence[Assignment]
+    """Assignments that fill the ROS message."""
+
+    toJaus: abc.Sequence[Assignment]
+    """Assignments that fill the JAUS message."""
+
+    tables: abc.Sequence[ValueTable]
+    """Tables for look_up conversions."""
+
+    quantities: abc.Sequence[Quantity]
+    """Quantities that conversions refer to, such as the greatest speed of the vehicle."""
+
+    joins: abc.Sequence[Join]
+    """Further ROS topics from which toJaus takes values."""
+
+    vectors: abc.Sequence[TestVector]
+    """Messages with what they become, checked by the generated tests."""
+
+    def eContainer(self) -> MapLibrary | Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
+class MapLibrary(NamedElement):
+    """Attribute maps that bridges of several systems use."""
+
+    maps: abc.Sequence[AttributeMap]
+    """The maps."""
+
+class ValueTable(NamedElement):
+    """Pairs of JAUS and ROS values that mean the same, for look_up."""
+
+    entries: abc.Sequence[TableEntry]
+    """The pairs.
+
+    Where a value stands in several, the first one counts.
+    """
+
+    def eContainer(self) -> AttributeMap | None:
+        """Returns the element that owns this one, None for a root."""
+
+class TableEntry(EObject):
+    """A pair of values of a table."""
+
+    jaus: str
+    """The JAUS value: a number, the name of an enumerated value, true or false, or text."""
+
+    ros: str
+    """The ROS value: a number, the name of a constant of the ROS type, true or false, or text."""
+
+    documentation: str | None
+    """What the element is for, in plain text.
+
+    It is carried into generated documentation; XML comments would be lost when Eclipse saves the
+    model.
+    """
+
+    def eContainer(self) -> ValueTable | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Quantity(NamedElement):
+    """A number of the vehicle with its unit, such as its greatest speed, that conversions refer
+    to."""
+
+    value: float
+    """The number."""
+
+    units: str | None
+    """Its unit, for example m/s."""
+
+    def eContainer(self) -> AttributeMap | Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Join(NamedElement):
+    """A further ROS topic whose latest message is at hand when the main topic of the map delivers.
+
+    Source paths begin with the name of the join.
+    """
+
+    type: ros.MessageType
+    """The type of the joined topic."""
+
+    freshness: float
+    """Seconds after which the latest message counts as stale, above 0."""
+
+    whenStale: StalePolicy
+    """What to do when there is no fresh message."""
+
+    def eContainer(self) -> AttributeMap | None:
+        """Returns the element that owns this one, None for a root."""
+
+class TestVector(NamedElement):
+    """A source message with what it becomes: a test with figures that were found otherwise than
+    by the conversions."""
+
+    direction: Direction
+    """Which assignments it tests."""
+
+    given: abc.Sequence[VectorValue]
+    """Values of the source message; it has no others."""
+
+    expected: abc.Sequence[VectorValue]
+    """Values of the target message."""
+
+    def eContainer(self) -> AttributeMap | None:
+        """Returns the element that owns this one, None for a root."""
+
+class VectorValue(EObject):
+    """The value of one attribute in a test vector."""
+
+    path: str
+    """Path of the attribute; elements of lists are named by index."""
+
+    value: str
+    """The value: a number, true, false, text, or absent for an optional field that is left out."""
+
+    tolerance: float
+    """Largest difference of a number that is expected; 0 means half a step of the JAUS fields on
+    the way."""
+
+    def eContainer(self) -> TestVector | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Assignment(EObject):
+    """Gives one attribute of the target message its value."""
+
+    target: str
+    """Path of the target attribute: names joined by dots, for example pose.pose.position.x or
+    Velocity_X.
+
+    Several paths for a conversion that yields several values are joined by commas.
+    """
+
+    documentation: str | None
+    """What the element is for, in plain text.
+
+    It is carried into generated documentation; XML comments would be lost when Eclipse saves the
+    model.
+    """
+
+    def eContainer(self) -> AttributeMap | ListAssignment | Connection | None:
+        """Returns the element that owns this one, None for a root."""
+
+class FieldAssignment(Assignment):
+    """The target takes the value of one or more attributes of the source message, through
+    conversions in order."""
+
+    source: str
+    """Path of the source attribute; several paths for a conversion that takes several are joined
+    by commas."""
+
+    whenAbsent: AbsentPolicy
+    """What to do when the source is an absent optional field."""
+
+    outOfRange: FieldOutOfRangePolicy
+    """What to do with a value that the target cannot carry; overrides the policy of the
+    connection."""
+
+    conversions: abc.Sequence[Conversion]
+    """Conversions, applied in order."""
+
+    defaultValue: str | None
+    """The value of the target with whenAbsent useDefault: a number, true, false or text, as the
+    target needs; where there are several sources, the number that stands for an absent one."""
+
+    precision: float
+    """Largest error, in the unit of the target, that rounding in the target may make; 0 means
+    that none is stated."""
+
+    def eContainer(self) -> AttributeMap | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class ConstantAssignment(Assignment):
+    """The target takes a constant."""
+
+    value: str
+    """The constant: a number, true, false or text, as the target needs."""
+
+class ClockAssignment(Assignment):
+    """The target takes the present time of the clock of the bridge (a ROS time or a JAUS
+    TimeStamp)."""
+
+    def eContainer(self) -> AttributeMap | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Ignore(Assignment):
+    """States that the attribute is left out on purpose, so that checks do not ask for it."""
+
+    def eContainer(self) -> AttributeMap | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class ListAssignment(Assignment):
+    """The target list has one element for each element of the source list, filled by assignments of
+    its own.
+
+    Their paths start at the elements; "." is an element that has no members, and paths that begin
+    with "/" start at the message. Expressions may also use index (from 0) and count.
+    """
+
+    source: str
+    """Path of the source list; several paths for a conversion that takes several are joined by
+    commas."""
+
+    keys: str | None
+    """Path of the ROS sequence that holds a name for each element, such as name of
+    sensor_msgs/JointState.
+
+    The elements on the JAUS side then are those that names lists, in this order.
+    """
+
+    names: abc.Sequence[str]
+    """Names of the elements on the JAUS side, in their order."""
+
+    whenAbsent: AbsentPolicy
+    """What to do when the source is an absent optional field, or when keys lack a name."""
+
+    conversions: abc.Sequence[Conversion]
+    """Conversions of the list as a whole, applied in order, before its elements are taken."""
+
+    assignments: abc.Sequence[Assignment]
+    """Assignments that fill one element of the target."""
+
+    def eContainer(self) -> AttributeMap | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class MessageAssignment(Assignment):
+    """The target is a JAUS field that carries a whole JAUS message, or the source is: the
+    message is translated by an attribute map of its own, as in the elements of JAUS lists."""
+
+    source: str
+    """Path of the source attribute; "." for the element itself."""
+
+    map: AttributeMap
+    """The map between the message that the JAUS field carries and the ROS attribute."""
+
+    def eContainer(self) -> AttributeMap | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Conversion(EObject):
+    """A named conversion with its arguments."""
+
+    kind: ConversionKind
+    """Which conversion."""
+
+    arguments: abc.Sequence[float]
+    """Arguments in the order that the conversion names them."""
+
+    expression: str | None
+    """The text of an expression: numbers, + - * / ^, parentheses, comparisons, named functions,
+    and the sources by the last step of their paths or, for a single one, by value."""
+
+    method: str | None
+    """Name of the method of a user conversion; the skeleton has it as convert_<name>."""
+
+    units: str | None
+    """The units that with_units states."""
+
+    table: ValueTable | None
+    """The table of a look_up."""
+
+    quantity: Quantity | None
+    """The quantity that stands for the one argument of a conversion, such as the maximum of
+    value_to_percent; arguments are empty then."""
+
+    def eContainer(self) -> FieldAssignment | ListAssignment | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Topic(EObject):
+    """A ROS topic of a connection."""
+
+    name: str
+    """Topic name; relative names are resolved in the namespace of the bridge."""
+
+    qos: ros.QoSProfile | None
+    """Quality of service."""
+
+    join: Join | None
+    """The join that the topic feeds; without it the topic is the one that the map is for."""
+
+    def eContainer(self) -> Connection | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Connection(NamedElement):
+    """Carries one kind of message across the bridge, by one attribute map."""
+
+    map: AttributeMap
+    """The attribute map."""
+
+    direction: Direction
+    """Which way the messages go."""
+
+    exchange: Exchange
+    """How the JAUS side exchanges the message."""
+
+    peers: abc.Sequence[jaus.Component]
+    """JAUS components at the other end.
+
+    None means any: messages are taken from whoever sends them, reports go to whoever asks.
+    """
+
+    topics: abc.Sequence[Topic]
+    """ROS topics: all are published to, or all are subscribed to."""
+
+    query: jaus.MessageDef | None
+    """The query that asks for the report; found by name when absent (QueryX for ReportX)."""
+
+    rate: float
+    """Messages each second of periodic events and queries, up to 1092; 0 means the frequency of
+    the bridge."""
+
+    priority: Priority
+    """Priority of JAUS messages that the connection sends."""
+
+    acknowledge: bool
+    """True when the JAUS peer shall acknowledge each message."""
+
+    control: bool
+    """True when the bridge acquires and keeps control of the peers and resumes them, which
+    commands need."""
+
+    outOfRange: OutOfRangePolicy
+    """What to do with values that the target cannot carry, for assignments that do not say it
+    themselves."""
+
+    silenceTimeout: float
+    """Seconds without a message from the source after which the safe value is sent once; 0 means
+    never."""
+
+    safeValue: abc.Sequence[ConstantAssignment]
+    """Attributes of the target message that is sent when the source stays silent; the others
+    keep their defaults."""
+
+    def eContainer(self) -> Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Bridge(jaus.Component):
+    """One process that is a JAUS component and a ROS 2 node at the same time and services many
+    connections.
+
+    Reports that ROS topics feed are provided by the services of the bridge itself.
+    """
+
+    namespace: str
+    """ROS namespace of the node; empty means the root."""
+
+    frequency: float
+    """Messages each second of the periodic events and queries that state no rate of their own.
+
+    Diagnostics come at this rate too, but not more often than once a second.
+    """
+
+    maps: abc.Sequence[AttributeMap]
+    """Attribute maps of this bridge."""
+
+    bridgeConnections: abc.Sequence[Connection]
+    """What the bridge carries across."""
+
+    quantities: abc.Sequence[Quantity]
+    """Values for this bridge of quantities of its maps, by name."""

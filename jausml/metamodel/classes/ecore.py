@@ -1,0 +1,5 @@
+"""What all elements of models have in common: pyecore's own classes."""
+
+from pyecore.ecore import EClass, EEnumLiteral, EObject, EPackage, EStructuralFeature
+
+__all__ = ["EClass", "EEnumLiteral", "EObject", "EPackage", "EStructuralFeature"]
