@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.engine import FileTask, Renderer
 from jausml.generators.common.message_builder import build_messages
 from jausml.generators.common.messages import MessagesModule
+from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ class CoreMessages:
         Args:
             model: The core service set.
         """
-        services = list(model.instances("jaus.Service"))
+        services = list(model.instances(jaus.Service))
         messages = [m for service in services for m in [*service.inputs, *service.outputs]]
         module = MessagesModule(
             summary="The messages of the JAUS core services (AS5710A) and their codecs.",

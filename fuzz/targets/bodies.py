@@ -15,6 +15,7 @@ from jausml.generation.engine import FileTask, Renderer
 from jausml.generators.common.message_builder import build_messages
 from jausml.generators.common.message_examples import example_bytes
 from jausml.generators.common.messages import MessagesModule, MessageView
+from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
 from jausml.runtime.message import DecodeError, EncodeError, Message
 
@@ -62,7 +63,7 @@ class Codecs:
 
 def views_of(model: Model, path: Path) -> tuple[MessageView, ...]:
     """Returns the messages of the services of one file."""
-    services = [s for s in model.instances("jaus.Service") if Path(model.location(s).path) == path]
+    services = [s for s in model.instances(jaus.Service) if Path(model.location(s).path) == path]
     return build_messages(m for s in services for m in [*s.inputs, *s.outputs])
 
 

@@ -16,6 +16,7 @@ from jausml.generators.ros_interfaces.selection import (
     unmapped_messages,
 )
 from jausml.generators.ros_interfaces.views import InterfacesView
+from jausml.metamodel.classes import ros
 from jausml.metamodel.filling import new_object
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class RosInterfacesTarget:
             model: A valid model.
         """
         system, source = _system(model)
-        taken = {str(package.name) for package in model.instances("ros.InterfacePackage")}
+        taken = {str(package.name) for package in model.instances(ros.InterfacePackage)}
         name = package_name(f"{system.name}_jaus_msgs")
         while name in taken:
             name += "_2"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generators.common.components import CORE, with_inherited
 from jausml.generators.common.system import system_of
+from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def library_services(pattern: str = "*.xmi") -> list[Any]:
         pattern: Which of its JAUS models.
     """
     paths = sorted((library_root() / "jaus").glob(pattern))
-    return list(read_models(paths).model.instances("jaus.Service"))
+    return list(read_models(paths).model.instances(jaus.Service))
 
 
 def _services(model: Model) -> Iterator[Any]:

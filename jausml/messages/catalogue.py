@@ -27,6 +27,7 @@ from jausml.messages.errors import (
 )
 from jausml.messages.scalars import check_names
 from jausml.metamodel import load_jaus_metamodel
+from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 from jausml.model.diagnostics import Severity
 
@@ -110,7 +111,7 @@ class Catalogue:
         self._entries: dict[int, tuple[MessageEntry, ...]] = {}
         self._entry_of: dict[Any, MessageEntry] = {}
         services: dict[Any, ServiceEntry] = {}
-        for definition in model.instances("jaus.Service"):
+        for definition in model.instances(jaus.Service):
             entry = ServiceEntry(definition, self._entries_of)
             key = (entry.urn, entry.version)
             if key not in self.services:

@@ -15,6 +15,7 @@ from jausml.generation import (
     TextFile,
     TextTask,
 )
+from jausml.metamodel.classes import jaus
 
 SKELETON = '''\
 """Yours."""
@@ -39,7 +40,7 @@ class SmallTarget:
     template_folders = ()
 
     def tasks(self, model):
-        components = model.instances("jaus.Component")
+        components = model.instances(jaus.Component)
         bases = [
             TextFile(f"{c.name}_base.py", f"ADDRESS = {c.address!r}\n", f"component:{c.name}", "m")
             for c in components
@@ -51,7 +52,7 @@ class SmallTarget:
         return [TextTask(bases), skeleton]
 
     def processes(self, model):
-        return [{"name": c.name} for c in model.instances("jaus.Component")]
+        return [{"name": c.name} for c in model.instances(jaus.Component)]
 
 
 class BrokenTarget(SmallTarget):

@@ -17,6 +17,7 @@ from jausml.generators.common.fields import Tag
 from jausml.generators.common.message_builder import build_message_map
 from jausml.generators.common.messages import MessagesModule, MessageView
 from jausml.generators.common.nested import BitFieldClass, ContainerClass
+from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _read(path: Path) -> dict[str, MessageView]:
     result = read_models([path])
     assert not result.diagnostics, result.diagnostics
     model = result.model
-    services = [s for s in model.instances("jaus.Service") if Path(model.location(s).path) == path]
+    services = [s for s in model.instances(jaus.Service) if Path(model.location(s).path) == path]
     found = build_message_map(m for s in services for m in [*s.inputs, *s.outputs])
     return {f"{element.eContainer().name}.{element.name}": v for element, v in found.items()}
 

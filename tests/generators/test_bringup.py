@@ -10,6 +10,7 @@ import yaml
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.bringup.views import SETTINGS
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.metamodel.classes import ros
 from jausml.runtime.settings import TransportSettings
 
 from .node_support import CASES, artifacts, model_of, ros_environment, run, write
@@ -237,7 +238,7 @@ def test_words_of_yaml_are_names_and_nothing_is_there_twice():
 def test_hostile_values_arrive_unchanged():
     values = parameters("hostile", "victim")
     node = next(
-        n for n in model_of(CASES / "hostile.xmi").instances("ros.Node") if n.name == "victim"
+        n for n in model_of(CASES / "hostile.xmi").instances(ros.Node) if n.name == "victim"
     )
     assert {p.name: p.value for p in node.parameters} == {
         name: value for name, value in values.items() if name != "use_sim_time"

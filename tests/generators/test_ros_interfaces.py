@@ -19,6 +19,7 @@ from jausml.generators.ros_interfaces.names import constant_name, field_name, ty
 from jausml.generators.ros_interfaces.target import DECLARED, TARGET
 from jausml.interfaces import parse_definition
 from jausml.interfaces.definitions import PRIMITIVES, FieldType
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model import library_root, read_models
 
 HERE = Path(__file__).parent
@@ -196,7 +197,7 @@ def test_messages_of_maps_have_their_ros_type_already():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     some = {path for path in render(model) if path.endswith(".msg")}
     every = {path for path in render(model, TARGET.for_whole_library()) if path.endswith(".msg")}
-    mapped = {str(each.message.name) for each in model.instances("bridge.AttributeMap")}
+    mapped = {str(each.message.name) for each in model.instances(bridge.AttributeMap)}
     assert mapped
     for name in mapped:
         assert f"catvehicle_jaus_msgs/msg/{name}.msg" not in some
@@ -206,7 +207,7 @@ def test_messages_of_maps_have_their_ros_type_already():
 
 def files_of(*paths):
     package = MessagesPackage("all_msgs", "test.xmi")
-    for message in read_models(paths).model.instances("jaus.MessageDef"):
+    for message in read_models(paths).model.instances(jaus.MessageDef):
         package.add(message)
     return package.files
 

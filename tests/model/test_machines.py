@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 from jausml.model.machines import (
     CORE_LEAVES,
@@ -29,14 +30,14 @@ READY = "Receiving.Ready.Controlled.Available.Ready"
 @pytest.fixture(scope="module")
 def lamps():
     result = read_models([LAMP], project_root=ROOT)
-    services = {each.name: each for each in result.model.instances("jaus.Service")}
+    services = {each.name: each for each in result.model.instances(jaus.Service)}
     return {each.name: each for each in machines_of([services["Lamp"], services["Spot"]])}
 
 
 @pytest.fixture(scope="module")
 def winch():
     result = read_models([WINCH], project_root=ROOT)
-    services = [s for s in result.model.instances("jaus.Service") if s.name == "Winch"]
+    services = [s for s in result.model.instances(jaus.Service) if s.name == "Winch"]
     (machine,) = machines_of(services)
     return machine
 
@@ -53,7 +54,7 @@ def test_a_machine_of_an_heir_is_the_inherited_one(lamps):
 
 def test_heirs_that_do_not_inherit_each_other_have_machines_of_their_own():
     result = read_models([WINCH, LAMP], project_root=ROOT)
-    found = {each.name: each for each in result.model.instances("jaus.Service")}
+    found = {each.name: each for each in result.model.instances(jaus.Service)}
     machines = machines_of([found["Winch"], found["Lamp"], found["Spot"]])
     assert [machine.name for machine in machines] == ["ReceiveFSM", "LampFSM", "ReceiveFSM"]
 

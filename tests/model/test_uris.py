@@ -7,6 +7,7 @@ import socket
 import pytest
 from reader_support import zoo
 
+from jausml.metamodel.classes import jaus
 from jausml.model import LIBRARY_URI, find_project_root, library_root, read_models
 
 LIBRARY_MODEL = f"""<jaus:Component xmlns:jaus="http://www.jausml.org/jaus/1.0" name="c"
@@ -129,8 +130,8 @@ def test_library_needs_no_network(documents):
     (service,) = result.model.root.provides
     assert result.model.is_library(service)
     assert not result.model.is_library(result.model.root)
-    assert result.model.instances("jaus.Service", library=False) == []
-    assert service in result.model.instances("jaus.Service")
+    assert result.model.instances(jaus.Service, library=False) == []
+    assert service in result.model.instances(jaus.Service)
 
 
 def test_library_by_relative_href(documents):

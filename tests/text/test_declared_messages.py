@@ -7,12 +7,13 @@ from __future__ import annotations
 import pytest
 
 from jausml.messages import load_catalogue
+from jausml.metamodel.classes import jaus, ros
 from jausml.text.notation import NOTATIONS
 
 
 def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own"):
     model = texts.good(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
-    return model.instances("jaus.MessageDef", library=False)[0]
+    return model.instances(jaus.MessageDef, library=False)[0]
 
 
 def field(texts, member):
@@ -21,7 +22,7 @@ def field(texts, member):
 
 def ros_field(texts, member):
     model = texts.good(f"m {{ JAUS ReportVelocityState ROS Own ( {member} ) }}")
-    return model.instances("ros.MessageType", library=False)[0].fields[0]
+    return model.instances(ros.MessageType, library=False)[0].fields[0]
 
 
 @pytest.mark.parametrize(
@@ -132,7 +133,7 @@ def test_codes_are_assigned_in_order_and_skip_what_is_taken(texts):
         for i, code in enumerate(["", "{ code: 0xD000 }", "", "{ code: 0xD002 }", ""])
     )
     result = texts.one(text)
-    codes = [m.code for m in result.model.instances("jaus.MessageDef", library=False)]
+    codes = [m.code for m in result.model.instances(jaus.MessageDef, library=False)]
     assert codes == ["0xD001", "0xD000", "0xD003", "0xD002", "0xD004"]
     assert [each.rule for each in result.diagnostics] == ["JML711"] * 3
     assert "0xD001" in result.diagnostics[0].message
@@ -145,7 +146,7 @@ def test_codes_do_not_depend_on_what_else_is_read(texts):
     texts.write("three.ros2jaus", 'import "one.ros2jaus"\n' + own.format("Three"))
     for names in (["one", "two", "three"], ["three", "two", "one"]):
         model = texts.read(*(f"{name}.ros2jaus" for name in names)).model
-        codes = {m.name: m.code for m in model.instances("jaus.MessageDef", library=False)}
+        codes = {m.name: m.code for m in model.instances(jaus.MessageDef, library=False)}
         assert codes == {"One": "0xD000", "Two": "0xD000", "Three": "0xD001"}
 
 
@@ -156,7 +157,7 @@ def test_imported_declarations_are_known(texts):
     model = texts.good(
         'import "one.ros2jaus"\nn { JAUS Own ( uint8 a ) ROS OwnType }', "two.ros2jaus"
     )
-    assert len(model.instances("jaus.MessageDef", library=False)) == 1
+    assert len(model.instances(jaus.MessageDef, library=False)) == 1
     assert model.root.maps[0].type.eContainer().name == "one_interfaces"
 
 
@@ -174,7 +175,7 @@ def test_ros_types(texts):
 
 def test_ros_type_of_a_package_of_its_own(texts):
     model = texts.good("m { JAUS ReportVelocityState ROS winch_msgs/State ( uint8 a ) }")
-    own = model.instances("ros.InterfacePackage", library=False)
+    own = model.instances(ros.InterfacePackage, library=False)
     assert [(p.name, p.messages[0].name) for p in own] == [("winch_msgs", "State")]
 
 
@@ -183,7 +184,7 @@ def test_documentation(texts):
         "m {\n/** A state. */\nJAUS Own (\n/** Its length. */\nuint8 a ) { code: 0xD100 }\n"
         "ROS std_msgs/Float64 }"
     )
-    [message] = model.instances("jaus.MessageDef", library=False)
+    [message] = model.instances(jaus.MessageDef, library=False)
     assert (message.documentation, message.body.fields[0].documentation) == (
         "A state.",
         "Its length.",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def test_the_facts_arrive_in_the_model(
     assert "mobility.xmi" in capsys.readouterr().out
     result = read_models([tmp_path / "out" / "mobility.xmi"])
     assert not result.diagnostics
-    (derived,) = (s for s in result.model.instances("jaus.Service") if s.name == "Derived")
+    (derived,) = (s for s in result.model.instances(jaus.Service) if s.name == "Derived")
     assert derived.inherits.name == "Base"
     (message,) = derived.inputs
     assert (message.code, message.isCommand) == ("0x04AB", True)
@@ -132,7 +133,7 @@ def test_wrong_arguments_show_the_usage(
 def test_the_shipped_library_has_no_problem(path: Path) -> None:
     result = read_models([path])
     assert not result.diagnostics
-    assert list(result.model.instances("jaus.Service"))
+    assert list(result.model.instances(jaus.Service))
 
 
 @pytest.mark.skipif(not FACTS.exists(), reason="the facts are absent")
@@ -145,7 +146,7 @@ def test_the_shipped_library_is_what_the_facts_say(tool: ModuleType) -> None:
 def fields_of(model: Any, message: str) -> dict[str, Any]:
     """Returns the fields of the messages of a name by `record.field`, and by `field` alone."""
     found = {}
-    for definition in model.instances("jaus.MessageDef"):
+    for definition in model.instances(jaus.MessageDef):
         if definition.name != message:
             continue
         todo = [definition.body]

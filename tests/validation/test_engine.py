@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from jausml.metamodel.classes import jaus
 from jausml.model import Severity, library_root, read_models
 from jausml.validation.engine import RuleError, check, validate
 from jausml.validation.rule import Finding, rule
@@ -113,7 +114,7 @@ def test_library_is_checked_only_when_it_is_named(tmp_path):
     @rule("JML399", Severity.WARNING, "any service")
     def any_service(subject):
         """Reports every service."""
-        for service in subject.instances("jaus.Service"):
+        for service in subject.instances(jaus.Service):
             yield Finding(service, "a service", "name")
 
     path = tmp_path / "model.xmi"

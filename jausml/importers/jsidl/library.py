@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import jaus
 from jausml.model.reader import read_models
 from jausml.model.uris import library_root
 
@@ -27,7 +28,7 @@ def services_by_urn(model: Model) -> dict[str, dict[str, Any]]:
         model: Any model.
     """
     found: dict[str, dict[str, Any]] = {}
-    for service in model.instances("jaus.Service"):
+    for service in model.instances(jaus.Service):
         found.setdefault(service.urn, {})[service.version] = service
     return found
 

@@ -13,6 +13,7 @@ from jausml.importers.ros.sources import PackageSource, Source, installed_source
 from jausml.interfaces.parsing import PARTS, parse_definition
 from jausml.interfaces.types import is_package_name, is_type_name
 from jausml.metamodel import load_metamodels
+from jausml.metamodel.classes import ros
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
@@ -241,7 +242,7 @@ def library_types(model: Model) -> dict[tuple[str, str], Any]:
                     identifier = shipped.identifier(each.obj)
                     if identifier is not None:
                         model.name_by_id(each.obj, identifier)
-    packages = shipped.instances("ros.InterfacePackage")
+    packages = shipped.instances(ros.InterfacePackage)
     return {(each.name, message.name): message for each in packages for message in each.messages}
 
 

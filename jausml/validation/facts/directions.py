@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.validation.facts.layouts import class_name
 from jausml.validation.facts.paths import Placed, flattened, outer_scope
 
@@ -65,10 +66,10 @@ def direction_of(subject: Subject, attribute_map: Any, *, to_ros: bool) -> Direc
 
 def _directions(subject: Subject) -> tuple[Direction, ...]:
     found = []
-    for each in subject.instances("bridge.AttributeMap"):
+    for each in subject.instances(bridge.AttributeMap):
         ways = (direction_of(subject, each, to_ros=to_ros) for to_ros in (True, False))
         found += [way for way in ways if way is not None]
-    for connection in subject.instances("bridge.Connection"):
+    for connection in subject.instances(bridge.Connection):
         used = connection.map
         if used is not None and subject.is_intact(used.message, used.type):
             to_ros = connection.direction.name == "jausToRos"

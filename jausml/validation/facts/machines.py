@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import jaus
 from jausml.model.machines import (
     CORE_LEAVES,
     CORE_STATES,
@@ -133,7 +134,7 @@ def behaviours(subject: Subject) -> Iterator[Behaviour]:
     Args:
         subject: The model.
     """
-    for service in subject.instances("jaus.Service"):
+    for service in subject.instances(jaus.Service):
         if service.urn in KEPT_BY_RUNTIME or not service.machines:
             continue
         chain = [each for each in reversed(lineage(service)) if each.urn not in KEPT_BY_RUNTIME]

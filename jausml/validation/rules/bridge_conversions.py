@@ -8,6 +8,7 @@ import re
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.model.expressions import (
     ExpressionError,
@@ -50,7 +51,7 @@ def conversions(subject: Subject) -> Iterator[Finding]:
 
     Good: `<conversions kind="scale"><arguments>0.1</arguments></conversions>`
     """
-    for conversion in subject.instances("bridge.Conversion"):
+    for conversion in subject.instances(bridge.Conversion):
         yield from _feature_findings(conversion)
         yield from _argument_findings(conversion)
     for direction in directions(subject):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.paths import source_paths
 from jausml.validation.rule import Finding, Note, rule
@@ -27,12 +28,12 @@ def joins(subject: Subject) -> Iterator[Finding]:
 
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
-    for each in subject.instances("bridge.AttributeMap"):
+    for each in subject.instances(bridge.AttributeMap):
         fields = {field.name for field in each.type.fields} if each.type is not None else set()
         used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
         for join in each.joins:
             yield from _join_findings(join, fields, used)
-    for connection in subject.instances("bridge.Connection"):
+    for connection in subject.instances(bridge.Connection):
         if connection.map is not None and subject.is_intact(connection):
             yield from _topic_findings(connection)
 

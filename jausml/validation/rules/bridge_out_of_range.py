@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import NUMBER, OCTETS, TEXT, Attribute, Found
 from jausml.validation.facts.directions import direction_of, directions
@@ -42,7 +43,7 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
             if path is not None:
                 message = f"'{path}' is no optional JAUS field, it is never left out"
                 yield Finding(placed.assignment, message, "outOfRange", _HINT)
-    for connection in subject.instances("bridge.Connection"):
+    for connection in subject.instances(bridge.Connection):
         if connection.outOfRange.name == _DROP_FIELD and connection.map is not None:
             yield from _connection_findings(subject, connection)
 

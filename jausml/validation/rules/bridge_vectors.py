@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import Attribute, PathFault
 from jausml.validation.facts.paths import Scope, outer_scope
@@ -31,7 +32,7 @@ def vectors(subject: Subject) -> Iterator[Finding]:
 
     Good: `<expected path="pose.orientation.z" value="0.7071" tolerance="1e-4"/>`
     """
-    for each in subject.instances("bridge.AttributeMap"):
+    for each in subject.instances(bridge.AttributeMap):
         if not subject.is_intact(each.message, each.type):
             continue
         for vector in each.vectors:

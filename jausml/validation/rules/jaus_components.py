@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.services import (
     find_query,
@@ -45,7 +46,7 @@ def address_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="100.1.1"/>`
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         if not component.address:
             continue
         for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
@@ -65,7 +66,7 @@ def address_bytes(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="512.1.1"/>`
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         subsystem = int((component.address or "0").split(".")[0])
         if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
             message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
@@ -105,13 +106,13 @@ def component_numbers(subject: Subject) -> Iterator[Finding]:
 
     Good: `authority="200"`
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         for name, (lower, upper) in _NUMBERS.items():
             value = getattr(component, name)
             if not lower <= value <= upper:
                 message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
                 yield Finding(component, message, name)
-    for connection in subject.instances("jaus.ServiceConnection"):
+    for connection in subject.instances(jaus.ServiceConnection):
         value = connection.silenceTimeout
         if not (math.isfinite(value) and value >= 0):
             message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
@@ -129,7 +130,7 @@ def connection_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: the same provider with `provides` of LocalPoseSensor as well
     """
-    for connection in subject.instances("jaus.ServiceConnection"):
+    for connection in subject.instances(jaus.ServiceConnection):
         provider, message = connection.provider, connection.message
         if not is_known(subject, provider) or not subject.is_intact(message):
             continue
@@ -155,7 +156,7 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
 
     Good: the same connection with `query` set to the message that asks for it
     """
-    for connection in subject.instances("jaus.ServiceConnection"):
+    for connection in subject.instances(jaus.ServiceConnection):
         provider, message = connection.provider, connection.message
         if not is_known(subject, provider) or not subject.is_intact(message):
             continue
@@ -177,7 +178,7 @@ def connection_rate(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodic" rate="10.0"`
     """
-    for connection in subject.instances("jaus.ServiceConnection"):
+    for connection in subject.instances(jaus.ServiceConnection):
         if connection.exchange.name == "periodic":
             yield from rate_finding(connection)
 
@@ -192,7 +193,7 @@ def controls_access(subject: Subject) -> Iterator[Finding]:
 
     Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         for target in component.controls:
             if target is component:
                 message = f"'{component.name}' controls itself"
@@ -219,7 +220,7 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `provides` of one of them
     """
-    for component in subject.instances("jaus.Component"):
+    for component in subject.instances(jaus.Component):
         by_urn: dict[str, list[Any]] = defaultdict(list)
         for service in component.provides:
             if service.urn:

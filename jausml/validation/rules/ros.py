@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.interfaces.definitions import TEXTS, FieldType
 from jausml.interfaces.values import ValueTextError, write_value
+from jausml.metamodel.classes import ros
 from jausml.model.diagnostics import Severity
 from jausml.model.values import show
 from jausml.validation.facts.attributes import primitive
@@ -134,7 +135,7 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<qos depth="1"/>`
     """
-    for profile in subject.instances("ros.QoSProfile"):
+    for profile in subject.instances(ros.QoSProfile):
         lowest = 1 if profile.history.name == "keep_last" else 0
         if profile.depth < lowest:
             yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
@@ -152,7 +153,7 @@ def parameter_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<parameters name="gain" type="double" value="0.5" maximum="1.0"/>`
     """
-    for parameter in subject.instances("ros.Parameter"):
+    for parameter in subject.instances(ros.Parameter):
         if parameter.value is None:
             continue
         fault = _parameter_fault(parameter)
@@ -180,7 +181,7 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
         for element in subject.instances(kind):
             if element.name and not pattern.fullmatch(element.name):
                 yield Finding(element, f"{element.name!a} is no {noun} name", "name", hint)
-    for field in subject.instances("ros.Field"):
+    for field in subject.instances(ros.Field):
         if field.arrayKind.name in ("fixedArray", "boundedSequence") and field.arraySize < 1:
             message = f"'{field.name}' is a {field.arrayKind.name} of size {field.arraySize}"
             yield Finding(field, message, "arraySize")
@@ -211,7 +212,7 @@ def constant_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<constants name="LIMIT" type="uint8" value="255"/>`
     """
-    for constant in subject.instances("ros.Constant"):
+    for constant in subject.instances(ros.Constant):
         # A byte is no number to rclpy, but its constants are.
         kind = "uint8" if constant.type.name == "byte" else constant.type.name
         fault = constant_fault(constant.value or "", primitive(kind))
@@ -233,7 +234,7 @@ def default_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
     """
-    for field in subject.instances("ros.PrimitiveField"):
+    for field in subject.instances(ros.PrimitiveField):
         if field.defaultValue is None:
             continue
         array = (field.arrayKind.name, field.arraySize)
