@@ -3,7 +3,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test coverage live lint format bench fuzz emf reference types clean
+# Compiled tests and modules are kept: without them each process compiles them anew.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: help demo test coverage live lint format bench fuzz emf reference types clean
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -13,17 +19,16 @@ $(READY): pyproject.toml
 demo: $(READY)  ## generate the example system, drive it through a turn, draw the result
 	$(BIN)/python models/catvehicle/demo.py
 
-# What binds ports runs by itself, the rest two at a time. Nothing chosen (5) is no failure.
+# Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
+# TESTS=tests/runtime runs a part; nothing chosen (5) is no failure.
 test: $(READY)  ## every test
-	$(BIN)/python -m pytest --durations=15 -m "not alone" -n 2 --dist loadfile $(TESTS) || test $$? -eq 5
-	$(BIN)/python -m pytest --durations=15 -m alone $(TESTS) || test $$? -eq 5
+	$(BIN)/python -m pytest --durations=15 -n auto --dist worksteal $(TESTS) || test $$? -eq 5
 
 coverage: $(READY)  ## every test, and which lines none of them runs
-	$(BIN)/python -m pytest --cov --cov-report=term:skip-covered $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered $(TESTS)
 
 live: $(READY)  ## the tests with real processes: rclpy, sockets, tshark
-	@command -v tshark >/dev/null || echo "tshark is absent: the Wireshark dissector is NOT tested (apt-get install tshark)"
-	$(BIN)/python -m pytest -m live $(TESTS)
+	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
 
 lint: $(READY)  ## format, lint, types, layers
 	$(BIN)/ruff format --check .
@@ -31,7 +36,7 @@ lint: $(READY)  ## format, lint, types, layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: $(READY)
+format: $(READY)  ## lay out the code and mend what can be mended
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
@@ -54,5 +59,5 @@ reference: $(READY)  ## write docs/reference/ anew
 types: $(READY)  ## write the stubs of the metamodels' classes anew
 	$(BIN)/python tools/build_model_types.py
 
-clean:
+clean:  ## remove what make has made
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out

@@ -2,32 +2,60 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
+import signal
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import settings
+from isolation import isolate, own_domain
+from xdist.scheduler import LoadFileScheduling
 
 if TYPE_CHECKING:
-    import pytest
+    from xdist.remote import Producer
+    from xdist.scheduler import Scheduling
 
 # No test judges the clock: an example that imports something for the first time may take long.
 settings.register_profile("jausml", settings(), deadline=None)
 settings.load_profile("jausml")
 
-HERE = Path(__file__).parent
-# They bind ports, join multicast groups, or wait for several processes.
-ALONE = (
-    *("docs", "live", "packaging", "peers", "runtime", "traffic"),
-    *("models/catvehicle", "models/winch"),
-    *("cli/test_decode.py", "cli/test_run.py", "cli/test_run_live.py"),
-    *("generators/test_transports.py", "generators/test_wireshark.py"),
-)
+SHARED_NETWORK = pytest.StashKey[str]()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks what must not run beside other tests: `make test` runs the others in parallel."""
-    for item in items:
-        place = item.path.relative_to(HERE).as_posix()
-        is_alone = any(place == each or place.startswith(f"{each}/") for each in ALONE)
-        if is_alone or item.get_closest_marker("live"):
-            item.add_marker("alone")
+def pytest_configure(config: pytest.Config) -> None:
+    """Isolates this process."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # So a shell starts what it runs in the background, and programs under test inherit it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
+    own_domain(int(worker.removeprefix("gw")))
+    config.stash[SHARED_NETWORK] = isolate()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """More workers than processors: most of the time tests wait for processes that they started."""
+    return min(2 * (os.cpu_count() or 1), 16)
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    """Says where tests bind their ports."""
+    reason = config.stash[SHARED_NETWORK]
+    if not reason:
+        return "network: each process has its own"
+    return f"network: shared ({reason}), so that one worker runs all tests marked `ports` or `live`"
+
+
+class PortsInOneWorker(LoadFileScheduling):
+    """Hands out whole files, and those whose tests bind ports or start ROS to one worker."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.partition("::")[0]
+        text = (self.config.rootpath / file).read_text(encoding="utf-8")
+        return "ports" if "pytest.mark.ports" in text or "pytest.mark.live" in text else file
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Scheduling | None:
+    """Keeps apart what binds ports where the network is shared."""
+    return PortsInOneWorker(config, log) if config.stash[SHARED_NETWORK] else None

@@ -16,6 +16,8 @@ from click.testing import CliRunner
 
 from jausml.cli import main
 
+pytestmark = pytest.mark.ports
+
 STATUS = "02400100000000"
 DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
 

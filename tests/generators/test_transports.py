@@ -17,6 +17,8 @@ from jausml.generators.jaus_component.target import TARGET as COMPONENT
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
+pytestmark = pytest.mark.ports
+
 CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

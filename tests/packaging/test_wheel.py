@@ -7,9 +7,11 @@ import shutil
 import subprocess
 import sys
 import venv
+from importlib import metadata
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -31,6 +33,29 @@ def run(*command: str | Path, cwd: Path) -> str:
     return result.stdout
 
 
+def needed_by(packages: Path) -> set[str]:
+    """The distributions that jausml, as it is installed in a folder, needs, and those need."""
+    (jausml,) = metadata.distributions(name="jausml", path=[str(packages)])
+    needed: set[str] = set()
+    pending = list(jausml.requires or ())
+    while pending:
+        requirement = Requirement(pending.pop())
+        marker = requirement.marker
+        if (marker and not marker.evaluate({"extra": ""})) or requirement.name in needed:
+            continue
+        needed.add(requirement.name)
+        pending += metadata.requires(requirement.name) or ()
+    return needed
+
+
+def copy_distribution(name: str, target: Path) -> None:
+    """Copies what this environment has of a distribution: nothing is fetched from an index."""
+    for file in metadata.files(name) or ():
+        if ".." not in file.parts and file.suffix != ".pyc":
+            (target / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(file.locate(), target / file)
+
+
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Builds the wheel from the tracked files, installs it alone; returns the bin folder."""
@@ -43,11 +68,18 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         if (ROOT / name).exists() and not name.startswith("tests/"):
             (source / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, source / name, follow_symlinks=False)
-    run(sys.executable, "-m", "build", "--wheel", "--outdir", work, source, cwd=work)
+    build = (sys.executable, "-m", "build", "--wheel", "--no-isolation")
+    run(*build, "--outdir", work, source, cwd=work)
     (wheel,) = work.glob("jausml-*.whl")
     environment = work / "environment"
     venv.create(environment, with_pip=True)
-    run(environment / "bin" / "python", "-m", "pip", "install", "--quiet", wheel, cwd=work)
+    python = environment / "bin" / "python"
+    install = (python, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps")
+    run(*install, wheel, cwd=work)
+    (packages,) = environment.glob("lib/python*/site-packages")
+    for name in needed_by(packages):
+        copy_distribution(name, packages)
+    run(python, "-m", "pip", "check", cwd=work)
     return environment / "bin"
 
 

@@ -18,6 +18,8 @@ from jausml.runtime.address import JausAddress
 from jausml.runtime.component import JausComponent, ServiceIdentity
 from jausml.runtime.services.definitions import Status
 
+pytestmark = pytest.mark.ports
+
 TARGET = JausAddress(100, 1, 1)
 QUICK = {"timeout": 0.4, "quiet": 0.06}
 

@@ -11,6 +11,8 @@ import pytest
 
 from jausml.runtime.services.definitions import Status
 
+pytestmark = pytest.mark.ports
+
 QUICK = ("--timeout", "0.4", "--quiet-time", "0.06")
 
 

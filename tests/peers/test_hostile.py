@@ -18,6 +18,8 @@ from jausml.peers.describing import MAX_LENGTH, describe
 from jausml.peers.rendering import report_json, report_line
 from jausml.runtime.address import JausAddress
 
+pytestmark = pytest.mark.ports
+
 TARGET = JausAddress(100, 1, 1)
 CATALOGUE = load_catalogue()
 CODES = [entry.code for entry in CATALOGUE.messages]

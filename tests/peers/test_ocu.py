@@ -16,6 +16,8 @@ from jausml.runtime.address import JausAddress
 from jausml.runtime.core_messages import RequestControl
 from jausml.runtime.services.definitions import Status
 
+pytestmark = pytest.mark.ports
+
 OPERATOR = JausAddress(65000, 1, 1)
 
 

@@ -10,6 +10,8 @@ from jausml.runtime.address import JausAddress
 from jausml.runtime.core_messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status
 
+pytestmark = pytest.mark.ports
+
 TARGET = JausAddress(100, 1, 1)
 
 

@@ -15,6 +15,8 @@ import pytest
 from jausml.runtime.address import BROADCAST, JausAddress
 from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
+pytestmark = pytest.mark.ports
+
 DRIVER = JausAddress(100, 1, 1)
 SENSOR = JausAddress(100, 1, 2)
 ELSEWHERE = JausAddress(100, 1, 9)

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from conftest import Station
 
+pytestmark = pytest.mark.ports
+
 DRIVER = JausAddress(100, 1, 1)
 SENSOR = JausAddress(100, 1, 2)
 OCU = JausAddress(200, 1, 1)

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from conftest import Station
 
+pytestmark = pytest.mark.ports
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = Path(__file__).with_name("junior_manager.py")
 

@@ -21,6 +21,8 @@ from jausml.runtime.packet import (
 from jausml.runtime.settings import TransportSettings
 from jausml.runtime.transport import ReceivedMessage
 
+pytestmark = pytest.mark.ports
+
 DRIVER = JausAddress(100, 1, 1)
 SENSOR = JausAddress(100, 1, 2)
 OCU = JausAddress(200, 1, 1)

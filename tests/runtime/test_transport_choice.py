@@ -29,6 +29,8 @@ from jausml.runtime.transports import create_transport
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.ports
+
 ROOT = Path(__file__).parents[2]
 ROBOT_SCRIPT = Path(__file__).with_name("plain_process.py")
 MANAGER_SCRIPT = Path(__file__).with_name("junior_manager.py")

@@ -17,6 +17,8 @@ from jausml.runtime.packet import AckNak, Packet
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.ports
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = Path(__file__).with_name("judp_process.py")
 

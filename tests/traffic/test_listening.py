@@ -11,6 +11,8 @@ from jausml.runtime.settings import TransportSettings
 from jausml.traffic.errors import TrafficError
 from jausml.traffic.listening import MulticastListener
 
+pytestmark = pytest.mark.ports
+
 GROUP, LOOPBACK = "239.255.0.1", "127.0.0.1"
 
 

@@ -21,6 +21,8 @@ from jausml.runtime.core_messages import QueryTime, ReportTime, SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 
+pytestmark = pytest.mark.ports
+
 ROBOT, OPERATOR = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
 SERVICES = (
     *core_services(V1_1, *CORE_NAMES),

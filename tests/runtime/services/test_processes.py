@@ -32,6 +32,8 @@ from jausml.runtime.core_messages import (
 )
 from jausml.runtime.settings import TransportSettings
 
+pytestmark = pytest.mark.ports
+
 ROOT = Path(__file__).parents[3]
 SCRIPT = Path(__file__).with_name("robot_process.py")
 ROBOT = JausAddress(1, 1, 1)

@@ -1,0 +1,97 @@
+"""A network, shared memory and a ROS domain of its own for each process that runs tests.
+
+Tests bind fixed ports, join multicast groups and start rclpy, which meets others in shared memory.
+In Linux namespaces of its own a process has all ports to itself, so workers run side by side.
+Where namespaces need a privilege that is lacking, a user namespace gives it, and its capabilities
+are kept for the workers that are started from it (capabilities(7), "Ambient").
+"""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import os
+import socket
+import struct
+from pathlib import Path
+
+# <sched.h>, <sys/mount.h>, <linux/sockios.h>, <net/if.h>, <net/route.h>, <linux/capability.h>
+CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x20000, 0x10000000, 0x40000000
+MS_REC, MS_PRIVATE = 0x4000, 0x40000
+SIOCADDRT, SIOCGIFFLAGS, SIOCSIFFLAGS = 0x890B, 0x8913, 0x8914
+IFF_UP, IFF_MULTICAST, RTF_UP = 0x1, 0x1000, 0x1
+CAP_NET_ADMIN, CAP_SYS_ADMIN, CAPABILITY_VERSION_3 = 12, 21, 0x20080522
+PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE = 47, 2
+
+
+def isolate() -> str:
+    """Gives this process a network and shared memory of its own; returns why not, or nothing."""
+    try:
+        try:
+            _call("unshare", CLONE_NEWNET | CLONE_NEWNS)
+        except PermissionError:
+            _enter_user_namespace()
+        _own_shared_memory()
+        _loopback()
+    except (OSError, AttributeError) as error:  # no such call outside Linux
+        return str(error)
+    return ""
+
+
+def own_domain(number: int) -> None:
+    """Sets the ROS domain of this process and of those it starts."""
+    os.environ["ROS_DOMAIN_ID"] = str(1 + number)
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+def _call(name: str, *arguments: object) -> None:
+    """Calls a function of the C library that returns 0, or raises OSError."""
+    if getattr(ctypes.CDLL(None, use_errno=True), name)(*arguments) != 0:
+        number = ctypes.get_errno()
+        raise OSError(number, f"{name}: {os.strerror(number)}")
+
+
+def _enter_user_namespace() -> None:
+    """Becomes privileged over new namespaces as the same user, and lets children be so."""
+    user, group = os.getuid(), os.getgid()
+    _call("unshare", CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWNS)
+    for name, text in (
+        ("setgroups", "deny"),
+        ("uid_map", f"{user} {user} 1"),
+        ("gid_map", f"{group} {group} 1"),
+    ):
+        Path("/proc/self", name).write_text(text, encoding="ascii")
+    header = struct.pack("Ii", CAPABILITY_VERSION_3, 0)
+    kept = ctypes.create_string_buffer(24)  # two times effective, permitted, inheritable
+    _call("capget", header, kept)
+    effective, permitted, _, *high = struct.unpack("6I", kept.raw)
+    inherited = 1 << CAP_NET_ADMIN | 1 << CAP_SYS_ADMIN
+    _call("capset", header, struct.pack("6I", effective, permitted, inherited, *high))
+    for capability in (CAP_NET_ADMIN, CAP_SYS_ADMIN):
+        _call("prctl", PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE, capability, 0, 0)
+
+
+def _own_shared_memory() -> None:
+    _call("mount", b"none", b"/", None, MS_REC | MS_PRIVATE, None)
+    _call("mount", b"tmpfs", b"/dev/shm", b"tmpfs", 0, None)
+
+
+def _loopback() -> None:
+    """Brings the loopback interface up, for multicast too."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
+        answer = fcntl.ioctl(control, SIOCGIFFLAGS, struct.pack("16sH14x", b"lo", 0))
+        (flags,) = struct.unpack_from("H", answer, 16)
+        flags |= IFF_UP | IFF_MULTICAST
+        fcntl.ioctl(control, SIOCSIFFLAGS, struct.pack("16sH14x", b"lo", flags))
+        device = ctypes.create_string_buffer(b"lo")
+        route = struct.pack(
+            "L16s16s16sHhLPhPLLH",
+            *(0, _address(224), _address(0), _address(240)),
+            *(RTF_UP, 0, 0, 0, 0, ctypes.addressof(device), 0, 0, 0),
+        )
+        fcntl.ioctl(control, SIOCADDRT, route)
+
+
+def _address(first: int) -> bytes:
+    """A `struct sockaddr_in` without a port, of an address whose other three bytes are 0."""
+    return struct.pack("HHB11x", socket.AF_INET, 0, first)

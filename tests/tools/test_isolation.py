@@ -1,0 +1,84 @@
+"""Each worker of the test suite has a network of its own, or one worker has all ports."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parents[1]
+PORT = 3794
+GROUP = ("239.255.0.1", PORT)
+TALK = f"""
+import socket
+from isolation import isolate
+reason = isolate()
+assert not reason, reason
+sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+sock.bind(("", {PORT}))
+here = socket.inet_aton("127.0.0.1")
+sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton({GROUP[0]!r}) + here)
+sock.sendto(b"hello", {GROUP!r})
+sock.settimeout(30)
+print(sock.recv(100).decode(), flush=True)
+input()
+"""
+CASES = """
+import os, socket, pytest
+pytestmark = pytest.mark.ports
+
+@pytest.mark.parametrize("number", range(8))
+def test_one_worker_has_all(number):
+    print("ran in", os.environ["PYTEST_XDIST_WORKER"], os.environ["ROS_DOMAIN_ID"])
+"""
+WITHOUT_NAMESPACES = 'echo 0 > /proc/sys/user/max_net_namespaces && exec "$@"'
+
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(TESTS / "support")}
+
+
+def run(*command, **options):
+    return subprocess.run(
+        command, env=ENVIRONMENT, capture_output=True, text=True, timeout=100, **options
+    )
+
+
+def is_refused():
+    return run(
+        sys.executable, "-c", "import isolation, sys; sys.exit(isolation.isolate())"
+    ).stderr.strip()
+
+
+def test_each_process_has_all_ports_and_groups_to_itself():
+    if reason := is_refused():
+        pytest.skip(f"no namespaces: {reason}")
+    command = [sys.executable, "-c", TALK]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    processes = [subprocess.Popen(command, env=ENVIRONMENT, **pipes) for _ in range(2)]
+    # Each hears itself alone, on one and the same port.
+    said = [process.stdout.readline() for process in processes]
+    for process in processes:
+        process.communicate("\n", timeout=30)
+    assert said == ["hello\n", "hello\n"]
+
+
+def test_one_worker_runs_what_binds_ports_where_the_network_is_shared(tmp_path):
+    inside = ["unshare", "--user", "--map-root-user", "sh", "-c", WITHOUT_NAMESPACES, "sh"]
+    if shutil.which("unshare") is None or run(*inside, "true").returncode:
+        pytest.skip("namespaces cannot be forbidden here")
+    shutil.copy(TESTS / "conftest.py", tmp_path)
+    (tmp_path / "pytest.ini").write_text(
+        f"[pytest]\npythonpath = {TESTS / 'support'}\nmarkers = ports\n", encoding="utf-8"
+    )
+    (tmp_path / "test_cases.py").write_text(CASES, encoding="utf-8")
+    pytest_here = (sys.executable, "-m", "pytest", "-rP", "-n", "3", "--dist", "worksteal")
+    result = run(*inside, *pytest_here, cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "8 passed" in result.stdout
+    assert "network: shared (" in result.stdout
+    workers = {line for line in result.stdout.splitlines() if line.startswith("ran in")}
+    assert len(workers) == 1
