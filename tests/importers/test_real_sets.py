@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
+import emf_check
 import pytest
 from jsidl_support import ROOT, SHARED
+from needs import EMF
 
 from jausml.importers.jsidl import import_jsidl
 from jausml.importers.jsidl.library import library_model, services_by_urn
@@ -20,7 +20,9 @@ from jausml.validation.engine import validate
 
 JSIDL = SHARED / "jsidl"
 SETS = sorted(path.name for path in JSIDL.glob("urn.*")) if JSIDL.exists() else []
-EMF_CHECK = SHARED / "tools" / "emf-check"
+NAMES = [*SETS, ""] if SETS else []
+IDS = [*SETS, "both"] if SETS else []
+pytestmark = pytest.mark.skipif(not SETS, reason="service sets of other tools are absent")
 
 # The library describes another edition of AS6009 than these files: in it Speed of a vector has no
 # presence bit, the list drivers inherit the ListManager of AS5710A and take waypoints, and
@@ -67,22 +69,31 @@ def test_no_difference_from_the_library(name):
     assert found == (OTHER_EDITION if "mobility" in name else set())
 
 
-@pytest.mark.parametrize("name", [*SETS, ""] if SETS else [], ids=[*SETS, "both"])
-def test_the_model_is_sound(name, tmp_path):
+def write_set(name, place):
+    """Imports service sets and writes them; returns the file."""
     result = import_jsidl(files(name))
-    path = tmp_path / "set.xmi"
+    path = place / "set.xmi"
     write_model(result.sets, result.model, path)
+    return path
+
+
+@pytest.mark.parametrize("name", NAMES, ids=IDS)
+def test_the_model_is_sound(name, tmp_path):
+    path = write_set(name, tmp_path)
     assert read_models([path], project_root=tmp_path).diagnostics == []
     assert not validate([path], project_root=tmp_path).has_errors
-    if EMF_CHECK.exists() and shutil.which("java"):
-        library = f"{ROOT / 'models' / 'library'}/"
-        command = [str(EMF_CHECK), "--map", "http://www.jausml.org/library/", library]
-        command += [str(ROOT / "metamodels" / "jaus.ecore"), str(path)]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=100)
-        assert (done.returncode, done.stdout) == (0, "")
 
 
-@pytest.mark.skipif(not SETS, reason="the files are not here")
+@EMF
+@pytest.mark.parametrize("name", NAMES, ids=IDS)
+def test_eclipse_finds_nothing(name, tmp_path):
+    library = f"{ROOT / 'models' / 'library'}/"
+    mapped = ("--map", "http://www.jausml.org/library/", library)
+    jaus = ROOT / "metamodels" / "jaus.ecore"
+    done = emf_check.ask(*mapped, jaus, write_set(name, tmp_path))
+    assert (done.returncode, done.stdout) == (0, "")
+
+
 def test_all_behaviour_is_expressed():
     texts = [path.read_text(encoding="utf-8") for path in files("")]
     result = import_jsidl(files(""))

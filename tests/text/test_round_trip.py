@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-import shutil
-import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import emf_check
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from model_strategies import TEXT, models
+from needs import EMF
 
 from jausml.metamodel import load_metamodels
 from jausml.model import LIBRARY_URI, library_root, read_models
@@ -182,10 +182,7 @@ def test_the_car_in_text_is_the_car():
     assert render(parse(written).document) == written
 
 
-CHECKER = os.environ.get("EMF_CHECK", str(ROOT.parent / "shared" / "tools" / "emf-check"))
-
-
-@pytest.mark.skipif(shutil.which(CHECKER) is None, reason="no EMF at hand, see tools/record_emf.py")
+@EMF
 def test_eclipse_judges_what_was_text_as_before(tmp_path):
     path = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
     roots, model = reread(path)
@@ -201,8 +198,7 @@ def verdict(path):
     """Returns the exit status of Eclipse's EMF for a model, and what it says."""
     metamodels = sorted(map(str, (ROOT / "metamodels").glob("*.ecore")))
     library = f"{os.path.realpath(library_root())}{os.sep}"
-    command = [CHECKER, "--quiet", "--map", LIBRARY_URI, library, *metamodels, str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = emf_check.ask("--map", LIBRARY_URI, library, *metamodels, path)
     return done.returncode, done.stdout + done.stderr
 
 
