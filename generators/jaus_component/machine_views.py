@@ -85,7 +85,7 @@ class MachineView:
     @property
     def service(self) -> str:
         """Name of the service that has it, the inherited one of several, clean."""
-        return clean(self.machine.elements[0].eContainer().name)
+        return clean(self.machine.service_name)
 
     @property
     def registration(self) -> str:

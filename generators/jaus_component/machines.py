@@ -348,8 +348,7 @@ def _attribute(machine: Machine) -> str:
     """Returns the name of a machine in code; several services may extend that of the core."""
     if not machine.extends_core:
         return names.snake_case(machine.name)
-    service = machine.elements[0].eContainer()
-    return names.snake_case(f"{service.name}_{machine.name}")
+    return names.snake_case(f"{machine.service_name}_{machine.name}")
 
 
 def _note(use: _Use, kind: str | None, *, is_plain: bool) -> None:

@@ -8,10 +8,12 @@ itself, so that enclosing states of which nothing is to be said need not be writ
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+
+    from jausml.metamodel.classes import jaus
 
 CORE_MACHINE = "ReceiveFSM"
 """Machine of the core services, which a machine of this name extends (AS5710, Transport)."""
@@ -68,11 +70,11 @@ class Node:
 
     Attributes:
         path: Its path.
-        elements: The `jaus.State` elements that describe it, those of heirs first.
+        elements: The states of the model that describe it, those of heirs first.
     """
 
     path: str
-    elements: list[Any] = field(default_factory=list)
+    elements: list[jaus.State] = field(default_factory=list)
 
     @property
     def is_initial(self) -> bool:
@@ -86,12 +88,12 @@ class Machine:
 
     Attributes:
         name: The name.
-        elements: The `jaus.StateMachine` elements, those of heirs last.
+        elements: The machines of the model, those of heirs last.
         nodes: The modelled states by path, in model order, enclosing ones first.
     """
 
     name: str
-    elements: list[Any] = field(default_factory=list)
+    elements: list[jaus.StateMachine] = field(default_factory=list)
     nodes: dict[str, Node] = field(default_factory=dict)
     _inside: dict[str, dict[str, None]] = field(default_factory=dict, init=False, repr=False)
     _initial: dict[str, str | None] = field(default_factory=dict, init=False, repr=False)
@@ -105,12 +107,14 @@ class Machine:
         """Whether its outer states are those of the core services."""
         return self.name == CORE_MACHINE
 
-    def add(self, element: Any) -> None:
-        """Adds a machine of an heir.
+    @property
+    def service_name(self) -> str:
+        """Name of the service that has it, of several the one that the others inherit."""
+        service = self.elements[0].eContainer()
+        return "" if service is None else service.name
 
-        Args:
-            element: The `jaus.StateMachine`.
-        """
+    def add(self, element: jaus.StateMachine) -> None:
+        """Adds a machine of an heir."""
         self.elements.append(element)
         self._initial.clear()
         for path, state in states_of(element):
@@ -188,16 +192,16 @@ class Machine:
         return path in self.nodes or (self.extends_core and path in CORE_STATES)
 
 
-def machines_of(services: Iterable[Any]) -> list[Machine]:
+def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
     """Returns the machines of services, those of one name along inheritance put together.
 
     Two services extend the core each for itself, unless one inherits the other.
 
     Args:
-        services: `jaus.Service` elements, each after those that it inherits.
+        services: Services, each after those that it inherits.
     """
     found: list[Machine] = []
-    by_service: dict[Any, dict[str, Machine]] = {}
+    by_service: dict[jaus.Service | None, dict[str, Machine]] = {}
     for service in services:
         inherited = dict(by_service.get(service.inherits, {}))
         for element in service.machines:
@@ -210,12 +214,8 @@ def machines_of(services: Iterable[Any]) -> list[Machine]:
     return found
 
 
-def states_of(machine: Any) -> Iterator[tuple[str, Any]]:
-    """Yields the states of a machine with their paths, enclosing ones first.
-
-    Args:
-        machine: The `jaus.StateMachine`.
-    """
+def states_of(machine: jaus.StateMachine) -> Iterator[tuple[str, jaus.State]]:
+    """Yields the states of a machine with their paths, enclosing ones first."""
     aliased = machine.name == CORE_MACHINE
     pending = [("", state) for state in reversed(machine.states)]
     while pending:
@@ -225,12 +225,8 @@ def states_of(machine: Any) -> Iterator[tuple[str, Any]]:
         pending += [(path, inner) for inner in reversed(state.states)]
 
 
-def too_deep(machine: Any) -> Iterator[Any]:
-    """Yields the states that lie more than `DEEPEST` states deep, the outermost of each branch.
-
-    Args:
-        machine: The `jaus.StateMachine`.
-    """
+def too_deep(machine: jaus.StateMachine) -> Iterator[jaus.State]:
+    """Yields the states that lie more than `DEEPEST` states deep, the outermost of each branch."""
     pending = [(0, state) for state in reversed(machine.states)]
     while pending:
         outer, state = pending.pop()

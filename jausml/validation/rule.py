@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Severity
     from jausml.validation.subject import Subject
 
@@ -22,7 +23,7 @@ class Note:
         feature: Feature of the element at which to point, or None for the element itself.
     """
 
-    element: Any
+    element: EObject
     message: str
     feature: str | None = None
 
@@ -41,7 +42,7 @@ class Finding:
             a published service set is one that whoever uses the set cannot mend.
     """
 
-    element: Any
+    element: EObject
     message: str
     feature: str | None = None
     hint: str = ""

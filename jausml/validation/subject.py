@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
+from jausml.metamodel.classes import jaus, ros
 from jausml.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.metamodel.classes.ecore import EObject
+    from jausml.metamodel.classes.ecore import EClass, EObject
     from jausml.model.model import Model
 
 ElementT = TypeVar("ElementT", bound="EObject")
@@ -30,10 +31,10 @@ class Subject:
 
     def __init__(self, model: Model, diagnostics: Iterable[Diagnostic] = ()) -> None:
         self.model = model
-        self._by_class: dict[Any, list[tuple[int, Any]]] = defaultdict(list)
+        self._by_class: dict[EClass, list[tuple[int, Any]]] = defaultdict(list)
         self._count = 0
-        self._broken: set[Any] = set()
-        self._damaged: set[Any] = set()
+        self._broken: set[EObject] = set()
+        self._damaged: set[EObject] = set()
         self._facts: dict[Any, Any] = {}
         errors = {
             (each.location.path, each.fragment)
@@ -46,7 +47,7 @@ class Subject:
             if is_checked or files_errors:
                 self._index(document.roots, files_errors, is_checked=is_checked)
 
-    def _index(self, roots: list[Any], errors: set[str], *, is_checked: bool) -> None:
+    def _index(self, roots: list[EObject], errors: set[str], *, is_checked: bool) -> None:
         pending = list(reversed(roots))
         while pending:
             element = pending.pop()
@@ -57,11 +58,12 @@ class Subject:
                 self._mark(element)
             pending.extend(reversed(self.model.owned(element)))
 
-    def _mark(self, element: Any) -> None:
+    def _mark(self, element: EObject) -> None:
         self._broken.add(element)
-        while element is not None:
-            self._damaged.add(element)
-            element = element.eContainer()
+        around: EObject | None = element
+        while around is not None:
+            self._damaged.add(around)
+            around = around.eContainer()
 
     @overload
     def instances(self, kind: type[ElementT]) -> list[ElementT]: ...
@@ -83,10 +85,6 @@ class Subject:
         found.sort(key=lambda pair: pair[0])
         return [element for _, element in found if element not in self._broken]
 
-    def is_kind_of(self, element: Any, qualified_class: str) -> bool:
-        """Tells whether an element is an instance of a class or of a subclass of it."""
-        return self.model.metamodels.is_kind_of(element, qualified_class)
-
     def once(self, find: Callable[[Subject], Fact]) -> Fact:
         """Returns facts that several rules need, which are found when first asked for.
 
@@ -98,15 +96,15 @@ class Subject:
         found: Fact = self._facts[find]
         return found
 
-    def is_broken(self, element: Any) -> bool:
+    def is_broken(self, element: EObject) -> bool:
         """Tells whether the reader found an error in the features of an element itself."""
         return element in self._broken
 
-    def is_intact(self, *elements: Any) -> bool:
+    def is_intact(self, *elements: EObject | None) -> bool:
         """Tells whether elements are there and were read without an error, contents included."""
         return all(each is not None and each not in self._damaged for each in elements)
 
-    def severity(self, element: Any) -> Severity | None:
+    def severity(self, element: EObject) -> Severity | None:
         """Returns how grave a fault of an element's definition is: a warning in the library.
 
         The library has the published services as they are. Whoever uses them cannot mend them,
@@ -117,17 +115,18 @@ class Subject:
         """
         return Severity.WARNING if self.model.is_library(element) else None
 
-    def path(self, element: Any) -> str:
+    def path(self, element: EObject) -> str:
         """Returns how messages name an element that stands elsewhere."""
         return self.model.element_path(element)
 
-    def systems(self) -> list[list[Any]]:
+    def systems(self) -> list[list[jaus.Component | ros.Node]]:
         """Returns the components (bridges included) and nodes that live together.
 
         They are those of one system; those without a system live together too.
         """
-        groups: dict[Any, list[Any]] = defaultdict(list)
-        for name in ("jaus.Component", "ros.Node"):
-            for element in self.instances(name):
-                groups[element.eContainer()].append(element)
+        groups: dict[EObject | None, list[jaus.Component | ros.Node]] = defaultdict(list)
+        for component in self.instances(jaus.Component):
+            groups[component.eContainer()].append(component)
+        for node in self.instances(ros.Node):
+            groups[node.eContainer()].append(node)
         return list(groups.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from jausml.importers.jsidl.lineage import bases_first
 from jausml.model.machines import CORE_STATES, Machine, machines_of
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from jausml.importers.jsidl.findings import Findings
     from jausml.importers.jsidl.services import ImportedService
+    from jausml.metamodel.classes import jaus
     from jausml.model.model import Model
 
 
@@ -33,13 +34,14 @@ def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
     for path, node in machine.nodes.items():
         for state in node.elements:
             for transitions in (state.transitions, state.defaults):
-                for transition in list(transitions):
+                written = cast("list[jaus.Transition]", transitions)
+                for transition in tuple(written):
                     target = transition.target
                     if target and machine.resolve(path, target) is None:
                         message = f"machine '{machine.name}' has no state {show(target)}"
                         hint = suggest(target, [*machine.nodes, *machine.children("")])
                         findings.report("JML622", model.location(transition), message, hint)
-                        transitions.remove(transition)
+                        written.remove(transition)
 
 
 def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import TypeAlias
+
+    from jausml.metamodel.classes import jaus, ros
+
+    JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative
+    Part: TypeAlias = JausPart | ros.Field
 
 NUMBER = "number"
 NUMBERS = "numbers"
@@ -76,7 +82,7 @@ class Attribute:
     carries: bool = False
     count: int | None = None
     is_ros: bool = False
-    field: Any = None
+    field: Part | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +97,7 @@ Found = Attribute | PathFault | None
 """None: what the path leads through was not read, so nothing can be said."""
 
 
-def nearest_name(name: str, fields: Iterable[Any]) -> str:
+def nearest_name(name: str, fields: Iterable[Part]) -> str:
     """Returns a hint for a name that is not among those of some fields.
 
     Args:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from jausml.metamodel.classes import bridge
-from jausml.validation.facts.layouts import class_name
-from jausml.validation.facts.paths import Placed, flattened, outer_scope
+from jausml.validation.facts.paths import Placed, flattened, has_source, outer_scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.validation.subject import Subject
 
-_WITH_SOURCE = frozenset({"FieldAssignment", "ListAssignment", "MessageAssignment"})
+FirstT = TypeVar("FirstT", bound="bridge.Assignment")
+SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,18 +28,26 @@ class Direction:
         assignments: The assignments that were read well, those nested in lists included.
     """
 
-    map: Any
-    owner: Any
+    map: bridge.AttributeMap
+    owner: bridge.AttributeMap | bridge.Connection
     to_ros: bool
-    assignments: tuple[Placed, ...]
+    assignments: tuple[Placed[bridge.Assignment], ...]
 
-    def of_kind(self, *names: str) -> Iterator[Placed]:
+    @overload
+    def of_kind(self, kind: type[FirstT], /) -> Iterator[Placed[FirstT]]: ...
+
+    @overload
+    def of_kind(
+        self, kind: type[FirstT], other: type[SecondT], /
+    ) -> Iterator[Placed[FirstT | SecondT]]: ...
+
+    def of_kind(self, *kinds: type[bridge.Assignment]) -> Iterator[Placed[Any]]:
         """Yields the assignments of some classes.
 
         Args:
-            names: Names of classes, such as `FieldAssignment`.
+            kinds: The classes, such as `bridge.FieldAssignment`.
         """
-        return (each for each in self.assignments if each.kind in names)
+        return (each for each in self.assignments if isinstance(each.assignment, kinds))
 
 
 def directions(subject: Subject) -> tuple[Direction, ...]:
@@ -47,7 +55,9 @@ def directions(subject: Subject) -> tuple[Direction, ...]:
     return subject.once(_directions)
 
 
-def direction_of(subject: Subject, attribute_map: Any, *, to_ros: bool) -> Direction | None:
+def direction_of(
+    subject: Subject, attribute_map: bridge.AttributeMap, *, to_ros: bool
+) -> Direction | None:
     """Returns one direction of a map, which may be one of the library.
 
     Args:
@@ -79,7 +89,12 @@ def _directions(subject: Subject) -> tuple[Direction, ...]:
 
 
 def _direction(
-    subject: Subject, attribute_map: Any, owner: Any, assignments: Iterable[Any], *, to_ros: bool
+    subject: Subject,
+    attribute_map: bridge.AttributeMap,
+    owner: bridge.AttributeMap | bridge.Connection,
+    assignments: Iterable[bridge.Assignment],
+    *,
+    to_ros: bool,
 ) -> Direction:
     sound = [each for each in assignments if subject.is_intact(each) and _is_complete(each)]
     scope = outer_scope(attribute_map, to_ros=to_ros)
@@ -87,6 +102,7 @@ def _direction(
     return Direction(attribute_map, owner, to_ros, placed)
 
 
-def _is_complete(assignment: Any) -> bool:
-    has_source = class_name(assignment) not in _WITH_SOURCE or assignment.source is not None
-    return assignment.target is not None and has_source
+def _is_complete(assignment: bridge.Assignment) -> bool:
+    if has_source(assignment) and assignment.source is None:
+        return False
+    return assignment.target is not None

@@ -8,12 +8,13 @@ from jausml.model.expressions import source_names
 from jausml.validation.facts.paths import COUNTERS
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge
     from jausml.validation.facts.paths import Placed
 
 VALUE = "value"
 
 
-def expression_names(placed: Placed, position: int) -> dict[str, int]:
+def expression_names(placed: Placed[bridge.Assignment], position: int) -> dict[str, int]:
     """Returns the names of what an expression works on, with their positions among its inputs.
 
     Args:

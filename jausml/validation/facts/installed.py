@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.interfaces import PARTS, Installation, parse_definition
+from jausml.interfaces import Installation, parse_definition
 from jausml.interfaces.definitions import FieldType
 from jausml.interfaces.types import is_type_name
+from jausml.metamodel.classes import ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
     from jausml.interfaces import FieldDefinition, Section
+    from jausml.metamodel.classes.ecore import EObject
 
-_KINDS = {"MessageType": "msg", "ServiceType": "srv", "ActionType": "action"}
+    InterfaceType = ros.MessageType | ros.ServiceType | ros.ActionType
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +29,7 @@ class Difference:
         message: What differs.
     """
 
-    element: Any
+    element: EObject
     message: str
 
 
@@ -42,16 +44,16 @@ class InstalledTypes:
         self._installation = installation
         self._folders: dict[str, Path | None] = {}
 
-    def differences(self, element: Any) -> Iterator[Difference]:
+    def differences(self, element: InterfaceType) -> Iterator[Difference]:
         """Yields how a type of the model differs from the installed one.
 
         Nothing is yielded when its package is not installed, or its definition cannot be
         understood; ROS would not have built it.
 
         Args:
-            element: A `ros.MessageType`, `ros.ServiceType` or `ros.ActionType` of a package.
+            element: A type of a package.
         """
-        package, kind = package_of(element), _KINDS[element.eClass.name]
+        package, kind = package_of(element), kind_of(element)
         folder = self._folder(package)
         if folder is None or not is_type_name(str(element.name)):
             return
@@ -63,7 +65,7 @@ class InstalledTypes:
         except (OSError, ValueError):
             return
         definition = parse_definition(text, kind)
-        parts = [element] if kind == "msg" else [getattr(element, part) for part in PARTS[kind]]
+        parts = parts_of(element)
         if definition.faults or None in parts:
             return
         for part, section in zip(parts, definition.sections, strict=True):
@@ -76,14 +78,31 @@ class InstalledTypes:
         return self._folders[package]
 
 
-def package_of(element: Any) -> str:
+def kind_of(element: InterfaceType) -> str:
+    """Returns the ending of the definition file of a type: `msg`, `srv` or `action`."""
+    if isinstance(element, ros.ServiceType):
+        return "srv"
+    return "action" if isinstance(element, ros.ActionType) else "msg"
+
+
+def parts_of(element: InterfaceType) -> list[ros.MessageType]:
+    """Returns the messages that a type consists of, in the order of its definition file."""
+    if isinstance(element, ros.ServiceType):
+        return [element.request, element.response]
+    if isinstance(element, ros.ActionType):
+        return [element.goal, element.result, element.feedback]
+    return [element]
+
+
+def package_of(element: EObject) -> str:
     """Returns the name of the package that owns a type or a part of one; empty without."""
-    while element is not None and element.eClass.name != "InterfacePackage":
-        element = element.eContainer()
-    return str(element.name) if element is not None else ""
+    around: EObject | None = element
+    while around is not None and not isinstance(around, ros.InterfacePackage):
+        around = around.eContainer()
+    return str(around.name) if around is not None else ""
 
 
-def _fields(message: Any, section: Section, package: str) -> Iterator[Difference]:
+def _fields(message: ros.MessageType, section: Section, package: str) -> Iterator[Difference]:
     here = {str(each.name): each for each in message.fields}
     there = {each.name: _installed_type(each, package) for each in section.fields}
     renamed = _renamed(here, there)
@@ -103,7 +122,7 @@ def _fields(message: Any, section: Section, package: str) -> Iterator[Difference
         yield Difference(message, "its fields stand in another order there")
 
 
-def _renamed(here: dict[str, Any], there: dict[str, str]) -> dict[str, str]:
+def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str]:
     """Returns new names by old ones: of fields that stand at one place and have one type."""
     if len(here) != len(there):
         return {}
@@ -115,7 +134,7 @@ def _renamed(here: dict[str, Any], there: dict[str, str]) -> dict[str, str]:
     }
 
 
-def _constants(message: Any, section: Section) -> Iterator[Difference]:
+def _constants(message: ros.MessageType, section: Section) -> Iterator[Difference]:
     there = {each.name: each for each in section.constants}
     for element in message.constants:
         installed = there.get(element.name)
@@ -137,13 +156,14 @@ def _is_same(ours: tuple[str, str], theirs: tuple[str, str]) -> bool:
     return ours == theirs
 
 
-def _type(field: Any) -> str:
+def _type(field: ros.Field) -> str:
     common = (field.arrayKind.name, field.arraySize)
-    if field.eClass.name == "PrimitiveField":
+    if isinstance(field, ros.PrimitiveField):
         return str(FieldType(field.type.name, "", field.stringBound, *common))
-    target = field.messageType
-    name = str(target.name) if target is not None else "nothing"
-    return str(FieldType(name, package_of(target), 0, *common))
+    target = field.messageType if isinstance(field, ros.MessageField) else None
+    if target is None:
+        return str(FieldType("nothing", "", 0, *common))
+    return str(FieldType(str(target.name), package_of(target), 0, *common))
 
 
 def _installed_type(field: FieldDefinition, package: str) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import jaus
 from jausml.validation.facts.attributes import (
     LIST,
     NUMBER,
@@ -24,12 +25,15 @@ from jausml.validation.facts.layouts import (
     integer_range,
     is_group,
     is_time_stamp,
-    members,
     resolve,
 )
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.validation.facts.attributes import JausPart
+
 _LIST_NAMES = {"BitField": "bit field", "VariableField": "variable field"}
-_CARRIERS = frozenset({"VariableLengthField", "VariableFormatField"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +51,8 @@ class JausPlace:
     """
 
     where: str
-    message: Any = None
-    field: Any = None
+    message: jaus.MessageDef | None = None
+    field: JausPart | None = None
     units: str = ""
     frame: str = UNSTATED
     label: str = ""
@@ -69,24 +73,28 @@ class JausPlace:
 
     def element(self) -> JausPlace | None:
         """Returns an element of the list or array at this place."""
+        if not isinstance(self.field, (jaus.List, jaus.Array)):
+            return None
         return self._inside(self.field.element, f"an element of {self.where}")
 
-    def members(self) -> list[Any] | None:
+    def members(self) -> Sequence[JausPart] | None:
         """Returns what can be named here; None for a place without members."""
         if self.message is not None:
             return attributes(self.message)
-        kind = class_name(self.field)
-        if kind == "BitField":
-            return list(self.field.subFields)
-        if kind == "VariableField":
-            return list(self.field.alternatives)
-        if kind == "Variant":
-            return list(self.field.options)
-        return members(self.field) if is_group(self.field) else None
+        match self.field:
+            case jaus.BitField():
+                return self.field.subFields
+            case jaus.VariableField():
+                return self.field.alternatives
+            case jaus.Variant():
+                return self.field.options
+            case jaus.Record() | jaus.Sequence():
+                return self.field.fields
+        return None
 
     def attribute(self) -> Attribute:
         """Returns what an assignment finds here."""
-        if self.message is not None:
+        if self.field is None:
             return Attribute("", "a message")
         return replace(
             _value(self.field),
@@ -111,34 +119,41 @@ class JausPlace:
         place = self._inside(field, f"'{step}'")
         return place.indexed(indices) if place is not None else None
 
-    def _inside(self, field: Any, where: str) -> JausPlace | None:
-        if field is None:
+    def _inside(self, part: JausPart | None, where: str) -> JausPlace | None:
+        if isinstance(part, jaus.SubField):
+            return replace(self._part(part, where), label=part.name or self.label)
+        if isinstance(part, jaus.Alternative):
+            return self._part(part, where)
+        found = resolve(part)
+        if part is None or found is None:
             return None
-        kind = class_name(field)
-        found = field if kind in ("SubField", "Alternative") else resolve(field)
-        if found is None:
-            return None
-        is_field = kind not in ("SubField", "Alternative")
-        frames = [field.frame.name, found.frame.name] if is_field else []
+        frames = [part.frame.name, found.frame.name]
+        return replace(
+            self._part(found, where),
+            frame=next((each for each in frames if each != UNSTATED), self.frame),
+            label=part.name or self.label,
+            optional=part.optional,
+        )
+
+    def _part(self, part: JausPart, where: str) -> JausPlace:
+        own = part.units if isinstance(part, (jaus.FixedField, jaus.Alternative)) else None
         return JausPlace(
             where,
-            field=found,
-            units=(getattr(found, "units", None) or "") or self.units,
-            frame=next((each for each in frames if each != UNSTATED), self.frame),
-            label=self.label if kind == "Alternative" else field.name or self.label,
-            optional=bool(is_field and field.optional),
+            field=part,
+            units=own or self.units,
+            frame=self.frame,
+            label=self.label,
         )
 
     def indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
         """Returns the element that indices name."""
         if not indices:
             return self
-        kind = class_name(self.field)
-        if kind == "List":
+        if isinstance(self.field, jaus.List):
             if len(indices) > 1:
                 return PathFault(f"{self.where} has one dimension")
             limits = [_most_elements(self.field)]
-        elif kind == "Array":
+        elif isinstance(self.field, jaus.Array):
             limits = list(self.field.dimensions)
             if len(indices) != len(limits):
                 return PathFault(f"{self.where} has {len(limits)} dimensions")
@@ -152,24 +167,20 @@ class JausPlace:
         return replace(element, where=self.where, optional=False) if element else None
 
     def _is_many(self) -> bool:
-        return class_name(self.field) in ("List", "Array")
+        return isinstance(self.field, (jaus.List, jaus.Array))
 
 
-def message_place(message: Any) -> JausPlace:
-    """Returns the place from which the paths of a JAUS message start.
-
-    Args:
-        message: A `jaus.MessageDef`.
-    """
+def message_place(message: jaus.MessageDef) -> JausPlace:
+    """Returns the place from which the paths of a JAUS message start."""
     frame = UNSTATED
     body = resolve(message.body)
-    if body is not None and is_group(body):
-        stated = [each.frame.name for each in (message.body, body)]
+    if is_group(body):
+        stated = [each.frame.name for each in (message.body, body) if each is not None]
         frame = next((each for each in stated if each != UNSTATED), UNSTATED)
     return JausPlace(f"message {message.name}", message=message, frame=frame)
 
 
-def _split(step: str, fields: list[Any]) -> tuple[str, list[int]]:
+def _split(step: str, fields: Sequence[JausPart]) -> tuple[str, list[int]]:
     """Splits `name[3]`; a name that holds brackets itself wins."""
     match = re.fullmatch(r"(.*?)((?:\[[0-9]{1,9}\])+)", step, re.DOTALL)
     if match is None or any(each.name == step for each in fields):
@@ -177,37 +188,37 @@ def _split(step: str, fields: list[Any]) -> tuple[str, list[int]]:
     return match[1], [int(each) for each in re.findall("[0-9]+", match[2])]
 
 
-def _most_elements(field: Any) -> int:
+def _most_elements(field: jaus.List) -> int:
     limits = integer_range(field.countType.name)
-    return int(field.maximumCount) or (limits[1] if limits else 0)
+    return field.maximumCount or (limits[1] if limits else 0)
 
 
-def _value(field: Any) -> Attribute:
-    kind = class_name(field)
-    if kind in ("FixedField", "Alternative"):
-        return _number(field)
-    if kind == "SubField":
-        upper = 2 ** (field.highBit - field.lowBit + 1) - 1 if field.highBit >= field.lowBit else 0
-        return _integer(field, 0, upper)
-    if kind == "BitField" and is_time_stamp(field):
-        return Attribute(TIME_STAMP, "a JAUS TimeStamp")
-    if kind == "FixedLengthString":
-        return Attribute(TEXT, "text", length=field.length, encoding="latin-1")
-    if kind == "VariableLengthString":
-        limits = integer_range(field.countType.name)
-        length = field.maximumLength or (limits[1] if limits else None)
-        return Attribute(TEXT, "text", length=length, encoding="latin-1")
-    if kind == "VariableLengthField":
-        return Attribute(OCTETS, "a field of octets", carries=True)
-    if kind == "List":
-        return Attribute(LIST, "a list")
-    if kind == "Array":
-        return Attribute(LIST, "an array", count=math.prod(field.dimensions))
+def _value(part: JausPart) -> Attribute:
+    match part:
+        case jaus.FixedField() | jaus.Alternative():
+            return _number(part)
+        case jaus.SubField(lowBit=low, highBit=high):
+            return _integer(part, 0, 2 ** (high - low + 1) - 1 if high >= low else 0)
+        case jaus.BitField() if is_time_stamp(part):
+            return Attribute(TIME_STAMP, "a JAUS TimeStamp")
+        case jaus.FixedLengthString():
+            return Attribute(TEXT, "text", length=part.length, encoding="latin-1")
+        case jaus.VariableLengthString():
+            limits = integer_range(part.countType.name)
+            length = part.maximumLength or (limits[1] if limits else None)
+            return Attribute(TEXT, "text", length=length, encoding="latin-1")
+        case jaus.VariableLengthField():
+            return Attribute(OCTETS, "a field of octets", carries=True)
+        case jaus.List():
+            return Attribute(LIST, "a list")
+        case jaus.Array():
+            return Attribute(LIST, "an array", count=math.prod(part.dimensions))
+    kind = class_name(part)
     name = _LIST_NAMES.get(kind, re.sub("(?<=[a-z])(?=[A-Z])", " ", kind).lower())
-    return Attribute("", f"a {name}", carries=kind in _CARRIERS)
+    return Attribute("", f"a {name}", carries=isinstance(part, jaus.VariableFormatField))
 
 
-def _number(field: Any) -> Attribute:
+def _number(field: jaus.FixedField | jaus.Alternative) -> Attribute:
     limits = integer_range(field.type.name)
     if field.scale is not None:
         lower, upper = field.scale.lower, field.scale.upper
@@ -219,9 +230,11 @@ def _number(field: Any) -> Attribute:
     return Attribute(NUMBER, "a number", values=_legal(field.values), is_single=is_single)
 
 
-def _integer(field: Any, lower: int, upper: int) -> Attribute:
+def _integer(
+    field: jaus.FixedField | jaus.Alternative | jaus.SubField, lower: int, upper: int
+) -> Attribute:
     listed = field.values.values if field.values is not None else ()
-    named = [each for each in listed if class_name(each) == "EnumeratedValue"]
+    named = [each for each in listed if isinstance(each, jaus.EnumeratedValue)]
     return Attribute(
         NUMBER,
         "a number",
@@ -235,12 +248,13 @@ def _integer(field: Any, lower: int, upper: int) -> Attribute:
     )
 
 
-def _legal(value_set: Any) -> tuple[tuple[float, float], ...]:
+def _legal(value_set: jaus.ValueSet | None) -> tuple[tuple[float, float], ...]:
     if value_set is None:
         return ()
-    return tuple(
-        (each.value, each.value)
-        if class_name(each) == "EnumeratedValue"
-        else (each.lower, each.upper)
-        for each in value_set.values
-    )
+    return tuple(_interval(each) for each in value_set.values)
+
+
+def _interval(value: jaus.Value) -> tuple[float, float]:
+    if isinstance(value, jaus.ValueRange):
+        return value.lower, value.upper
+    return (value.value, value.value) if isinstance(value, jaus.EnumeratedValue) else (0.0, 0.0)

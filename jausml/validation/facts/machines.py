@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
 from jausml.model.machines import (
@@ -39,9 +39,6 @@ KEPT_BY_RUNTIME = frozenset(
 )
 """Services whose messages and behaviour the runtime itself takes care of."""
 
-FEATURES = ("transitions", "defaults")
-"""Features of a state that hold transitions."""
-
 
 @dataclass(frozen=True)
 class Behaviour:
@@ -49,34 +46,32 @@ class Behaviour:
 
     Attributes:
         service: The service.
-        element: Its `jaus.StateMachine`.
+        element: The machine in the model.
         machine: The machine with what it extends.
     """
 
-    service: Any
-    element: Any
+    service: jaus.Service
+    element: jaus.StateMachine
     machine: Machine
 
-    def states(self) -> list[tuple[str, Any]]:
+    def states(self) -> list[tuple[str, jaus.State]]:
         """Returns the states of the service's own machine with their paths."""
         return list(states_of(self.element))
 
-    def transitions(self) -> Iterator[tuple[str, Any]]:
+    def transitions(self) -> Iterator[tuple[str, jaus.Transition]]:
         """Yields the transitions of the service's own machine with the paths of their states."""
         for path, state in self.states():
-            for feature in FEATURES:
-                for transition in getattr(state, feature):
-                    yield path, transition
+            for transition in (*state.transitions, *state.defaults):
+                yield path, transition
 
-    def actions(self) -> Iterator[Any]:
+    def actions(self) -> Iterator[jaus.Action]:
         """Yields the actions of the service's own machine."""
         for _, state in self.states():
             yield from (*state.entry, *state.exit)
-            for feature in FEATURES:
-                for transition in getattr(state, feature):
-                    yield from transition.actions
+            for transition in (*state.transitions, *state.defaults):
+                yield from transition.actions
 
-    def target(self, path: str, transition: Any) -> str | None:
+    def target(self, path: str, transition: jaus.Transition) -> str | None:
         """Returns the state that a transition enters in the end, None without a known target.
 
         Args:
@@ -149,24 +144,16 @@ def behaviours(subject: Subject) -> Iterator[Behaviour]:
                 yield Behaviour(service, element, whole)
 
 
-def trigger(transition: Any) -> tuple[str, str]:
-    """Returns what triggers a transition, to be compared: kind and name or code.
-
-    Args:
-        transition: The `jaus.Transition`.
-    """
+def trigger(transition: jaus.Transition) -> tuple[str, str]:
+    """Returns what triggers a transition, to be compared: kind and name or code."""
     message = transition.message
     if message is not None:
         return "message", str(message.code).lower()
     return "event", event_name(transition.event)
 
 
-def described(transition: Any) -> str:
-    """Returns how messages name what triggers a transition.
-
-    Args:
-        transition: The `jaus.Transition`.
-    """
+def described(transition: jaus.Transition) -> str:
+    """Returns how messages name what triggers a transition."""
     if transition.message is not None:
         return str(transition.message.name)
     return event_name(transition.event) or "anything else"

@@ -5,15 +5,24 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Generic, TypeGuard, TypeVar
 
+from jausml.metamodel.classes import bridge, jaus
 from jausml.validation.facts.attributes import NUMBER, Attribute, Found, PathFault
 from jausml.validation.facts.jaus_paths import JausPlace, message_place
-from jausml.validation.facts.layouts import class_name
 from jausml.validation.facts.ros_paths import RosPlace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
+
+    from typing_extensions import TypeIs
+
+    from jausml.metamodel.classes.ecore import EObject
+
+    WithSource: TypeAlias = (
+        bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
+    )
 
 Place = JausPlace | RosPlace
 FoundPlace = Place | PathFault | None
@@ -33,7 +42,7 @@ class Scope:
         is_nested: Whether the assignments fill elements of a list.
     """
 
-    map: Any
+    map: bridge.AttributeMap
     to_ros: bool
     source: Place
     target: Place
@@ -59,8 +68,8 @@ class Scope:
             return PathFault("the target of an element lies within the element")
         return self.target.follow(path)
 
-    def inner(self, assignment: Any) -> Scope | None:
-        """Returns the scope of what a ListAssignment nests; None when its ends are no lists."""
+    def inner(self, assignment: bridge.ListAssignment) -> Scope | None:
+        """Returns the scope of what a list assignment nests; None when its ends are no lists."""
         source = self.find_source(source_paths(assignment)[0])
         target = self.find_target(assignment.target.strip())
         if not (is_many(source) and is_many(target)):
@@ -71,22 +80,21 @@ class Scope:
         return Scope(self.map, self.to_ros, from_element, to_element, is_nested=True)
 
 
+AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
+AssignmentT_co = TypeVar("AssignmentT_co", bound="bridge.Assignment", covariant=True)
+
+
 @dataclass(frozen=True)
-class Placed:
+class Placed(Generic[AssignmentT_co]):
     """An assignment with the places where its paths start.
 
     Attributes:
-        assignment: The `bridge.Assignment`.
+        assignment: The assignment.
         scope: Where its paths start.
     """
 
-    assignment: Any
+    assignment: AssignmentT_co
     scope: Scope
-
-    @property
-    def kind(self) -> str:
-        """Name of the class of the assignment."""
-        return class_name(self.assignment)
 
     @cached_property
     def targets(self) -> list[tuple[str, Found]]:
@@ -116,11 +124,13 @@ class Placed:
         return _attribute(found)
 
 
-def outer_scope(attribute_map: Any, *, to_ros: bool, indexed: bool = False) -> Scope:
+def outer_scope(
+    attribute_map: bridge.AttributeMap, *, to_ros: bool, indexed: bool = False
+) -> Scope:
     """Returns the scope of the assignments of a map.
 
     Args:
-        attribute_map: A `bridge.AttributeMap` with its message and type.
+        attribute_map: A map with its message and type.
         to_ros: Which direction.
         indexed: Whether the elements of ROS sequences may be named by index.
     """
@@ -129,7 +139,9 @@ def outer_scope(attribute_map: Any, *, to_ros: bool, indexed: bool = False) -> S
     return Scope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
 
 
-def place(attribute_map: Any, assignment: Any, *, to_ros: bool) -> Placed | None:
+def place(
+    attribute_map: bridge.AttributeMap, assignment: AssignmentT, *, to_ros: bool
+) -> Placed[AssignmentT] | None:
     """Returns an assignment with the places where its paths start.
 
     Args:
@@ -144,7 +156,9 @@ def place(attribute_map: Any, assignment: Any, *, to_ros: bool) -> Placed | None
     return Placed(assignment, scope) if scope is not None else None
 
 
-def flattened(assignments: Any, scope: Scope) -> Iterator[Placed]:
+def flattened(
+    assignments: Iterable[bridge.Assignment], scope: Scope
+) -> Iterator[Placed[bridge.Assignment]]:
     """Yields assignments with those that they nest, each before what it nests.
 
     Args:
@@ -153,7 +167,7 @@ def flattened(assignments: Any, scope: Scope) -> Iterator[Placed]:
     """
     for each in assignments:
         yield Placed(each, scope)
-        if class_name(each) == "ListAssignment" and each.source and each.target:
+        if isinstance(each, bridge.ListAssignment) and each.source and each.target:
             inner = scope.inner(each)
             if inner is not None:
                 yield from flattened(each.assignments, inner)
@@ -163,17 +177,21 @@ def is_many(found: FoundPlace) -> TypeGuard[Place]:
     """Tells whether a place is a list or an array as a whole."""
     if isinstance(found, RosPlace):
         return found.is_array
-    if not isinstance(found, JausPlace) or found.field is None:
-        return False
-    return class_name(found.field) in ("List", "Array")
+    return isinstance(found, JausPlace) and isinstance(found.field, (jaus.List, jaus.Array))
 
 
-def source_paths(assignment: Any) -> list[str]:
+def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:
+    """Tells whether an assignment takes its value from the other side."""
+    kinds = (bridge.FieldAssignment, bridge.ListAssignment, bridge.MessageAssignment)
+    return isinstance(assignment, kinds)
+
+
+def source_paths(assignment: bridge.Assignment) -> list[str]:
     """Returns the source paths of an assignment."""
-    return _split(getattr(assignment, "source", None) or "")
+    return _split(assignment.source or "") if has_source(assignment) else []
 
 
-def target_paths(assignment: Any) -> list[str]:
+def target_paths(assignment: bridge.Assignment) -> list[str]:
     """Returns the target paths of an assignment."""
     return _split(assignment.target or "")
 
@@ -185,8 +203,10 @@ def parse_path(path: str) -> tuple[str, ...]:
     return tuple(part for step in path.split(".") for part in re.split(r"(?=\[)", step) if part)
 
 
-def _scope(attribute_map: Any, owner: Any, *, to_ros: bool) -> Scope | None:
-    if owner is None or class_name(owner) != "ListAssignment":
+def _scope(
+    attribute_map: bridge.AttributeMap, owner: EObject | None, *, to_ros: bool
+) -> Scope | None:
+    if not isinstance(owner, bridge.ListAssignment):
         return outer_scope(attribute_map, to_ros=to_ros)
     around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)
     return around.inner(owner) if around is not None else None

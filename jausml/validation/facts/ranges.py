@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import ros
 from jausml.model import intervals
 from jausml.model.expressions import ExpressionError, interval, parse_expression, variables
 from jausml.model.intervals import EVERYTHING, Interval
@@ -19,6 +20,7 @@ from jausml.validation.facts.units import result_step
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.metamodel.classes import bridge
     from jausml.validation.facts.paths import Placed
 
 _TURN = (-math.pi, math.pi)
@@ -39,7 +41,7 @@ _FIXED = {
 _NOT_NEGATIVE = (0.0, math.inf)
 
 
-def result_ranges(placed: Placed) -> list[Interval]:
+def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
     """Returns the range of each value that an assignment yields, in the unit of its targets.
 
     Args:
@@ -78,7 +80,10 @@ def source_range(attribute: Attribute) -> Interval | None:
 
 
 def converted(
-    placed: Placed, position: int, conversion: Any, known: Sequence[Interval]
+    placed: Placed[bridge.FieldAssignment],
+    position: int,
+    conversion: Any,
+    known: Sequence[Interval],
 ) -> list[Interval]:
     """Returns the ranges of what a conversion yields.
 
@@ -104,7 +109,7 @@ def converted(
     return [_single(name, arguments_of(conversion), known[0])]
 
 
-def arguments_of(conversion: Any) -> list[float]:
+def arguments_of(conversion: bridge.Conversion) -> list[float]:
     """Returns the arguments of a conversion, the value of its quantity in their place."""
     if conversion.quantity is not None:
         return [float(conversion.quantity.value)]
@@ -113,7 +118,7 @@ def arguments_of(conversion: Any) -> list[float]:
 
 def _is_narrowed(attribute: Attribute) -> bool:
     field = attribute.field
-    return bool(field is not None and field.minimum < field.maximum)
+    return isinstance(field, ros.PrimitiveField) and field.minimum < field.maximum
 
 
 def _single(name: str, arguments: Sequence[float], value: Interval) -> Interval:
@@ -162,7 +167,10 @@ def _linear(value: Interval, factor: float, offset: float = 0.0) -> Interval:
 
 
 def _expression(
-    placed: Placed, position: int, conversion: Any, known: Sequence[Interval]
+    placed: Placed[bridge.FieldAssignment],
+    position: int,
+    conversion: Any,
+    known: Sequence[Interval],
 ) -> Interval:
     try:
         expression = parse_expression(conversion.expression or "")

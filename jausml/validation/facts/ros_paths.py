@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from typing import Any
 
+from jausml.metamodel.classes import ros
 from jausml.validation.facts.attributes import (
     LIST,
     NUMBER,
@@ -18,7 +18,6 @@ from jausml.validation.facts.attributes import (
     nearest_name,
     primitive,
 )
-from jausml.validation.facts.layouts import class_name
 
 _STEP = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])*)", re.DOTALL)
 
@@ -39,8 +38,8 @@ class RosPlace:
         indexed: Whether the elements of sequences may be named by index, as in test vectors.
     """
 
-    type: Any = None
-    field: Any = None
+    type: ros.MessageType | None = None
+    field: ros.Field | None = None
     is_array: bool = False
     units: str = ""
     frame: str = UNSTATED
@@ -63,14 +62,14 @@ class RosPlace:
 
     def element(self) -> RosPlace | None:
         """Returns an element of the array at this place."""
-        inner = self.field.messageType if class_name(self.field) == "MessageField" else None
+        inner = self.field.messageType if isinstance(self.field, ros.MessageField) else None
         return replace(self, type=inner, is_array=False)
 
     def attribute(self) -> Attribute:
         """Returns what an assignment finds here."""
         if self.field is None:
-            return Attribute("", f"a {ros_name(self.type)}")
-        value = self._array() if self.is_array else self._single()
+            return Attribute("", f"a {ros_name(self.type)}" if self.type is not None else "nothing")
+        value = self._array(self.field) if self.is_array else self._single(self.field)
         return replace(
             value,
             units=self.units,
@@ -82,10 +81,10 @@ class RosPlace:
 
     def step(self, step: str) -> RosPlace | PathFault | None:
         """Returns the place behind one name, an index included."""
-        if self.is_array:
+        if self.is_array and self.field is not None:
             return _unindexed(self.field)
         if self.type is None:
-            if class_name(self.field) == "MessageField":
+            if not isinstance(self.field, ros.PrimitiveField):
                 return None
             return PathFault(
                 f"'{self.field.name}' is a {self.field.type.name}, it has no attributes"
@@ -96,39 +95,41 @@ class RosPlace:
             message = f"{ros_name(self.type)} has no field '{name}'"
             return PathFault(message, nearest_name(name, self.type.fields))
         fault = _index_fault(field, indices, is_free=self.indexed)
-        return fault if fault is not None else self._inside(field, is_element=bool(indices))
+        if fault is not None:
+            return fault
+        constants = tuple((each.name, each.value) for each in self.type.constants)
+        return replace(self._inside(field, is_element=bool(indices)), constants=constants)
 
-    def _inside(self, field: Any, *, is_element: bool) -> RosPlace:
+    def _inside(self, field: ros.Field, *, is_element: bool) -> RosPlace:
         is_array = field.arrayKind.name != "single" and not is_element
-        is_message = class_name(field) == "MessageField"
+        inner = field.messageType if isinstance(field, ros.MessageField) else None
         frame = field.frame.name
         return RosPlace(
-            type=field.messageType if is_message and not is_array else None,
+            type=inner if not is_array else None,
             field=field,
             is_array=is_array,
             units=field.units or self.units,
             frame=frame if frame != UNSTATED else self.frame,
             label=field.name,
-            constants=tuple((each.name, each.value) for each in self.type.constants),
             indexed=self.indexed,
         )
 
-    def _array(self) -> Attribute:
-        field, element = self.field, self._single()
+    def _array(self, field: ros.Field) -> Attribute:
+        element = self._single(field)
         kind = field.arrayKind.name
         count = field.arraySize if kind == "fixedArray" else None
         name = f"an array of {element.name.removeprefix('a ')}"
-        if class_name(field) == "PrimitiveField":
+        if isinstance(field, ros.PrimitiveField):
             if field.type.name == "uint8" and kind == "unboundedSequence":
                 return Attribute(OCTETS, "a sequence of uint8")
             if element.kind == NUMBER:
                 return replace(element, kind=NUMBERS, name=name, count=count)
         return Attribute(LIST, name, count=count)
 
-    def _single(self) -> Attribute:
-        field = self.field
-        if class_name(field) == "MessageField":
-            name = ros_name(field.messageType) if field.messageType is not None else "a message"
+    def _single(self, field: ros.Field) -> Attribute:
+        if not isinstance(field, ros.PrimitiveField):
+            target = field.messageType if isinstance(field, ros.MessageField) else None
+            name = ros_name(target) if target is not None else "a message"
             return Attribute(name, f"a {name}")
         if field.type.name in ("string", "wstring"):
             return Attribute(TEXT, "text", length=field.stringBound or None)
@@ -138,7 +139,7 @@ class RosPlace:
         return value
 
 
-def ros_name(message_type: Any) -> str:
+def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -> str:
     """Returns the full name of a ROS type, such as `geometry_msgs/Pose`."""
     package = message_type.eContainer()
     prefix = f"{package.name}/" if package is not None and package.name else ""
@@ -153,7 +154,7 @@ def _split(step: str, known: list[str]) -> tuple[str, list[int]]:
     return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
 
 
-def _index_fault(field: Any, indices: list[int], *, is_free: bool) -> PathFault | None:
+def _index_fault(field: ros.Field, indices: list[int], *, is_free: bool) -> PathFault | None:
     if not indices:
         return None
     if field.arrayKind.name == "single":
@@ -173,7 +174,7 @@ def _index_fault(field: Any, indices: list[int], *, is_free: bool) -> PathFault 
     return None
 
 
-def _unindexed(field: Any) -> PathFault:
+def _unindexed(field: ros.Field) -> PathFault:
     if field.arrayKind.name == "fixedArray":
         return PathFault(f"'{field.name}' is an array", f"name one element: {field.name}[0]")
     hint = "translate its elements by a ListAssignment"

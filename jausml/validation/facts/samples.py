@@ -18,6 +18,7 @@ from jausml.validation.facts.units import result_step
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from jausml.metamodel.classes import bridge
     from jausml.validation.facts.paths import Placed
 
 _LARGEST_COST, _LARGEST_OCCUPANCY = 254, 100
@@ -27,7 +28,7 @@ class NoValueError(ValueError):
     """A number whose way through the conversions is not known, or is cut off on purpose."""
 
 
-def sent_through(placed: Placed, value: float) -> float:
+def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
     """Returns what an assignment with one source and one target makes of a number.
 
     Args:
@@ -43,7 +44,9 @@ def sent_through(placed: Placed, value: float) -> float:
     return value * factor + offset
 
 
-def _converted(placed: Placed, position: int, conversion: Any, value: float) -> float:
+def _converted(
+    placed: Placed[bridge.FieldAssignment], position: int, conversion: Any, value: float
+) -> float:
     name, arguments = conversion.kind.name, arguments_of(conversion)
     try:
         if name == "expression":
@@ -59,7 +62,9 @@ def _converted(placed: Placed, position: int, conversion: Any, value: float) -> 
     raise NoValueError(name)
 
 
-def _evaluated(placed: Placed, position: int, conversion: Any, value: float) -> float:
+def _evaluated(
+    placed: Placed[bridge.FieldAssignment], position: int, conversion: Any, value: float
+) -> float:
     names = expression_names(placed, position)
     try:
         expression = parse_expression(conversion.expression or "")

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, ros
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+
+    from jausml.metamodel.classes.ecore import EObject
 
 _TOKEN = re.compile("[A-Za-z_][A-Za-z0-9_]*")
 _LONGEST = 255
@@ -18,19 +22,19 @@ class Endpoint:
     """A publisher or a subscription, of a node or of a bridge.
 
     Attributes:
-        element: The `ros.TopicEndpoint` or `bridge.Topic`.
+        element: What the model has of it.
         feature: Feature of the element that holds the topic name.
         owner: The node or bridge.
         topic: Full topic name, such as `/robot/odometry`.
-        type: The `ros.MessageType`.
+        type: Its type.
         publishes: Whether it publishes.
     """
 
-    element: Any
+    element: ros.TopicEndpoint | bridge.Topic
     feature: str
-    owner: Any
+    owner: ros.Node | bridge.Bridge
     topic: str
-    type: Any
+    type: ros.MessageType
     publishes: bool
 
 
@@ -74,39 +78,39 @@ def resolve_topic(name: str, namespace: str, node: str) -> str:
     return f"{base}/{name}"
 
 
-def endpoints(group: list[Any]) -> Iterator[Endpoint]:
+def endpoints(group: Iterable[EObject]) -> Iterator[Endpoint]:
     """Yields the publishers and subscriptions of some nodes and bridges whose names are legal.
 
     Args:
         group: Components, bridges and nodes of one system.
     """
     for owner in group:
-        kind = owner.eClass.name
-        if kind == "Node":
+        if isinstance(owner, ros.Node):
             yield from _node_endpoints(owner)
-        elif kind == "Bridge":
+        elif isinstance(owner, bridge.Bridge):
             yield from _bridge_endpoints(owner)
 
 
-def _node_endpoints(node: Any) -> Iterator[Endpoint]:
-    for publishes, elements in ((True, node.publishers), (False, node.subscriptions)):
-        for each in elements:
-            if each.type is not None and each.topic and not topic_fault(each.topic):
-                topic = resolve_topic(each.topic, node.namespace or "", node.name or "")
-                yield Endpoint(each, "topic", node, topic, each.type, publishes)
+def _node_endpoints(node: ros.Node) -> Iterator[Endpoint]:
+    ends: list[ros.TopicEndpoint] = [*node.publishers, *node.subscriptions]
+    for each in ends:
+        if each.type is not None and each.topic and not topic_fault(each.topic):
+            topic = resolve_topic(each.topic, node.namespace or "", node.name or "")
+            publishes = isinstance(each, ros.Publisher)
+            yield Endpoint(each, "topic", node, topic, each.type, publishes)
 
 
-def _bridge_endpoints(bridge: Any) -> Iterator[Endpoint]:
-    for connection in bridge.bridgeConnections:
+def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
+    for connection in owner.bridgeConnections:
         if connection.map is None or connection.map.type is None:
             continue
         publishes = connection.direction.name == "jausToRos"
         for each in connection.topics:
             if each.name and not topic_fault(each.name):
-                topic = resolve_topic(each.name, bridge.namespace or "", bridge.name or "")
+                topic = resolve_topic(each.name, owner.namespace or "", owner.name or "")
                 type_ = connection.map.type if each.join is None else each.join.type
                 if type_ is not None:
-                    yield Endpoint(each, "name", bridge, topic, type_, publishes)
+                    yield Endpoint(each, "name", owner, topic, type_, publishes)
 
 
 def _tokens_fault(tokens: list[str]) -> str:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge
 from jausml.model.units import Unit, UnitError, conversion_between, parse_unit
 from jausml.validation.facts.attributes import NUMBER, NUMBERS, Attribute
 from jausml.validation.facts.conversions import conversion_signature
 from jausml.validation.facts.paths import place
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.validation.facts.attributes import Found
     from jausml.validation.facts.paths import Placed
 
 _NUMERIC = (NUMBER, NUMBERS)
@@ -40,7 +44,7 @@ class UnitFault:
         hint: What to do about it.
     """
 
-    element: Any
+    element: EObject
     message: str
     hint: str = ""
 
@@ -51,12 +55,14 @@ def measure(text: str) -> Measure | None:
     return Measure(text, unit) if unit is not None else None
 
 
-def unit_step(attribute_map: Any, assignment: Any, *, to_ros: bool) -> tuple[float, float] | None:
+def unit_step(
+    attribute_map: bridge.AttributeMap, assignment: bridge.FieldAssignment, *, to_ros: bool
+) -> tuple[float, float] | None:
     """Returns what turns the result of the conversions into the unit of the target.
 
     Args:
-        attribute_map: The `bridge.AttributeMap`.
-        assignment: A `bridge.FieldAssignment` of it, those nested in lists included.
+        attribute_map: The map.
+        assignment: An assignment of it, those nested in lists included.
         to_ros: Whether the assignment fills the ROS type.
 
     Returns:
@@ -67,7 +73,7 @@ def unit_step(attribute_map: Any, assignment: Any, *, to_ros: bool) -> tuple[flo
     return result_step(placed) if placed is not None else None
 
 
-def result_step(placed: Placed) -> tuple[float, float] | None:
+def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] | None:
     """Returns what `unit_step` does, of an assignment with its places.
 
     Args:
@@ -85,7 +91,7 @@ def result_step(placed: Placed) -> tuple[float, float] | None:
     return None
 
 
-def result_measure(placed: Placed) -> Measure | UnitFault | None:
+def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFault | None:
     """Returns the unit in which the last conversion of an assignment yields its result.
 
     Args:
@@ -108,7 +114,7 @@ def result_measure(placed: Placed) -> Measure | UnitFault | None:
     return current
 
 
-def units_clash(placed: Placed) -> bool:
+def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Tells whether an assignment makes one thing of another: its axes and range mean nothing then.
 
     Args:
@@ -121,14 +127,14 @@ def units_clash(placed: Placed) -> bool:
     return any(each is not None and not each.unit.is_compatible(result.unit) for each in wanted)
 
 
-def attribute_measure(found: Any) -> Measure | None:
+def attribute_measure(found: Found) -> Measure | None:
     """Returns the unit of what a path leads to, when it is a number with a known one."""
     if isinstance(found, Attribute) and found.kind in _NUMERIC:
         return measure(found.units)
     return None
 
 
-def _source_fault(placed: Placed, known: list[Measure]) -> UnitFault | None:
+def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) -> UnitFault | None:
     """What is wrong with several sources, which a conversion takes in one unit."""
     first = next(iter(placed.assignment.conversions), None)
     if first is None or len(placed.sources) < 2:
@@ -151,7 +157,9 @@ def _common(measures: list[Measure | None]) -> Measure | None:
     return first if same else None
 
 
-def _converted(conversion: Any, current: Measure | None) -> Measure | UnitFault | None:
+def _converted(
+    conversion: bridge.Conversion, current: Measure | None
+) -> Measure | UnitFault | None:
     rule = conversion_signature(conversion.kind).units.split()
     if len(rule) == 2:
         return _between(conversion, current, *rule)
@@ -168,7 +176,7 @@ def _converted(conversion: Any, current: Measure | None) -> Measure | UnitFault 
 
 
 def _between(
-    conversion: Any, current: Measure | None, taken: str, given: str
+    conversion: bridge.Conversion, current: Measure | None, taken: str, given: str
 ) -> Measure | UnitFault | None:
     """The result of a conversion that takes one unit and gives another.
 
@@ -182,7 +190,7 @@ def _between(
     return own if given == "same" else measure(given)
 
 
-def _unexpected(conversion: Any, current: Measure, wanted: Measure) -> UnitFault:
+def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure) -> UnitFault:
     name = conversion.kind.name
     if conversion.quantity is not None and wanted.text == conversion.quantity.units:
         message = f"{name} compares {current.text} with '{conversion.quantity.name}' in"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.flows import find_loops, flow_of
 from jausml.validation.facts.layouts import attributes
@@ -65,9 +66,9 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
     Good: the same with a peer that provides PrimitiveDriver
     """
     for connection in _sound_connections(subject):
-        bridge, peers = connection.eContainer(), list(connection.peers)
-        if all(is_known(subject, each) for each in (bridge, *peers)):
-            yield from _service_findings(connection, bridge, peers)
+        owner, peers = connection.eContainer(), list(connection.peers)
+        if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
+            yield from _service_findings(connection, owner, peers)
 
 
 @rule("JML423", Severity.ERROR, "connection without a peer")
@@ -108,7 +109,9 @@ def query_known(subject: Subject) -> Iterator[Finding]:
         message = connection.map.message
         senders = list(connection.peers) if _to_ros(connection) else [connection.eContainer()]
         for sender in senders:
-            if not is_known(subject, sender) or find_same(message, outputs(sender)) is None:
+            if sender is None or not is_known(subject, sender):
+                continue
+            if find_same(message, outputs(sender)) is None:
                 continue
             if find_query(connection, sender) is None:
                 yield missing_query(connection, message, sender)
@@ -126,14 +129,14 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="25.0"`
     """
-    for connection in subject.instances("bridge.Connection"):
+    for connection in subject.instances(bridge.Connection):
         asks = connection.exchange.name == "query" and _to_ros(connection)
         is_timed = connection.exchange.name == "periodicEvent" or asks
-        bridge = connection.eContainer()
+        owner = connection.eContainer()
         if is_timed and connection.rate != 0:
             yield from rate_finding(connection)
-        elif is_timed and bridge is not None and bridge.frequency == 0:
-            message = f"'{connection.name}' has no rate, and bridge '{bridge.name}' no frequency"
+        elif is_timed and owner is not None and owner.frequency == 0:
+            message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
             yield Finding(connection, message, "rate", "state one of them")
         value = connection.silenceTimeout
         if not (math.isfinite(value) and value >= 0):
@@ -149,7 +152,7 @@ def safe_value_used(subject: Subject) -> Iterator[Finding]:
 
     Good: `safeValue` with `silenceTimeout="0.5"`
     """
-    for connection in subject.instances("bridge.Connection"):
+    for connection in subject.instances(bridge.Connection):
         if connection.safeValue and connection.silenceTimeout == 0:
             message = f"'{connection.name}' has a safe value, but no silenceTimeout"
             yield Finding(connection, message, "safeValue")
@@ -190,11 +193,11 @@ def loops(subject: Subject) -> Iterator[Finding]:
     """
     for group in subject.systems():
         flows = []
-        for bridge in group:
-            if subject.is_kind_of(bridge, "bridge.Bridge"):
+        for owner in group:
+            if isinstance(owner, bridge.Bridge):
                 flows += [
-                    flow_of(connection, bridge)
-                    for connection in bridge.bridgeConnections
+                    flow_of(connection, owner)
+                    for connection in owner.bridgeConnections
                     if not subject.is_broken(connection) and _is_complete(subject, connection)
                 ]
         for loop in find_loops(flows):
@@ -205,61 +208,65 @@ def loops(subject: Subject) -> Iterator[Finding]:
             yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
 
 
-def _sound_connections(subject: Subject) -> list[Any]:
+def _sound_connections(subject: Subject) -> list[bridge.Connection]:
     return [
         each
-        for each in subject.instances("bridge.Connection")
+        for each in subject.instances(bridge.Connection)
         if _is_complete(subject, each) and each.eContainer() is not None
     ]
 
 
-def _is_complete(subject: Subject, connection: Any) -> bool:
+def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
     used = connection.map
     return used is not None and subject.is_intact(used.message, used.type)
 
 
-def _to_ros(connection: Any) -> bool:
-    return bool(connection.direction.name == "jausToRos")
+def _to_ros(connection: bridge.Connection) -> bool:
+    return connection.direction.name == "jausToRos"
 
 
-def _service_findings(connection: Any, bridge: Any, peers: list[Any]) -> Iterator[Finding]:
+def _service_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+) -> Iterator[Finding]:
     message, by_message = connection.map.message, connection.exchange.name == "message"
     if _to_ros(connection) and by_message:
-        yield from _taken_findings(connection, bridge, peers)
+        yield from _taken_findings(connection, owner, peers)
     elif by_message:
         without = [peer for peer in peers if find_same(message, inputs(peer)) is None]
         yield from (_unprovided(connection, peer, "takes") for peer in without)
     else:
-        senders = peers if _to_ros(connection) else [bridge]
+        senders = peers if _to_ros(connection) else [owner]
         without = [each for each in senders if find_same(message, outputs(each)) is None]
         yield from (_unprovided(connection, each, "sends") for each in without)
 
 
-def _taken_findings(connection: Any, bridge: Any, peers: list[Any]) -> Iterator[Finding]:
+def _taken_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+) -> Iterator[Finding]:
     message = connection.map.message
-    if find_same(message, inputs(bridge)) is not None:
+    if find_same(message, inputs(owner)) is not None:
         return
     if not peers:
-        yield _unprovided(connection, bridge, "takes")
+        yield _unprovided(connection, owner, "takes")
     for peer in peers:
         if find_same(message, outputs(peer)) is None:
-            text = f"neither '{bridge.name}' provides a service that takes {message.name}"
+            text = f"neither '{owner.name}' provides a service that takes {message.name}"
             text += f" nor '{peer.name}' one that sends it"
-            notes = tuple(Note(each, f"'{each.name}'") for each in (bridge, peer))
+            notes = tuple(Note(each, f"'{each.name}'") for each in (owner, peer))
             yield Finding(connection, text, "map", related=notes)
 
 
-def _unprovided(connection: Any, component: Any, verb: str) -> Finding:
+def _unprovided(connection: bridge.Connection, component: jaus.Component, verb: str) -> Finding:
     message = connection.map.message
     service = message.eContainer()
-    helps = service is not None and message in (
-        service.inputs if verb == "takes" else service.outputs
-    )
+    hint = ""
+    if service is not None and message in (service.inputs if verb == "takes" else service.outputs):
+        hint = f"add {service.name} to what it provides"
     return Finding(
         connection,
         f"'{component.name}' provides no service that {verb} {message.name}",
         "map",
-        f"add {service.name} to what it provides" if helps else "",
+        hint,
         (Note(component, f"'{component.name}'"),),
     )
 

@@ -6,7 +6,7 @@ import keyword
 import math
 import re
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
@@ -26,8 +26,11 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
+
+    WithChain = bridge.FieldAssignment | bridge.ListAssignment
 
 _METHOD = re.compile("[a-z][a-z0-9_]*")
 _OWN_FEATURES = {
@@ -36,7 +39,6 @@ _OWN_FEATURES = {
     "units": "with_units",
     "table": "look_up",
 }
-_WITH_CHAIN = ("FieldAssignment", "ListAssignment")
 
 
 @rule("JML414", Severity.ERROR, "conversion used wrongly")
@@ -55,7 +57,7 @@ def conversions(subject: Subject) -> Iterator[Finding]:
         yield from _feature_findings(conversion)
         yield from _argument_findings(conversion)
     for direction in directions(subject):
-        for placed in direction.of_kind(*_WITH_CHAIN):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             yield from _chain_findings(placed)
 
 
@@ -72,7 +74,7 @@ def expressions(subject: Subject) -> Iterator[Finding]:
     Good: `expression="hypot(x, y)"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind(*_WITH_CHAIN):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 if conversion.kind.name == "expression" and conversion.expression:
                     yield from _expression_findings(placed, conversion, position)
@@ -88,9 +90,9 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
 
     Good: `method="speed_limit"`
     """
-    known: dict[tuple[Any, str], tuple[int, Any]] = {}
+    known: dict[tuple[EObject | None, str], tuple[int, bridge.Conversion]] = {}
     for direction in directions(subject):
-        for placed in direction.of_kind(*_WITH_CHAIN):
+        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 name = conversion.method
                 if conversion.kind.name != "user" or not name:
@@ -108,7 +110,7 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
                     yield Finding(conversion, message, "method", related=(note,))
 
 
-def _feature_findings(conversion: Any) -> Iterator[Finding]:
+def _feature_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
     name = conversion.kind.name
     for feature, owner in _OWN_FEATURES.items():
         value = getattr(conversion, feature)
@@ -116,20 +118,21 @@ def _feature_findings(conversion: Any) -> Iterator[Finding]:
             yield Finding(conversion, f"{name} has no {feature}", feature)
         elif not value and name == owner:
             yield Finding(conversion, f"{name} states no {feature}", "kind")
+    owner_map = _map_of(conversion)
     for feature, element in (("table", conversion.table), ("quantity", conversion.quantity)):
-        owner_map = _map_of(conversion)
         if element is not None and owner_map is not None and element.eContainer() is not owner_map:
             message = f"{feature} '{element.name}' belongs to another map"
             yield Finding(conversion, message, feature, f"add it to '{owner_map.name}'")
 
 
-def _map_of(element: Any) -> Any:
-    while element is not None and element.eClass.name != "AttributeMap":
-        element = element.eContainer()
-    return element
+def _map_of(element: EObject) -> bridge.AttributeMap | None:
+    around: EObject | None = element
+    while around is not None and not isinstance(around, bridge.AttributeMap):
+        around = around.eContainer()
+    return around
 
 
-def _argument_findings(conversion: Any) -> Iterator[Finding]:
+def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
     name = conversion.kind.name
     wanted = conversion_signature(conversion.kind).arguments
     values = list(conversion.arguments)
@@ -162,10 +165,10 @@ def _value_fault(name: str, values: list[float]) -> str:
     return ""
 
 
-def _chain_findings(placed: Placed) -> Iterator[Finding]:
+def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
     assignment = placed.assignment
     found = placed.source_attributes
-    is_list = placed.kind == "ListAssignment"
+    is_list = isinstance(assignment, bridge.ListAssignment)
     unknown = any(not each.kind or (each.kind in (LIST, NUMBERS) and not is_list) for each in found)
     if not found or unknown:
         return
@@ -182,9 +185,11 @@ def _chain_findings(placed: Placed) -> Iterator[Finding]:
         yield Finding(assignment.conversions[-1], message, "kind")
 
 
-def _expression_findings(placed: Placed, conversion: Any, position: int) -> Iterator[Finding]:
+def _expression_findings(
+    placed: Placed[WithChain], conversion: bridge.Conversion, position: int
+) -> Iterator[Finding]:
     try:
-        expression = parse_expression(conversion.expression)
+        expression = parse_expression(conversion.expression or "")
     except ExpressionError as error:
         yield Finding(conversion, f"expression: {error}", "expression")
         return

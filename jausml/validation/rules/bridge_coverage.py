@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.directions import directions
 from jausml.validation.facts.jaus_paths import JausPlace
-from jausml.validation.facts.layouts import class_name
 from jausml.validation.facts.paths import parse_path, target_paths
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.validation.facts.attributes import JausPart
     from jausml.validation.facts.directions import Direction
-    from jausml.validation.facts.paths import Placed
+    from jausml.validation.facts.paths import Place, Placed
     from jausml.validation.subject import Subject
 
-_CHOICES = ("Variant", "VariableField")
+    Owner = bridge.AttributeMap | bridge.ListAssignment | bridge.Connection
+
 Steps = tuple[str, ...]
 
 
@@ -61,20 +64,20 @@ def required_fields(subject: Subject) -> Iterator[Finding]:
             paths = [parse_path(path) for each in siblings for path, _ in each.targets]
             owner = siblings[0].assignment.eContainer()
             place = scope.target
-            if isinstance(place, JausPlace) and () not in paths:
+            if owner is not None and isinstance(place, JausPlace) and () not in paths:
                 yield from _missing(owner, place, paths, direction)
 
 
-def _siblings(direction: Direction) -> list[list[Placed]]:
+def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
     """The assignments of one owner each, in order."""
-    found: dict[Any, list[Placed]] = {}
+    found: dict[EObject | None, list[Placed[bridge.Assignment]]] = {}
     for each in direction.assignments:
         found.setdefault(each.assignment.eContainer(), []).append(each)
     return list(found.values())
 
 
-def _repeated(siblings: Iterable[Placed]) -> Iterator[Finding]:
-    seen: dict[Steps, Any] = {}
+def _repeated(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
+    seen: dict[Steps, bridge.Assignment] = {}
     for each in siblings:
         for text, _ in each.targets:
             path = parse_path(text)
@@ -86,11 +89,11 @@ def _repeated(siblings: Iterable[Placed]) -> Iterator[Finding]:
             seen.setdefault(path, each.assignment)
 
 
-def _chosen_twice(siblings: Iterable[Placed]) -> Iterator[Finding]:
-    chosen: dict[str, tuple[str, Any]] = {}
+def _chosen_twice(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
+    chosen: dict[str, tuple[str, bridge.Assignment]] = {}
     reported: set[tuple[str, str]] = set()
     for each in siblings:
-        if each.kind == "Ignore":
+        if isinstance(each.assignment, bridge.Ignore):
             continue
         for path in target_paths(each.assignment):
             for where, choice in _choices(each.scope.target, path):
@@ -102,29 +105,31 @@ def _chosen_twice(siblings: Iterable[Placed]) -> Iterator[Finding]:
                     yield Finding(each.assignment, message, "target", related=(note,))
 
 
-def _choices(place: Any, path: str) -> Iterator[tuple[str, str]]:
+def _choices(place: Place, path: str) -> Iterator[tuple[str, str]]:
     """Yields the variants and variable fields on a path with what it takes of each."""
     steps = path.split(".")
     for position, step in enumerate(steps):
         before = ".".join(steps[:position])
         found = place.follow(before or ".")
-        if not isinstance(found, JausPlace) or found.field is None:
-            continue
-        if class_name(found.field) in _CHOICES:
+        if isinstance(found, JausPlace) and _is_choice(found.field):
             yield before, step
 
 
+def _is_choice(field: EObject | None) -> bool:
+    return isinstance(field, (jaus.Variant, jaus.VariableField))
+
+
 def _missing(
-    owner: Any, place: JausPlace, paths: list[Steps], direction: Direction, before: str = ""
+    owner: Owner, place: JausPlace, paths: list[Steps], direction: Direction, before: str = ""
 ) -> Iterator[Finding]:
     """Yields findings for the required members of a place of which something is assigned."""
-    is_choice = place.field is not None and class_name(place.field) in _CHOICES
+    is_choice = _is_choice(place.field)
     for field in place.members() or ():
         if not field.name:
             continue
         name = parse_path(field.name)
         inner = [path[len(name) :] for path in paths if path[: len(name)] == name]
-        if not inner and not is_choice and not field.optional:
+        if not inner and not is_choice and not (isinstance(field, jaus.Field) and field.optional):
             feature = "safeValue" if direction.owner is not direction.map else _feature(owner)
             yield _required(owner, f"{before}{field.name}", feature, direction)
         if inner and () not in inner:
@@ -132,9 +137,9 @@ def _missing(
 
 
 def _missing_inside(
-    owner: Any,
+    owner: Owner,
     place: JausPlace,
-    field: Any,
+    field: JausPart,
     inner: list[Steps],
     direction: Direction,
     before: str,
@@ -142,13 +147,14 @@ def _missing_inside(
     for index in sorted({path[0] for path in inner if path[0].startswith("[")} or {""}):
         found = place.follow(f"{field.name}{index}")
         rest = [path[1:] if index else path for path in inner if path[0] == index or not index]
-        is_bits = isinstance(found, JausPlace) and class_name(found.field) == "BitField"
-        if isinstance(found, JausPlace) and () not in rest and not is_bits:
+        if not isinstance(found, JausPlace) or isinstance(found.field, jaus.BitField):
+            continue
+        if () not in rest:
             name = f"{before}{field.name}{index}."
             yield from _missing(owner, found, rest, direction, name)
 
 
-def _required(owner: Any, name: str, feature: str, direction: Direction) -> Finding:
+def _required(owner: Owner, name: str, feature: str, direction: Direction) -> Finding:
     message = f"'{name}' of {direction.map.message.name} is required, but not assigned"
     if feature == "safeValue":
         message += " in the safe value"
@@ -156,8 +162,8 @@ def _required(owner: Any, name: str, feature: str, direction: Direction) -> Find
     return Finding(owner, message, feature, "assign it, or add an Ignore")
 
 
-def _feature(owner: Any) -> str:
-    return "assignments" if class_name(owner) == "ListAssignment" else "toJaus"
+def _feature(owner: Owner) -> str:
+    return "assignments" if isinstance(owner, bridge.ListAssignment) else "toJaus"
 
 
 def _overlaps(first: Steps, second: Steps) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts import frames
 from jausml.validation.facts.conversions import conversion_signature
@@ -56,8 +57,8 @@ def frame_mismatch(subject: Subject) -> Iterator[Finding]:
     Good: the same with `<conversions kind="negate"/>`
     """
     for side in directions(subject):
-        turning: dict[bool, Placed] = {}
-        for placed in side.of_kind("FieldAssignment"):
+        turning: dict[bool, Placed[bridge.FieldAssignment]] = {}
+        for placed in side.of_kind(bridge.FieldAssignment):
             finding = _finding(placed)
             if finding is not None:
                 yield finding
@@ -71,7 +72,9 @@ def frame_mismatch(subject: Subject) -> Iterator[Finding]:
                 yield _inconsistent(placed, other, "exchanges" if is_turned else "keeps")
 
 
-def _inconsistent(placed: Placed, other: Placed, verb: str) -> Finding:
+def _inconsistent(
+    placed: Placed[bridge.FieldAssignment], other: Placed[bridge.FieldAssignment], verb: str
+) -> Finding:
     opposite = "keeps" if verb == "exchanges" else "exchanges"
     target, first = placed.assignment.target, other.assignment.target
     message = f"'{target}' {verb} the horizontal axes of the local frame, but '{first}'"
@@ -79,7 +82,7 @@ def _inconsistent(placed: Placed, other: Placed, verb: str) -> Finding:
     return Finding(placed.assignment, f"{message} {opposite} them", "target", related=(note,))
 
 
-def _turns_local_axes(placed: Placed) -> bool | None:
+def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
     """Whether x and y of two local frames change places; None where nothing tells."""
     passage = frames.passage(placed.assignment.conversions, placed.source_attributes)
     targets = [frames.axis_of(each) for each in placed.target_attributes]
@@ -95,7 +98,7 @@ def _turns_local_axes(placed: Placed) -> bool | None:
     return source.name != target.name
 
 
-def _finding(placed: Placed) -> Finding | None:
+def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     if not placed.source_attributes or not placed.target_attributes or units_clash(placed):
         return None
     conversions = placed.assignment.conversions
@@ -113,7 +116,7 @@ def _finding(placed: Placed) -> Finding | None:
     return _direct(placed, frames.with_sign(source, passage.sign), target)
 
 
-def _makes_another_quantity(placed: Placed) -> bool:
+def _makes_another_quantity(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Whether a factor makes one kind of quantity of another, such as speed of a turning rate."""
     measures = [
         attribute_measure(each[0]) for each in (placed.source_attributes, placed.target_attributes)
@@ -122,7 +125,7 @@ def _makes_another_quantity(placed: Placed) -> bool:
     return len(dimensions - {()}) > 1
 
 
-def _direct(placed: Placed, source: Axis, target: Axis) -> Finding | None:
+def _direct(placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis) -> Finding | None:
     """Compares the axes of a number that no conversion moved between frames."""
     families = FAMILIES[source.frame], FAMILIES[target.frame]
     if source.frame != target.frame and BODY in families and set(families) != {BODY}:
@@ -155,7 +158,7 @@ def _is_exchange(source: Axis, target: Axis) -> bool:
     return source.frame != target.frame and are_lengths and are_horizontal
 
 
-def _frames_of(conversion: Any) -> tuple[str, ...]:
+def _frames_of(conversion: bridge.Conversion) -> tuple[str, ...]:
     return conversion_signature(conversion.kind).frames
 
 
@@ -164,7 +167,9 @@ def _is_heading(source: Axis, target: Axis) -> bool:
     return are_angles and {source.frame, target.frame} == {ENU, NED}
 
 
-def _converted(placed: Placed, passage: Any, targets: list[Axis | None]) -> Finding | None:
+def _converted(
+    placed: Placed[bridge.FieldAssignment], passage: Any, targets: list[Axis | None]
+) -> Finding | None:
     """Checks a conversion between frames against the frames of both ends."""
     conversion = passage.conversion
     taken, given = _frames_of(conversion)
@@ -218,7 +223,9 @@ def _other(name: str, source: Axis | None, target: Axis | None) -> str:
     return f"use {other}" if other else ""
 
 
-def _mismatch(placed: Placed, source: Axis, target: Axis, problem: str, hint: str) -> Finding:
+def _mismatch(
+    placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis, problem: str, hint: str
+) -> Finding:
     left, right = (_described(each) for each in (source, target))
     message = f"'{placed.sources[0][0]}' ({left}) and '{placed.targets[0][0]}' ({right}) {problem}"
     return Finding(placed.assignment, message, "target", hint)
@@ -229,7 +236,7 @@ def _described(axis: Axis) -> str:
     return f"{sign}{axis.name} of {axis.frame}"
 
 
-def _negation(placed: Placed) -> str:
+def _negation(placed: Placed[bridge.FieldAssignment]) -> str:
     names = [each.kind.name for each in placed.assignment.conversions]
     return "leave out negate" if "negate" in names else "add the conversion negate"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
@@ -11,7 +11,7 @@ from jausml.validation.facts.paths import source_paths
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml.validation.subject import Subject
 
@@ -38,7 +38,7 @@ def joins(subject: Subject) -> Iterator[Finding]:
             yield from _topic_findings(connection)
 
 
-def _join_findings(join: Any, fields: set[str], used: set[str]) -> Iterator[Finding]:
+def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
     if not (math.isfinite(join.freshness) and join.freshness > 0):
         message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
         yield Finding(join, message, "freshness")
@@ -50,7 +50,7 @@ def _join_findings(join: Any, fields: set[str], used: set[str]) -> Iterator[Find
         yield Finding(join, message, "name", severity=Severity.WARNING)
 
 
-def _topic_findings(connection: Any) -> Iterator[Finding]:
+def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
     known = list(connection.map.joins)
     is_to_jaus = connection.direction.name == "rosToJaus"
     main = [topic for topic in connection.topics if topic.join is None]
@@ -75,10 +75,11 @@ def _topic_findings(connection: Any) -> Iterator[Finding]:
             yield Finding(connection, message, "topics", hint, (note,))
 
 
-def _paths(assignments: Any) -> Iterator[str]:
+def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
     for each in assignments:
         yield from source_paths(each)
-        yield from _paths(getattr(each, "assignments", ()))
+        if isinstance(each, bridge.ListAssignment):
+            yield from _paths(each.assignments)
 
 
 RULES = (joins,)

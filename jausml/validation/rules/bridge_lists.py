@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.validation.facts.directions import directions
-from jausml.validation.facts.layouts import class_name
+from jausml.validation.facts.jaus_paths import JausPlace
 from jausml.validation.facts.paths import Placed, is_many, target_paths
 from jausml.validation.facts.ros_paths import RosPlace, ros_name
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.facts.directions import Direction
     from jausml.validation.subject import Subject
 
@@ -35,7 +37,7 @@ def lists(subject: Subject) -> Iterator[Finding]:
     Good: `<toRos xsi:type="bridge:ListAssignment" target="poses" source="WaypointList">`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("ListAssignment"):
+        for placed in direction.of_kind(bridge.ListAssignment):
             yield from _end_findings(placed)
             yield from _name_findings(placed)
         if not direction.to_ros:
@@ -55,13 +57,13 @@ def nested_messages(subject: Subject) -> Iterator[Finding]:
     Good: `source="ElementData"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("MessageAssignment"):
+        for placed in direction.of_kind(bridge.MessageAssignment):
             used = placed.assignment.map
             if used is not None and subject.is_intact(used.message, used.type):
                 yield from _message_findings(placed, used, direction)
 
 
-def _end_findings(placed: Placed) -> Iterator[Finding]:
+def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     paths = [("target", *each) for each in placed.targets]
     paths += [("source", *each) for each in placed.sources[:1]]
@@ -79,7 +81,7 @@ def _end_findings(placed: Placed) -> Iterator[Finding]:
         yield Finding(assignment, message, "target")
 
 
-def _name_findings(placed: Placed) -> Iterator[Finding]:
+def _name_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     if bool(assignment.keys) != bool(assignment.names):
         message = f"'{assignment.target}' has {'keys' if assignment.keys else 'names'} alone"
@@ -105,15 +107,16 @@ def _name_findings(placed: Placed) -> Iterator[Finding]:
 
 
 def _gaps(direction: Direction) -> Iterator[Finding]:
-    seen: set[tuple[Any, str]] = set()
+    seen: set[tuple[EObject | None, str]] = set()
     for placed in direction.assignments:
         for path in target_paths(placed.assignment):
             for start, index in _indexed_prefixes(path):
                 owner = placed.assignment.eContainer()
                 seen.add((owner, f"{start}[{index}]"))
                 place = placed.scope.find_target(start)
-                field = getattr(place, "field", None)
-                if field is None or class_name(field) != "List" or index == 0:
+                if not isinstance(place, JausPlace) or index == 0:
+                    continue
+                if not isinstance(place.field, jaus.List):
                     continue
                 if (owner, f"{start}[{index - 1}]") not in seen:
                     message = f"'{path}' comes before an assignment to {start}[{index - 1}]"
@@ -128,7 +131,9 @@ def _indexed_prefixes(path: str) -> Iterator[tuple[str, int]]:
             yield match[1], int(match[2])
 
 
-def _message_findings(placed: Placed, used: Any, direction: Direction) -> Iterator[Finding]:
+def _message_findings(
+    placed: Placed[bridge.MessageAssignment], used: bridge.AttributeMap, direction: Direction
+) -> Iterator[Finding]:
     assignment, to_ros = placed.assignment, direction.to_ros
     ends = {"source": placed.source_attributes, "target": placed.target_attributes}
     for feature, found in ends.items():
@@ -146,10 +151,12 @@ def _message_findings(placed: Placed, used: Any, direction: Direction) -> Iterat
     yield from _map_findings(assignment, used, direction)
 
 
-def _map_findings(assignment: Any, used: Any, direction: Direction) -> Iterator[Finding]:
+def _map_findings(
+    assignment: bridge.MessageAssignment, used: bridge.AttributeMap, direction: Direction
+) -> Iterator[Finding]:
     feature = "toRos" if direction.to_ros else "toJaus"
     note = Note(used, f"map '{used.name}'")
-    if not getattr(used, feature):
+    if not _assignments(used, feature):
         message = f"map '{used.name}' has no {feature} assignments"
         yield Finding(assignment, message, "map", related=(note,))
     if used.joins and not direction.to_ros:
@@ -160,8 +167,8 @@ def _map_findings(assignment: Any, used: Any, direction: Direction) -> Iterator[
         yield Finding(assignment, message, "map", related=(note,))
 
 
-def _leads_to(start: Any, end: Any, feature: str) -> bool:
-    seen: set[Any] = set()
+def _leads_to(start: bridge.AttributeMap, end: bridge.AttributeMap, feature: str) -> bool:
+    seen: set[bridge.AttributeMap] = set()
     pending = [start]
     while pending:
         each = pending.pop()
@@ -169,15 +176,20 @@ def _leads_to(start: Any, end: Any, feature: str) -> bool:
             return True
         if each not in seen:
             seen.add(each)
-            pending += _maps_in(getattr(each, feature))
+            pending += _maps_in(_assignments(each, feature))
     return False
 
 
-def _maps_in(assignments: Any) -> Iterator[Any]:
+def _assignments(attribute_map: bridge.AttributeMap, feature: str) -> Sequence[bridge.Assignment]:
+    return attribute_map.toRos if feature == "toRos" else attribute_map.toJaus
+
+
+def _maps_in(assignments: Sequence[bridge.Assignment]) -> Iterator[bridge.AttributeMap]:
     for each in assignments:
-        if class_name(each) == "MessageAssignment" and each.map is not None:
+        if isinstance(each, bridge.MessageAssignment) and each.map is not None:
             yield each.map
-        yield from _maps_in(getattr(each, "assignments", ()))
+        if isinstance(each, bridge.ListAssignment):
+            yield from _maps_in(each.assignments)
 
 
 RULES = (lists, nested_messages)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import LIST, NUMBERS, TIME, TIME_STAMP, Attribute, PathFault
 from jausml.validation.facts.chains import ChainFault, chain_kinds, fits, yields
@@ -15,6 +16,7 @@ from jausml.validation.rule import Finding, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.validation.facts.attributes import Found
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
@@ -62,14 +64,14 @@ def types(subject: Subject) -> Iterator[Finding]:
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("ClockAssignment"):
+        for placed in direction.of_kind(bridge.ClockAssignment):
             for path, target in placed.targets:
                 if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
                     message = f"'{path}' is {target.name}, it takes no time"
                     yield Finding(placed.assignment, message, "target")
-        for placed in direction.of_kind("FieldAssignment"):
-            if placed.source_attributes and placed.target_attributes:
-                yield from _type_findings(subject, placed)
+        for copied in direction.of_kind(bridge.FieldAssignment):
+            if copied.source_attributes and copied.target_attributes:
+                yield from _type_findings(subject, copied)
 
 
 @rule("JML413", Severity.ERROR, "constant does not fit the target")
@@ -84,24 +86,24 @@ def constants(subject: Subject) -> Iterator[Finding]:
     Good: `value="100"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("ConstantAssignment"):
+        for placed in direction.of_kind(bridge.ConstantAssignment):
             value = placed.assignment.value
             for path, target in placed.targets:
                 fault = _constant_fault(value, target)
                 if fault:
                     message = f"constant {value!a} of '{path}' {fault}"
                     yield Finding(placed.assignment, message, "value")
-        for placed in direction.of_kind("FieldAssignment"):
-            yield from _default_findings(placed)
+        for copied in direction.of_kind(bridge.FieldAssignment):
+            yield from _default_findings(copied)
 
 
-def _constant_fault(value: Any, target: Any) -> str:
+def _constant_fault(value: str | None, target: Found) -> str:
     if value is None or not isinstance(target, Attribute):
         return ""
     return constant_fault(value, target)
 
 
-def _default_findings(placed: Placed) -> Iterator[Finding]:
+def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment, value = placed.assignment, placed.assignment.defaultValue
     if assignment.whenAbsent.name != "useDefault":
         if value is not None:
@@ -121,7 +123,7 @@ def _default_findings(placed: Placed) -> Iterator[Finding]:
             yield Finding(assignment, message, "defaultValue")
 
 
-def _type_findings(subject: Subject, placed: Placed) -> Iterator[Finding]:
+def _type_findings(subject: Subject, placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     untranslatable = _untranslatable(placed)
     if untranslatable is not None:
@@ -142,7 +144,7 @@ def _type_findings(subject: Subject, placed: Placed) -> Iterator[Finding]:
         yield Finding(assignment, message, "target", hint)
 
 
-def _untranslatable(placed: Placed) -> Finding | None:
+def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     """A finding for an end that no FieldAssignment reads or fills."""
     ends = [("source", *each) for each in placed.sources]
     ends += [("target", *each) for each in placed.targets]
@@ -160,7 +162,7 @@ def _untranslatable(placed: Placed) -> Finding | None:
     return None
 
 
-def _result_findings(placed: Placed) -> Iterator[Finding]:
+def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment, last = placed.assignment, placed.assignment.conversions[-1]
     kinds = chain_kinds(assignment.conversions, [each.kind for each in placed.source_attributes])
     if isinstance(kinds, ChainFault):

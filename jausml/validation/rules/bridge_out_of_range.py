@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
@@ -36,7 +36,7 @@ def left_out_fields(subject: Subject) -> Iterator[Finding]:
     Good: the same with `outOfRange="dropMessage"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("FieldAssignment"):
+        for placed in direction.of_kind(bridge.FieldAssignment):
             if placed.assignment.outOfRange.name != _DROP_FIELD:
                 continue
             path = _never_left_out(placed)
@@ -64,7 +64,7 @@ def clamped_values(subject: Subject) -> Iterator[Finding]:
     for direction in directions(subject):
         if direction.to_ros:
             continue
-        for placed in direction.of_kind("FieldAssignment"):
+        for placed in direction.of_kind(bridge.FieldAssignment):
             if placed.assignment.outOfRange.name != "clamp":
                 continue
             for path, target in placed.targets:
@@ -84,7 +84,7 @@ def _unclampable(path: str, target: Found) -> str:
     return ""
 
 
-def _never_left_out(placed: Placed) -> str | None:
+def _never_left_out(placed: Placed[bridge.FieldAssignment]) -> str | None:
     """The first target that is there in any case, None when all may be left out."""
     for path, target in placed.targets:
         if placed.scope.to_ros:
@@ -94,7 +94,7 @@ def _never_left_out(placed: Placed) -> str | None:
     return None
 
 
-def _connection_findings(subject: Subject, connection: Any) -> Iterator[Finding]:
+def _connection_findings(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     to_ros = connection.direction.name == "jausToRos"
     if to_ros:
         message = f"'{connection.name}' makes ROS messages, whose fields are never left out"
@@ -105,7 +105,7 @@ def _connection_findings(subject: Subject, connection: Any) -> Iterator[Finding]
         return
     found = [
         placed.assignment
-        for placed in direction.of_kind("FieldAssignment")
+        for placed in direction.of_kind(bridge.FieldAssignment)
         if placed.assignment.outOfRange.name == "asConnection"
         and _never_left_out(placed) is not None
     ]

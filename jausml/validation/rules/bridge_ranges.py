@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge
 from jausml.model import intervals
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import LARGEST_SINGLE, NUMBER, Attribute
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.model.intervals import Interval
+    from jausml.validation.facts.attributes import Found
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
@@ -138,7 +140,7 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
     Good: the same with `documentation="0.0015 % is sent, which the dead band of the motor hides"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("ConstantAssignment"):
+        for placed in direction.of_kind(bridge.ConstantAssignment):
             for path, target in placed.targets:
                 sent = _sent_for_zero(placed.assignment.value, target)
                 if sent and not placed.assignment.documentation:
@@ -147,20 +149,20 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "value", hint)
 
 
-def _assignments(subject: Subject) -> list[tuple[Placed, list[_End]]]:
+def _assignments(subject: Subject) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
     return subject.once(_find_assignments)
 
 
-def _find_assignments(subject: Subject) -> list[tuple[Placed, list[_End]]]:
+def _find_assignments(subject: Subject) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
     return [
         (placed, _ends(placed))
         for direction in directions(subject)
-        for placed in direction.of_kind("FieldAssignment")
+        for placed in direction.of_kind(bridge.FieldAssignment)
         if placed.source_attributes and placed.target_attributes and not units_clash(placed)
     ]
 
 
-def _ends(placed: Placed) -> list[_End]:
+def _ends(placed: Placed[bridge.FieldAssignment]) -> list[_End]:
     if not any(each.kind == NUMBER for each in placed.target_attributes):
         return []
     given = result_ranges(placed)
@@ -189,7 +191,7 @@ def _is_apart(end: _End) -> bool:
     return below or end.given[0] > end.carried[1] + end.slack
 
 
-def _rounding_error(placed: Placed, end: _End) -> float:
+def _rounding_error(placed: Placed[bridge.FieldAssignment], end: _End) -> float:
     """The greatest distance between a number and what the target makes of it."""
     sources = placed.source_attributes
     is_copied = not placed.assignment.conversions and sources[0].integral
@@ -221,7 +223,7 @@ def _is_flattened(end: _End) -> bool:
     return values[0] < values[1] and low == high
 
 
-def _sent_for_zero(value: Any, target: Any) -> float:
+def _sent_for_zero(value: str, target: Found) -> float:
     """What a scaled field sends for a constant that is zero; 0 where it has a zero."""
     if not isinstance(target, Attribute) or target.integral or not target.step:
         return 0.0

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, ros
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import NUMBER, Attribute
 from jausml.validation.facts.directions import directions
@@ -17,6 +18,7 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.validation.facts.attributes import Found
     from jausml.validation.facts.directions import Direction
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
@@ -49,7 +51,7 @@ def round_trips(subject: Subject) -> Iterator[Finding]:
     Good: `RollRate -> angular.x` and back `angular.x -> RollRate`
     """
     for there, back in _pairs(directions(subject)):
-        returning: dict[tuple[str, ...], list[Placed]] = {}
+        returning: dict[tuple[str, ...], list[Placed[bridge.FieldAssignment]]] = {}
         for placed in _fields(back):
             returning.setdefault(_paths(placed.sources), []).append(placed)
         for placed in _fields(there):
@@ -69,7 +71,7 @@ def covariances(subject: Subject) -> Iterator[Finding]:
     Good: `target="pose.covariance[0]"`
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("FieldAssignment"):
+        for placed in direction.of_kind(bridge.FieldAssignment):
             ends = zip(placed.targets, placed.sources, strict=False)
             yield from _cell_findings(placed, [*placed.sources, *placed.targets])
             if len(placed.sources) == len(placed.targets) == 1:
@@ -78,7 +80,7 @@ def covariances(subject: Subject) -> Iterator[Finding]:
 
 
 def _pairs(found: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:
-    there: dict[Any, Direction] = {}
+    there: dict[bridge.AttributeMap, Direction] = {}
     for direction in found:
         if direction.owner is not direction.map:
             continue
@@ -88,18 +90,20 @@ def _pairs(found: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:
             yield there[direction.map], direction
 
 
-def _fields(direction: Direction) -> Iterator[Placed]:
-    for placed in direction.of_kind("FieldAssignment"):
+def _fields(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
+    for placed in direction.of_kind(bridge.FieldAssignment):
         is_found = placed.source_attributes and placed.target_attributes
         if is_found and not placed.scope.is_nested:
             yield placed
 
 
-def _paths(found: Iterable[tuple[str, Any]]) -> tuple[str, ...]:
+def _paths(found: Iterable[tuple[str, Found]]) -> tuple[str, ...]:
     return tuple(path for path, _ in found)
 
 
-def _trip_findings(there: Placed, ways: list[Placed]) -> Iterator[Finding]:
+def _trip_findings(
+    there: Placed[bridge.FieldAssignment], ways: list[Placed[bridge.FieldAssignment]]
+) -> Iterator[Finding]:
     sources = _paths(there.sources)
     same = [back for back in ways if set(_paths(back.targets)) & set(sources)]
     if not same:
@@ -114,25 +118,33 @@ def _trip_findings(there: Placed, ways: list[Placed]) -> Iterator[Finding]:
             yield _other_field(there, back)
 
 
-def _is_selective(there: Placed, ways: list[Placed]) -> bool:
+def _is_selective(
+    there: Placed[bridge.FieldAssignment], ways: list[Placed[bridge.FieldAssignment]]
+) -> bool:
     """Whether several values meet in one, so that each way back gives a part of it alone."""
     return len(there.sources) > 1 or any(len(back.targets) > 1 for back in ways)
 
 
-def _is_inverse(there: Placed, back: Placed) -> bool:
+def _is_inverse(
+    there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
+) -> bool:
     first = [each.kind.name for each in there.assignment.conversions]
     second = [each.kind.name for each in back.assignment.conversions]
     return len(first) == len(second) == 1 and _INVERSE.get(first[0]) == second[0]
 
 
-def _other_field(there: Placed, back: Placed) -> Finding:
+def _other_field(
+    there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
+) -> Finding:
     goes, comes = there.assignment, back.assignment
     message = f"'{comes.source}' becomes {comes.target}, but it was made from {goes.source}"
     note = Note(goes, f"'{goes.target}'", "source")
     return Finding(comes, message, "target", related=(note,))
 
 
-def _number_findings(there: Placed, back: Placed) -> Iterator[Finding]:
+def _number_findings(
+    there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
+) -> Iterator[Finding]:
     attribute = there.source_attributes[0]
     if attribute.kind != NUMBER or _shares_table(there, back):
         return
@@ -157,13 +169,15 @@ def _distance(first: float, second: float) -> float:
     return 0.0 if abs(apart - math.tau) < _EXACT else apart
 
 
-def _shares_table(there: Placed, back: Placed) -> bool:
+def _shares_table(
+    there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
+) -> bool:
     """Whether both ways use one table, whose repeated values its author has ordered."""
     tables = [each.table for each in there.assignment.conversions if each.table is not None]
     return any(each.table in tables for each in back.assignment.conversions if each.table)
 
 
-def _samples(there: Placed, attribute: Attribute) -> Iterator[float]:
+def _samples(there: Placed[bridge.FieldAssignment], attribute: Attribute) -> Iterator[float]:
     for conversion in there.assignment.conversions:
         for entry in conversion.table.entries if conversion.table is not None else ():
             try:
@@ -178,7 +192,9 @@ def _samples(there: Placed, attribute: Attribute) -> Iterator[float]:
         yield from (each for each in _SAMPLES if low <= each <= high)
 
 
-def _cell_findings(placed: Placed, ends: Iterable[tuple[str, Any]]) -> Iterator[Finding]:
+def _cell_findings(
+    placed: Placed[bridge.FieldAssignment], ends: Iterable[tuple[str, Found]]
+) -> Iterator[Finding]:
     if not _is_of_variances(placed):
         return
     for path, found in ends:
@@ -193,25 +209,25 @@ def _cell_findings(placed: Placed, ends: Iterable[tuple[str, Any]]) -> Iterator[
         yield Finding(placed.assignment, message, feature, f"variances are {cells}")
 
 
-def _is_of_variances(placed: Placed) -> bool:
+def _is_of_variances(placed: Placed[bridge.FieldAssignment]) -> bool:
     names = {each.kind.name for each in placed.assignment.conversions}
     ends = [*placed.source_attributes, *placed.target_attributes]
     is_deviation = any(_is_deviation(each) for each in ends)
     return is_deviation or not names.isdisjoint({"square", "square_root", "covariance_to_rms"})
 
 
-def _is_deviation(found: Any) -> bool:
+def _is_deviation(found: Found) -> bool:
     return isinstance(found, Attribute) and "rms" in found.label.lower().split("_")
 
 
-def _matrix_size(found: Any) -> int:
+def _matrix_size(found: Found) -> int:
     if not isinstance(found, Attribute) or "covariance" not in found.label:
         return 0
-    return _MATRICES.get(getattr(found.field, "arraySize", 0), 0)
+    return _MATRICES.get(found.field.arraySize, 0) if isinstance(found.field, ros.Field) else 0
 
 
 def _square_findings(
-    placed: Placed, source: tuple[str, Any], target: tuple[str, Any]
+    placed: Placed[bridge.FieldAssignment], source: tuple[str, Found], target: tuple[str, Found]
 ) -> Iterator[Finding]:
     names = {each.kind.name for each in placed.assignment.conversions}
     if names - {"scale", "linear", "clamp", "with_units"} or units_clash(placed):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.attributes import BOOL, NUMBER, TEXT, Attribute
 from jausml.validation.facts.directions import directions
@@ -13,6 +14,7 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
@@ -33,50 +35,57 @@ def tables(subject: Subject) -> Iterator[Finding]:
 
     Good: `Opened <-> true`, `Closed <-> false`
     """
-    reported: set[tuple[Any, str]] = set()
+    reported: set[tuple[EObject, str]] = set()
     for direction in directions(subject):
-        for placed in direction.of_kind("FieldAssignment"):
+        for placed in direction.of_kind(bridge.FieldAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
-                if conversion.kind.name != "look_up" or conversion.table is None:
+                table = conversion.table
+                if conversion.kind.name != "look_up" or table is None:
                     continue
-                for finding in _findings(placed, position, conversion):
+                for finding in _findings(placed, position, table):
                     key = (finding.element, finding.message)
                     if key not in reported:
                         reported.add(key)
                         yield finding
 
 
-def _findings(placed: Placed, position: int, conversion: Any) -> Iterator[Finding]:
+def _findings(
+    placed: Placed[bridge.FieldAssignment], position: int, table: bridge.ValueTable
+) -> Iterator[Finding]:
     to_ros = placed.scope.to_ros
     given, taken = ("ros", "jaus") if to_ros else ("jaus", "ros")
-    conversions, table = placed.assignment.conversions, conversion.table
+    conversions = placed.assignment.conversions
     if position == 0 and len(placed.source_attributes) == 1:
         source = placed.source_attributes[0]
         faults = list(_entry_findings(table, taken, source))
         yield from faults
-        yield from [] if faults else _lacking(conversion, taken, source)
+        yield from [] if faults else _lacking(table, taken, source)
     if len(conversions) == len(placed.source_attributes) == len(placed.target_attributes) == 1:
         yield from _repeated(table, taken, placed)
     if position == len(conversions) - 1 and len(placed.target_attributes) == 1:
         yield from _entry_findings(table, given, placed.target_attributes[0])
 
 
-def _entry_findings(table: Any, feature: str, attribute: Attribute) -> Iterator[Finding]:
+def _entry_findings(
+    table: bridge.ValueTable, feature: str, attribute: Attribute
+) -> Iterator[Finding]:
     if attribute.kind not in _VALUES:
         return
     for entry in table.entries:
-        value = getattr(entry, feature)
+        value = _side(entry, feature)
         fault = constant_fault(value, attribute) if value is not None else ""
         if fault:
             hint = _known(attribute)
             yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
 
 
-def _repeated(table: Any, feature: str, placed: Placed) -> Iterator[Finding]:
+def _repeated(
+    table: bridge.ValueTable, feature: str, placed: Placed[bridge.FieldAssignment]
+) -> Iterator[Finding]:
     """Yields findings for entries that neither direction finds."""
     ends = [placed.source_attributes[0], placed.target_attributes[0]]
     jaus, ros = ends if feature == "jaus" else reversed(ends)
-    seen: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
+    seen: tuple[dict[str, bridge.TableEntry], dict[str, bridge.TableEntry]] = ({}, {})
     for entry in table.entries:
         values = _resolved(entry.jaus, jaus), _resolved(entry.ros, ros)
         firsts = [known.setdefault(value, entry) for known, value in zip(seen, values, strict=True)]
@@ -86,9 +95,12 @@ def _repeated(table: Any, feature: str, placed: Placed) -> Iterator[Finding]:
             yield Finding(entry, message, "jaus", related=(note,), severity=Severity.WARNING)
 
 
-def _lacking(conversion: Any, feature: str, attribute: Attribute) -> Iterator[Finding]:
-    table = conversion.table
-    known = {_resolved(getattr(entry, feature), attribute) for entry in table.entries}
+def _side(entry: bridge.TableEntry, feature: str) -> str:
+    return entry.jaus if feature == "jaus" else entry.ros
+
+
+def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> Iterator[Finding]:
+    known = {_resolved(_side(entry, feature), attribute) for entry in table.entries}
     listed = attribute.constants if not attribute.is_ros else ()
     if attribute.kind == BOOL:
         listed = (("true", "true"), ("false", "false"))

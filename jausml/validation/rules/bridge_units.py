@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.diagnostics import Severity
 from jausml.model.units import UnitError, nearest_units, parse_unit
 from jausml.validation.facts.attributes import Attribute
@@ -23,13 +24,7 @@ if TYPE_CHECKING:
     from jausml.validation.facts.paths import Placed
     from jausml.validation.subject import Subject
 
-_WITH_UNITS = (
-    "jaus.FixedField",
-    "jaus.Alternative",
-    "ros.Field",
-    "bridge.Quantity",
-    "bridge.Conversion",
-)
+    WithUnits = jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion
 
 
 @rule("JML431", Severity.ERROR, "units do not match")
@@ -48,7 +43,7 @@ def unit_mismatch(subject: Subject) -> Iterator[Finding]:
     Good: `target="twist.angular.z" source="YawRate"` with the conversion negate
     """
     for direction in directions(subject):
-        for placed in direction.of_kind("FieldAssignment"):
+        for placed in direction.of_kind(bridge.FieldAssignment):
             if placed.source_attributes and placed.target_attributes:
                 yield from _mismatches(placed)
 
@@ -63,17 +58,20 @@ def unknown_unit(subject: Subject) -> Iterator[Finding]:
 
     Good: `units="m/s"` or `units="meter per second"`
     """
-    for class_ in _WITH_UNITS:
-        for element in subject.instances(class_):
-            text = element.units
-            if not text:
-                continue
-            try:
-                parse_unit(text)
-            except UnitError as error:
-                near = nearest_units(text)
-                hint = f"did you mean {' or '.join(near)}?" if near else ""
-                yield Finding(element, f"unit {text!a}: {error}", "units", hint)
+    kinds: tuple[type[WithUnits], ...] = (
+        *(jaus.FixedField, jaus.Alternative),
+        *(ros.Field, bridge.Quantity, bridge.Conversion),
+    )
+    for element in (each for kind in kinds for each in subject.instances(kind)):
+        text = element.units
+        if not text:
+            continue
+        try:
+            parse_unit(text)
+        except UnitError as error:
+            near = nearest_units(text)
+            hint = f"did you mean {' or '.join(near)}?" if near else ""
+            yield Finding(element, f"unit {text!a}: {error}", "units", hint)
 
 
 @rule("JML445", Severity.ERROR, "quantity used wrongly")
@@ -87,24 +85,26 @@ def quantities(subject: Subject) -> Iterator[Finding]:
 
     Good: a bridge with the quantity `max_speed`
     """
-    for conversion in subject.instances("bridge.Conversion"):
+    for conversion in subject.instances(bridge.Conversion):
         quantity = conversion.quantity
         if quantity is not None and "percent" in conversion.kind.name and quantity.value <= 0:
             message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
             note = Note(quantity, f"'{quantity.name}'", "value")
             yield Finding(conversion, message, "quantity", related=(note,))
-    for bridge in subject.instances("bridge.Bridge"):
-        used = _used_quantities(bridge)
-        for quantity in bridge.quantities:
-            yield from _override_findings(quantity, used)
+    for owner in subject.instances(bridge.Bridge):
+        used = _used_quantities(owner)
+        for own in owner.quantities:
+            yield from _override_findings(own, used)
 
 
-def _used_quantities(bridge: Any) -> dict[str, Any]:
-    maps = [*bridge.maps, *(each.map for each in bridge.bridgeConnections if each.map is not None)]
+def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
+    maps = [*owner.maps, *(each.map for each in owner.bridgeConnections if each.map is not None)]
     return {quantity.name: quantity for each in maps for quantity in each.quantities}
 
 
-def _override_findings(quantity: Any, used: dict[str, Any]) -> Iterator[Finding]:
+def _override_findings(
+    quantity: bridge.Quantity, used: dict[str, bridge.Quantity]
+) -> Iterator[Finding]:
     original = used.get(quantity.name)
     if original is None:
         known = f"they have {', '.join(map(str, used))}" if used else "they have none"
@@ -118,7 +118,7 @@ def _override_findings(quantity: Any, used: dict[str, Any]) -> Iterator[Finding]
         yield Finding(quantity, message, "units", f"state it in {other.text}", (note,))
 
 
-def _mismatches(placed: Placed) -> Iterator[Finding]:
+def _mismatches(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     result = result_measure(placed)
     if isinstance(result, UnitFault):
         yield Finding(result.element, result.message, "kind", result.hint)
@@ -139,7 +139,9 @@ def _mismatches(placed: Placed) -> Iterator[Finding]:
         yield Finding(placed.assignment, message, "target")
 
 
-def _mismatch(placed: Placed, path: str, result: Measure, wanted: Measure) -> Finding:
+def _mismatch(
+    placed: Placed[bridge.FieldAssignment], path: str, result: Measure, wanted: Measure
+) -> Finding:
     assignment = placed.assignment
     verb = "gives" if assignment.conversions else "is in"
     message = f"'{assignment.source}' {verb} {result.text}, but '{path}' is in {wanted.text}"

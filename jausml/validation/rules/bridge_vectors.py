@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
@@ -40,10 +40,12 @@ def vectors(subject: Subject) -> Iterator[Finding]:
                 yield from _vector_findings(each, vector)
 
 
-def _vector_findings(attribute_map: Any, vector: Any) -> Iterator[Finding]:
+def _vector_findings(
+    attribute_map: bridge.AttributeMap, vector: bridge.TestVector
+) -> Iterator[Finding]:
     to_ros = vector.direction.name == "jausToRos"
     feature = "toRos" if to_ros else "toJaus"
-    if not getattr(attribute_map, feature):
+    if not (attribute_map.toRos if to_ros else attribute_map.toJaus):
         message = f"vector '{vector.name}' tests {feature}, which the map does not have"
         yield Finding(vector, message, "direction")
         return
@@ -54,7 +56,9 @@ def _vector_findings(attribute_map: Any, vector: Any) -> Iterator[Finding]:
         yield from _value_findings(value, scope, is_given=False)
 
 
-def _value_findings(value: Any, scope: Scope, *, is_given: bool) -> Iterator[Finding]:
+def _value_findings(
+    value: bridge.VectorValue, scope: Scope, *, is_given: bool
+) -> Iterator[Finding]:
     if value.path is None or value.value is None:
         return
     if not (math.isfinite(value.tolerance) and value.tolerance >= 0):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import jaus
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.services import (
     find_query,
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.validation.subject import Subject
+
+    AnyConnection = jaus.ServiceConnection | bridge.Connection
 
 MAXIMUM_RATE = 1092.0
 """Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
@@ -84,9 +86,9 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
     Good: `100.1.1` and `100.1.2`
     """
     for group in subject.systems():
-        first: dict[tuple[int, ...], Any] = {}
+        first: dict[tuple[int, ...], jaus.Component] = {}
         for component in group:
-            if not subject.is_kind_of(component, "jaus.Component") or not component.address:
+            if not isinstance(component, jaus.Component) or not component.address:
                 continue
             address = tuple(int(part) for part in component.address.split("."))
             holder = first.setdefault(address, component)
@@ -221,7 +223,7 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
     Good: `provides` of one of them
     """
     for component in subject.instances(jaus.Component):
-        by_urn: dict[str, list[Any]] = defaultdict(list)
+        by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
         for service in component.provides:
             if service.urn:
                 by_urn[service.urn].append(service)
@@ -232,11 +234,13 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, message, "provides")
 
 
-def missing_query(connection: Any, message: Any, provider: Any) -> Finding:
+def missing_query(
+    connection: AnyConnection, message: jaus.MessageDef, provider: jaus.Component
+) -> Finding:
     """Returns the finding about a connection whose provider takes no query for the report.
 
     Args:
-        connection: A `jaus.ServiceConnection` or `bridge.Connection`.
+        connection: The connection.
         message: The report.
         provider: The component that should take the query.
     """
@@ -252,12 +256,8 @@ def missing_query(connection: Any, message: Any, provider: Any) -> Finding:
     return Finding(connection, text, None, "name it in the feature 'query'", note)
 
 
-def rate_finding(connection: Any) -> Iterator[Finding]:
-    """Yields a finding when the rate of a connection is not above 0 and at most 1092.
-
-    Args:
-        connection: A `jaus.ServiceConnection` or `bridge.Connection`.
-    """
+def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
+    """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
     if not 0 < connection.rate <= MAXIMUM_RATE:
         message = f"rate {connection.rate:g} of '{connection.name}'"
         hint = f"above 0 and at most {MAXIMUM_RATE:g}"

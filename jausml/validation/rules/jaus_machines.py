@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.model.guards import Guard, GuardError, conditions, parse_guard
 from jausml.model.machines import (
@@ -17,7 +18,6 @@ from jausml.model.machines import (
 )
 from jausml.validation.facts.machines import (
     CORE,
-    FEATURES,
     KEPT_BY_RUNTIME,
     Behaviour,
     behaviours,
@@ -59,9 +59,7 @@ def initial_states(subject: Subject) -> Iterator[Finding]:
                 continue
             where = f"'{outer}'" if outer else f"machine '{machine.name}'"
             count = "none" if not marked else f"{len(marked)}"
-            element = machine.nodes[marked[1]].elements[0] if marked else behaviour.element
-            if outer and not marked:
-                element = _element(behaviour, outer)
+            element = _element(behaviour, marked[1] if marked else outer)
             yield Finding(
                 element, f"{count} of the {len(inside)} states of {where} are initial", None
             )
@@ -192,8 +190,8 @@ def taken(subject: Subject) -> Iterator[Finding]:
     """
     for behaviour in behaviours(subject):
         for _, state in behaviour.states():
-            for feature in FEATURES:
-                yield from _shadowed(getattr(state, feature))
+            yield from _shadowed(state.transitions)
+            yield from _shadowed(state.defaults)
 
 
 @rule("JML348", Severity.ERROR, "target, push and pop do not fit")
@@ -265,7 +263,9 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
         for _, transition in behaviour.transitions():
             message = transition.message
             owner = None if message is None else message.eContainer()
-            if owner is not None and owner.urn in KEPT_BY_RUNTIME:
+            if message is None or owner is None:
+                continue
+            if owner.urn in KEPT_BY_RUNTIME:
                 text = (
                     f"{message.name} is taken by {owner.name} of the runtime, not by a transition"
                 )
@@ -294,7 +294,8 @@ def commands(subject: Subject) -> Iterator[Finding]:
             message = transition.message
             if message is None or not message.isCommand:
                 continue
-            if message.eContainer() is not None and message.eContainer().urn in KEPT_BY_RUNTIME:
+            owner = message.eContainer()
+            if owner is not None and owner.urn in KEPT_BY_RUNTIME:
                 continue
             try:
                 asked = set(conditions(parse_guard(transition.guard)))
@@ -315,23 +316,23 @@ def bridges(subject: Subject) -> Iterator[Finding]:
 
     Good: a component that provides it
     """
-    for bridge in subject.instances("bridge.Bridge"):
-        for service in with_inherited(bridge.provides):
+    for owner in subject.instances(bridge.Bridge):
+        for service in with_inherited(owner.provides):
             is_kept = service.urn in KEPT_BY_RUNTIME or subject.model.is_library(service)
             if service.machines and not is_kept:
-                text = f"the bridge '{bridge.name}' does not run the state machine of"
+                text = f"the bridge '{owner.name}' does not run the state machine of"
                 note = Note(service, f"'{service.name}'")
-                yield Finding(bridge, f"{text} '{service.name}'", "provides", related=(note,))
+                yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
-def _element(behaviour: Behaviour, path: str) -> Any:
+def _element(behaviour: Behaviour, path: str) -> jaus.State | jaus.StateMachine:
     """Returns an element at which to point for a state, even one that only a path implies."""
-    elements = behaviour.machine.nodes[path].elements
-    return elements[0] if elements else behaviour.element
+    node = behaviour.machine.nodes.get(path)
+    return node.elements[0] if node is not None and node.elements else behaviour.element
 
 
-def _shadowed(transitions: Iterable[Any]) -> Iterator[Finding]:
-    earlier: dict[tuple[tuple[str, str], Guard | None], Any] = {}
+def _shadowed(transitions: Iterable[jaus.Transition]) -> Iterator[Finding]:
+    earlier: dict[tuple[tuple[str, str], Guard | None], jaus.Transition] = {}
     for transition in transitions:
         try:
             guard = parse_guard(transition.guard)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.metamodel.classes import jaus
+from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.validation.facts.layouts import signature
 from jausml.validation.facts.services import along_inheritance, code, lineage, with_inherited
@@ -54,7 +54,7 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
     """
     services = list(subject.instances(jaus.Service))
     judged = set(services)
-    seen: dict[int, Any] = {}
+    seen: dict[int, jaus.MessageDef] = {}
     for service, entering in along_inheritance(services):
         for message in _messages(service):
             if code(message) < 0 or not subject.is_intact(message):
@@ -64,7 +64,9 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
                 if first.eContainer() is service:
                     del seen[code(message)]
             elif service in judged and _differ(first, message):
-                note = Note(first, f"{first.name} of {subject.path(first.eContainer())}", "code")
+                owner = first.eContainer()
+                path = subject.path(owner) if owner is not None else ""
+                note = Note(first, f"{first.name} of {path}", "code")
                 text = f"code {message.code} of {message.name} is that of {first.name}"
                 severity = subject.severity(message)
                 yield Finding(message, text, "code", related=(note,), severity=severity)
@@ -84,8 +86,8 @@ def code_unambiguous(subject: Subject) -> Iterator[Finding]:
     Good: both from the same service set
     """
     for component in subject.instances(jaus.Component):
-        by_code: dict[int, list[Any]] = defaultdict(list)
-        for message in _messages_of(subject, component):
+        by_code: dict[int, list[jaus.MessageDef]] = defaultdict(list)
+        for message in _messages_of(component):
             if code(message) >= 0 and subject.is_intact(message):
                 by_code[code(message)].append(message)
         for messages in by_code.values():
@@ -114,7 +116,9 @@ def urns(subject: Subject) -> Iterator[Finding]:
             yield Finding(service, f"urn {service.urn!a} of '{service.name}' is no URN", "urn")
 
 
-def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Finding:
+def _ambiguous(
+    subject: Subject, component: jaus.Component, first: jaus.MessageDef, other: jaus.MessageDef
+) -> Finding:
     how = "another name" if first.name != other.name else "another layout"
     return Finding(
         component,
@@ -125,32 +129,27 @@ def _ambiguous(subject: Subject, component: Any, first: Any, other: Any) -> Find
     )
 
 
-def _differ(first: Any, other: Any) -> bool:
+def _differ(first: jaus.MessageDef, other: jaus.MessageDef) -> bool:
     if first is other:
         return False
     return first.name != other.name or signature(first) != signature(other)
 
 
-def _messages(service: Any) -> list[Any]:
+def _messages(service: jaus.Service) -> list[jaus.MessageDef]:
     return [*service.inputs, *service.outputs]
 
 
-def _messages_of(subject: Subject, component: Any) -> list[Any]:
-    found: dict[Any, None] = {}
+def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
+    found: dict[jaus.MessageDef | None, None] = {}
     for service in with_inherited((*component.provides, *component.uses)):
         found.update(dict.fromkeys(_messages(service)))
-    connections = list(component.connections)
-    for connection in connections:
+    for connection in component.connections:
         found.update(dict.fromkeys((connection.message, connection.query)))
-    if subject.is_kind_of(component, "bridge.Bridge"):
-        for connection in component.bridgeConnections:
-            used = (
-                connection.map.message if connection.map is not None else None,
-                connection.query,
-            )
-            found.update(dict.fromkeys(used))
-    found.pop(None, None)
-    return list(found)
+    if isinstance(component, bridge.Bridge):
+        for each in component.bridgeConnections:
+            carried = each.map.message if each.map is not None else None
+            found.update(dict.fromkeys((carried, each.query)))
+    return [message for message in found if message is not None]
 
 
 RULES = (inheritance_cycle, code_unique, code_unambiguous, urns)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.diagnostics import Severity
 from jausml.model.guards import GuardError, conditions, parse_guard
 from jausml.model.machines import DEEPEST, too_deep
@@ -14,52 +15,13 @@ from jausml.validation.facts.services import with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.facts.machines import Behaviour
     from jausml.validation.subject import Subject
 
-_IDENTIFIERS = (
-    "jaus.Component",
-    "jaus.ServiceSet",
-    "jaus.Service",
-    "jaus.MessageDef",
-    "jaus.InternalEvent",
-    "jaus.StateMachine",
-    "jaus.ServiceConnection",
-    "ros.TopicEndpoint",
-    "ros.ServiceEndpoint",
-    "ros.Parameter",
-    "ros.Node",
-    "bridge.AttributeMap",
-    "bridge.Connection",
-    "system.System",
-    "system.Host",
-)
-# Features whose elements become names in one scope of the code.
-_SIBLINGS = (
-    ("jaus.Record", ("fields",)),
-    ("jaus.Sequence", ("fields",)),
-    ("jaus.BitField", ("subFields",)),
-    ("jaus.ServiceSet", ("services",)),
-    ("jaus.ServiceSet", ("types",)),
-    ("jaus.Service", ("inputs",)),
-    ("jaus.Service", ("outputs",)),
-    ("jaus.Service", ("events",)),
-    ("jaus.Service", ("machines",)),
-    ("jaus.StateMachine", ("states",)),
-    ("jaus.State", ("states",)),
-    ("jaus.Component", ("connections",)),
-    ("bridge.Bridge", ("maps",)),
-    ("bridge.Bridge", ("bridgeConnections",)),
-    ("ros.Node", ("publishers", "serviceClients")),
-    ("ros.Node", ("subscriptions", "serviceServers")),
-    ("ros.Node", ("parameters",)),
-    ("ros.InterfacePackage", ("messages",)),
-    ("ros.MessageType", ("fields",)),
-    ("ros.MessageType", ("constants",)),
-    ("system.System", ("hosts",)),
-)
+    Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
 
 
 @rule("JML501", Severity.ERROR, "name is no identifier")
@@ -73,19 +35,23 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
 
     Good: `<bridgeConnections name="tyre_angle">`
     """
-    for kind in _IDENTIFIERS:
-        for element in subject.instances(kind):
-            if element.name is not None and not is_identifier(element.name):
-                noun = element.eClass.name
-                hint = "letters, digits and underscores, with a letter first"
-                yield Finding(
-                    element, f"{noun} name {element.name!a} is no identifier", "name", hint
-                )
-    for kind in ("jaus.Field", "jaus.SubField"):
-        for field in subject.instances(kind):
-            if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):
-                message = f"field name {field.name!a} has no letter to make a name in code of"
-                yield Finding(field, message, "name")
+    kinds: tuple[type[Named], ...] = (
+        *(jaus.Component, jaus.ServiceSet, jaus.Service, jaus.MessageDef, jaus.InternalEvent),
+        *(jaus.StateMachine, jaus.ServiceConnection),
+        *(ros.TopicEndpoint, ros.ServiceEndpoint, ros.Parameter, ros.Node),
+        *(bridge.AttributeMap, bridge.Connection),
+        *(system.System, system.Host),
+    )
+    for element in (each for kind in kinds for each in subject.instances(kind)):
+        if element.name is not None and not is_identifier(element.name):
+            noun = element.eClass.name
+            hint = "letters, digits and underscores, with a letter first"
+            yield Finding(element, f"{noun} name {element.name!a} is no identifier", "name", hint)
+    fields: tuple[type[Named], ...] = (jaus.Field, jaus.SubField)
+    for field in (each for kind in fields for each in subject.instances(kind)):
+        if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):
+            message = f"field name {field.name!a} has no letter to make a name in code of"
+            yield Finding(field, message, "name")
 
 
 @rule("JML502", Severity.ERROR, "name of an interface package is taken")
@@ -99,7 +65,7 @@ def interface_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<interfaces name="robot_interfaces">`
     """
-    for package in subject.instances("ros.InterfacePackage"):
+    for package in subject.instances(ros.InterfacePackage):
         reason = taken(package.name or "")
         if reason and not subject.model.is_library(package):
             yield Finding(package, f"interface package name '{package.name}' {reason}", "name")
@@ -117,12 +83,15 @@ def package_collisions(subject: Subject) -> Iterator[Finding]:
 
     Good: vehicle and vehicle_display
     """
-    interfaces = subject.model.instances("ros.InterfacePackage")
-    for system in subject.instances("system.System"):
-        holders = {package_key(each.name): each for each in interfaces if each.name}
-        if system.name:
-            holders.setdefault(package_key(f"{system.name}_bringup"), system)
-        for element in (*system.components, *system.bridges, *system.nodes):
+    interfaces = subject.model.instances(ros.InterfacePackage)
+    for whole in subject.instances(system.System):
+        holders: dict[str, Named] = {
+            package_key(each.name): each for each in interfaces if each.name
+        }
+        if whole.name:
+            holders.setdefault(package_key(f"{whole.name}_bringup"), whole)
+        elements: list[Named] = [*whole.components, *whole.bridges, *whole.nodes]
+        for element in elements:
             if not element.name or not is_identifier(element.name):
                 continue
             first = holders.setdefault(package_key(element.name), element)
@@ -147,7 +116,7 @@ def sibling_names(subject: Subject) -> Iterator[Finding]:
     Good: vehicle_pose and estimated_pose
     """
     for siblings in _siblings(subject):
-        holders: dict[str, Any] = {}
+        holders: dict[str, Named] = {}
         for element in siblings:
             if not element.name or not snake_case(element.name):
                 continue
@@ -170,8 +139,8 @@ def message_names(subject: Subject) -> Iterator[Finding]:
 
     Good: QueryDriveStatus and QueryLampStatus
     """
-    for component in subject.instances("jaus.Component"):
-        holders: dict[str, Any] = {}
+    for component in subject.instances(jaus.Component):
+        holders: dict[str, jaus.MessageDef] = {}
         services = with_inherited((*component.provides, *component.uses))
         messages = sorted(
             (m for each in services for m in (*each.inputs, *each.outputs) if m.name and m.code),
@@ -198,15 +167,15 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
 
     Good: setSpeed in both places
     """
-    for state in subject.instances("jaus.State"):
+    for state in subject.instances(jaus.State):
         yield from _dotted(state, "state")
-    for action in subject.instances("jaus.Action"):
+    for action in subject.instances(jaus.Action):
         yield from _dotted(action, "action")
-    for machine in subject.instances("jaus.StateMachine"):
+    for machine in subject.instances(jaus.StateMachine):
         for state in too_deep(machine):
             yield Finding(state, f"a state lies more than {DEEPEST} states deep", "name")
     for behaviour in behaviours(subject):
-        holders: dict[str, tuple[str, Any, str]] = {}
+        holders: dict[str, tuple[str, EObject, str]] = {}
         for kind, name, element, feature in _methods(behaviour):
             first_kind, first, written = holders.setdefault(snake_case(name), (kind, element, name))
             if (first_kind, written) != (kind, name):
@@ -215,14 +184,14 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
                 yield Finding(element, text, feature, related=(note,))
 
 
-def _dotted(element: Any, noun: str) -> Iterator[Finding]:
+def _dotted(element: jaus.State | jaus.Action, noun: str) -> Iterator[Finding]:
     name = element.name
     if name is not None and not all(is_identifier(part) for part in name.split(".")):
         hint = "letters, digits and underscores, with a letter first, joined by dots"
         yield Finding(element, f"{noun} name {name!a} is no identifier", "name", hint)
 
 
-def _methods(behaviour: Behaviour) -> Iterator[tuple[str, str, Any, str]]:
+def _methods(behaviour: Behaviour) -> Iterator[tuple[str, str, EObject, str]]:
     """Yields the methods that a machine needs: kind, name, element and its feature."""
     for _, transition in behaviour.transitions():
         try:
@@ -236,10 +205,28 @@ def _methods(behaviour: Behaviour) -> Iterator[tuple[str, str, Any, str]]:
             yield "action", action.name.rpartition(".")[2], action, "name"
 
 
-def _siblings(subject: Subject) -> Iterator[list[Any]]:
-    for kind, features in _SIBLINGS:
-        for owner in subject.instances(kind):
-            yield [element for feature in features for element in getattr(owner, feature)]
+def _siblings(subject: Subject) -> Iterator[Sequence[Named]]:
+    """Yields elements that become names in one scope of the code."""
+    yield from (each.fields for each in subject.instances(jaus.Record))
+    yield from (each.fields for each in subject.instances(jaus.Sequence))
+    yield from (each.subFields for each in subject.instances(jaus.BitField))
+    for service_set in subject.instances(jaus.ServiceSet):
+        yield from (service_set.services, service_set.types)
+    for service in subject.instances(jaus.Service):
+        yield from (service.inputs, service.outputs, service.events, service.machines)
+    yield from (each.states for each in subject.instances(jaus.StateMachine))
+    yield from (each.states for each in subject.instances(jaus.State))
+    yield from (each.connections for each in subject.instances(jaus.Component))
+    for owner in subject.instances(bridge.Bridge):
+        yield from (owner.maps, owner.bridgeConnections)
+    for node in subject.instances(ros.Node):
+        yield [*node.publishers, *node.serviceClients]
+        yield [*node.subscriptions, *node.serviceServers]
+        yield node.parameters
+    yield from (each.messages for each in subject.instances(ros.InterfacePackage))
+    for message_type in subject.instances(ros.MessageType):
+        yield from (message_type.fields, message_type.constants)
+    yield from (each.hosts for each in subject.instances(system.System))
 
 
 RULES = (

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.interfaces.definitions import TEXTS, FieldType
 from jausml.interfaces.values import ValueTextError, write_value
-from jausml.metamodel.classes import ros
+from jausml.metamodel.classes import bridge, ros
 from jausml.model.diagnostics import Severity
 from jausml.model.values import show
 from jausml.validation.facts.attributes import primitive
@@ -21,31 +21,14 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.subject import Subject
 
 # The parts of services and actions are named SetBool_Request and the like.
 _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
 _LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
+_LOWER_CASE_HINT = "lower case, words joined by one underscore"
 _UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
-_INTERFACE_NAMES = (
-    ("ros.InterfacePackage", _LOWER_CASE, "package", "lower case, words joined by one underscore"),
-    ("ros.MessageType", _TYPE_NAME, "type", "CamelCase"),
-    ("ros.ServiceType", _TYPE_NAME, "type", "CamelCase"),
-    ("ros.ActionType", _TYPE_NAME, "type", "CamelCase"),
-    ("ros.Field", _LOWER_CASE, "field", "lower case, words joined by one underscore"),
-    ("ros.Constant", _UPPER_CASE, "constant", "UPPER_CASE"),
-)
-_NAMED = (
-    ("ros.TopicEndpoint", "topic", "topic"),
-    ("ros.ServiceEndpoint", "service", "service"),
-    ("bridge.Topic", "name", "topic"),
-)
-_DURATIONS = ("deadline", "lifespan", "leaseDuration")
-_ORDERED_POLICIES = {
-    "reliability": ("best_effort", "reliable"),
-    "durability": ("volatile", "transient_local"),
-}
-_DEFAULT_POLICIES = {"reliability": "reliable", "durability": "volatile"}
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 
@@ -61,18 +44,17 @@ def ros_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<topics name="robot/odometry"/>`
     """
-    for kind, feature, noun in _NAMED:
-        for element in subject.instances(kind):
-            name = getattr(element, feature)
-            fault = topic_fault(name) if name is not None else ""
-            if fault:
-                yield Finding(element, f"{noun} name {name!a} {fault}", feature)
-    for kind in ("ros.Node", "bridge.Bridge"):
-        for element in subject.instances(kind):
-            fault = namespace_fault(element.namespace or "")
-            if fault:
-                message = f"namespace {element.namespace!a} of '{element.name}' {fault}"
-                yield Finding(element, message, "namespace")
+    for end in subject.instances(ros.TopicEndpoint):
+        yield from _name_findings(end, "topic", "topic", end.topic)
+    for server in subject.instances(ros.ServiceEndpoint):
+        yield from _name_findings(server, "service", "service", server.service)
+    for topic in subject.instances(bridge.Topic):
+        yield from _name_findings(topic, "name", "topic", topic.name)
+    for node in _nodes(subject):
+        fault = namespace_fault(node.namespace or "")
+        if fault:
+            message = f"namespace {node.namespace!a} of '{node.name}' {fault}"
+            yield Finding(node, message, "namespace")
 
 
 @rule("JML402", Severity.ERROR, "topic of two types")
@@ -139,8 +121,11 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
         lowest = 1 if profile.history.name == "keep_last" else 0
         if profile.depth < lowest:
             yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
-        for feature in _DURATIONS:
-            value = getattr(profile, feature)
+        for feature, value in (
+            ("deadline", profile.deadline),
+            ("lifespan", profile.lifespan),
+            ("leaseDuration", profile.leaseDuration),
+        ):
             if not (math.isfinite(value) and value >= 0):
                 yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
@@ -160,8 +145,8 @@ def parameter_values(subject: Subject) -> Iterator[Finding]:
         if fault:
             message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
             yield Finding(parameter, message, "value")
-        for feature in ("minimum", "maximum"):
-            if not math.isfinite(getattr(parameter, feature)):
+        for feature, limit in (("minimum", parameter.minimum), ("maximum", parameter.maximum)):
+            if not math.isfinite(limit):
                 message = f"{feature} of parameter '{parameter.name}' is not finite"
                 yield Finding(parameter, message, feature)
 
@@ -177,7 +162,15 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
 
     Good: `<messages name="WheelSpeeds">` with a field named front_left
     """
-    for kind, pattern, noun, hint in _INTERFACE_NAMES:
+    kinds: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
+        (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
+        (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
+        (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
+        (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
+    )
+    for kind, pattern, noun, hint in kinds:
         for element in subject.instances(kind):
             if element.name and not pattern.fullmatch(element.name):
                 yield Finding(element, f"{element.name!a} is no {noun} name", "name", hint)
@@ -197,11 +190,10 @@ def frequencies(subject: Subject) -> Iterator[Finding]:
 
     Good: `<nodes name="controller" frequency="20.0"/>`
     """
-    for kind in ("ros.Node", "bridge.Bridge"):
-        for element in subject.instances(kind):
-            if not 0 <= element.frequency <= _HIGHEST_FREQUENCY:
-                message = f"frequency {element.frequency:g} of '{element.name}'"
-                yield Finding(element, f"{message} is not in 0..1000", "frequency")
+    for node in _nodes(subject):
+        if not 0 <= node.frequency <= _HIGHEST_FREQUENCY:
+            message = f"frequency {node.frequency:g} of '{node.name}'"
+            yield Finding(node, f"{message} is not in 0..1000", "frequency")
 
 
 @rule("JML408", Severity.ERROR, "impossible constant")
@@ -263,28 +255,46 @@ def _text_fault(text: str, kind: str) -> str:
     return ""
 
 
-def _policy(profile: Any, feature: str) -> str:
-    if profile is None:
-        return _DEFAULT_POLICIES[feature]
-    return str(getattr(profile, feature).name)
-
-
-def _seconds(profile: Any, feature: str) -> float:
-    value = getattr(profile, feature) if profile is not None else 0.0
-    return value if value > 0 else math.inf
-
-
-def _incompatible(offered: Any, asked: Any) -> str:
-    for feature, (less, more) in _ORDERED_POLICIES.items():
-        if (_policy(offered, feature), _policy(asked, feature)) == (less, more):
-            return f"it is {less}, the subscription {more}"
-    for feature in ("deadline", "leaseDuration"):
-        if _seconds(offered, feature) > _seconds(asked, feature):
-            return f"its {feature} is longer than that of the subscription"
+def _incompatible(offered: ros.QoSProfile | None, asked: ros.QoSProfile | None) -> str:
+    """Says what a subscription asks for and a publisher does not offer; no profile: defaults."""
+    if _reliability(offered) == "best_effort" and _reliability(asked) == "reliable":
+        return "it is best_effort, the subscription reliable"
+    if _durability(offered) == "volatile" and _durability(asked) == "transient_local":
+        return "it is volatile, the subscription transient_local"
+    if asked is None:
+        return ""
+    if _seconds(offered.deadline if offered else 0.0) > _seconds(asked.deadline):
+        return "its deadline is longer than that of the subscription"
+    if _seconds(offered.leaseDuration if offered else 0.0) > _seconds(asked.leaseDuration):
+        return "its leaseDuration is longer than that of the subscription"
     return ""
 
 
-def _parameter_fault(parameter: Any) -> str:
+def _reliability(profile: ros.QoSProfile | None) -> str:
+    return "reliable" if profile is None else profile.reliability.name
+
+
+def _durability(profile: ros.QoSProfile | None) -> str:
+    return "volatile" if profile is None else profile.durability.name
+
+
+def _seconds(time: float) -> float:
+    return time if time > 0 else math.inf
+
+
+def _nodes(subject: Subject) -> list[ros.Node | bridge.Bridge]:
+    return [*subject.instances(ros.Node), *subject.instances(bridge.Bridge)]
+
+
+def _name_findings(
+    element: EObject, feature: str, noun: str, name: str | None
+) -> Iterator[Finding]:
+    fault = topic_fault(name) if name is not None else ""
+    if fault:
+        yield Finding(element, f"{noun} name {name!a} {fault}", feature)
+
+
+def _parameter_fault(parameter: ros.Parameter) -> str:
     kind, text = parameter.type.name, parameter.value
     if kind == "string":
         return ""

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.interfaces import Installation
+from jausml.metamodel.classes import bridge, ros
 from jausml.model.diagnostics import Severity
-from jausml.validation.facts.installed import InstalledTypes, package_of
+from jausml.validation.facts.installed import InstalledTypes, package_of, parts_of
 from jausml.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.validation.facts.installed import InterfaceType
     from jausml.validation.subject import Subject
 
-_USERS = ("ros.TopicEndpoint", "ros.ServiceEndpoint", "bridge.AttributeMap", "bridge.Join")
-_TYPES = ("ros.MessageType", "ros.ServiceType", "ros.ActionType")
+    User = ros.TopicEndpoint | ros.ServiceEndpoint | bridge.AttributeMap | bridge.Join
+    Use = tuple[EObject, str | None]
 
 
 @rule("JML409", Severity.WARNING, "ROS type that is installed with other fields")
@@ -42,19 +45,18 @@ def installed_types(subject: Subject) -> Iterator[Finding]:
                 yield Finding(difference.element, message)
 
 
-def _uses(subject: Subject) -> dict[Any, tuple[Any, str | None]]:
+def _uses(subject: Subject) -> dict[InterfaceType, Use]:
     """Returns the types that a model declares or uses, each with the first use."""
-    found: dict[Any, tuple[Any, str | None]] = {}
-    for name in _TYPES:
-        for element in subject.instances(name):
-            if element.eContainer() is None or element.eContainer().eClass.name in (
-                "ServiceType",
-                "ActionType",
-            ):
-                continue
-            found[element] = (element, None)
-    pending: list[tuple[Any, tuple[Any, str | None]]] = [
-        (each.type, (each, "type")) for name in _USERS for each in subject.instances(name)
+    found: dict[InterfaceType, Use] = {}
+    types: tuple[type[InterfaceType], ...] = (ros.MessageType, ros.ServiceType, ros.ActionType)
+    for own in (each for kind in types for each in subject.instances(kind)):
+        if isinstance(own.eContainer(), ros.InterfacePackage):
+            found[own] = (own, None)
+    users: tuple[type[User], ...] = (
+        *(ros.TopicEndpoint, ros.ServiceEndpoint, bridge.AttributeMap, bridge.Join),
+    )
+    pending: list[tuple[InterfaceType | None, Use]] = [
+        (each.type, (each, "type")) for kind in users for each in subject.instances(kind)
     ]
     pending += [(kind, use) for own, use in found.items() for kind in _held(own)]
     for kind, use in pending:
@@ -64,15 +66,12 @@ def _uses(subject: Subject) -> dict[Any, tuple[Any, str | None]]:
     return found
 
 
-def _held(kind: Any) -> list[Any]:
+def _held(kind: InterfaceType) -> list[ros.MessageType]:
     """Returns the types of the fields of a type."""
-    parts = {
-        "ServiceType": ("request", "response"),
-        "ActionType": ("goal", "result", "feedback"),
-    }.get(kind.eClass.name)
-    messages = [kind] if parts is None else [getattr(kind, part) for part in parts]
-    fields = [field for message in messages if message is not None for field in message.fields]
-    return [field.messageType for field in fields if field.eClass.name == "MessageField"]
+    fields = [
+        field for message in parts_of(kind) if message is not None for field in message.fields
+    ]
+    return [field.messageType for field in fields if isinstance(field, ros.MessageField)]
 
 
 RULES = (installed_types,)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import jaus, ros, system
 from jausml.model.diagnostics import Severity
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.validation.subject import Subject
 
 _VERSION = re.compile(r"(0|[1-9][0-9]*)(\.(0|[1-9][0-9]*)){2}")
@@ -32,17 +34,16 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 
     Good: `version="1.0.0"`
     """
-    for system in subject.instances("system.System"):
-        if not _VERSION.fullmatch(system.version or ""):
-            message = f"version {system.version!a} is not three numbers joined by dots"
-            yield Finding(system, message, "version")
-        if not _EMAIL.fullmatch(system.maintainerEmail or ""):
-            message = f"maintainerEmail {system.maintainerEmail!a} is no e-mail address"
-            yield Finding(system, message, "maintainerEmail")
-        for feature in ("maintainer", "license"):
-            text = getattr(system, feature) or ""
+    for whole in subject.instances(system.System):
+        if not _VERSION.fullmatch(whole.version or ""):
+            message = f"version {whole.version!a} is not three numbers joined by dots"
+            yield Finding(whole, message, "version")
+        if not _EMAIL.fullmatch(whole.maintainerEmail or ""):
+            message = f"maintainerEmail {whole.maintainerEmail!a} is no e-mail address"
+            yield Finding(whole, message, "maintainerEmail")
+        for feature, text in (("maintainer", whole.maintainer), ("license", whole.license)):
             if not text.strip() or not text.isprintable():
-                yield Finding(system, f"{feature} {text!a} is blank or not of one line", feature)
+                yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
 
 
 @rule("JML512", Severity.ERROR, "impossible network settings")
@@ -56,11 +57,11 @@ def network(subject: Subject) -> Iterator[Finding]:
 
     Good: `<hosts name="onboard" multicastGroup="239.255.0.1"/>`
     """
-    for system in subject.instances("system.System"):
-        yield from _range(system, "rosDomain", 0, _HIGHEST_DOMAIN)
-    for host in subject.instances("system.Host"):
-        yield from _range(host, "port", 1, _HIGHEST_PORT)
-        yield from _range(host, "multicastTtl", 0, _HIGHEST_TTL)
+    for whole in subject.instances(system.System):
+        yield from _range(whole, "rosDomain", whole.rosDomain, 0, _HIGHEST_DOMAIN)
+    for host in subject.instances(system.Host):
+        yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
+        yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
         if _ipv4(host.interface) is None:
             message = f"interface {host.interface!a} of '{host.name}' is no IPv4 address"
             yield Finding(host, message, "interface")
@@ -78,23 +79,24 @@ def placements(subject: Subject) -> Iterator[Finding]:
 
     Good: one
     """
-    for system in subject.instances("system.System"):
-        own = {*system.components, *system.bridges, *system.nodes}
-        holders: dict[Any, Any] = {}
-        for placement in system.placements:
-            if placement.host is not None and placement.host not in system.hosts:
-                message = f"host '{placement.host.name}' is not of system '{system.name}'"
+    for whole in subject.instances(system.System):
+        own = {*whole.components, *whole.bridges, *whole.nodes}
+        holders: dict[EObject, system.Placement] = {}
+        for placement in whole.placements:
+            if placement.host is not None and placement.host not in whole.hosts:
+                message = f"host '{placement.host.name}' is not of system '{whole.name}'"
                 yield Finding(placement, message, "host")
-            for feature in ("components", "nodes"):
-                for element in getattr(placement, feature):
-                    first = holders.setdefault(element, placement)
-                    if element not in own:
-                        message = f"'{element.name}' is not of system '{system.name}'"
-                        yield Finding(placement, message, feature)
-                    elif first is not placement:
-                        note = Note(first, "the first placement")
-                        message = f"'{element.name}' is placed twice"
-                        yield Finding(placement, message, feature, related=(note,))
+            placed: list[jaus.Component | ros.Node] = [*placement.components, *placement.nodes]
+            for element in placed:
+                feature = "nodes" if isinstance(element, ros.Node) else "components"
+                first = holders.setdefault(element, placement)
+                if element not in own:
+                    message = f"'{element.name}' is not of system '{whole.name}'"
+                    yield Finding(placement, message, feature)
+                elif first is not placement:
+                    note = Note(first, "the first placement")
+                    message = f"'{element.name}' is placed twice"
+                    yield Finding(placement, message, feature, related=(note,))
 
 
 @rule("JML514", Severity.WARNING, "hosts that cannot talk to each other")
@@ -107,23 +109,24 @@ def transports(subject: Subject) -> Iterator[Finding]:
 
     Good: `transport="jtcp"` for both
     """
-    for system in subject.instances("system.System"):
-        for host in system.hosts[1:]:
-            first = system.hosts[0]
+    for whole in subject.instances(system.System):
+        for host in whole.hosts[1:]:
+            first = whole.hosts[0]
             if (host.transport.name == "jtcp") != (first.transport.name == "jtcp"):
                 note = Note(first, f"'{first.name}' has {first.transport.name}")
                 message = f"'{host.name}' has the transport {host.transport.name}"
                 yield Finding(host, message, "transport", related=(note,))
 
 
-def _range(element: Any, feature: str, lower: int, upper: int) -> Iterator[Finding]:
-    value = getattr(element, feature)
+def _range(
+    element: system.NamedElement, feature: str, value: int, lower: int, upper: int
+) -> Iterator[Finding]:
     if not lower <= value <= upper:
         message = f"{feature} {value} of '{element.name}' is not in {lower}..{upper}"
         yield Finding(element, message, feature)
 
 
-def _ipv4(text: Any) -> ipaddress.IPv4Address | None:
+def _ipv4(text: str) -> ipaddress.IPv4Address | None:
     try:
         return ipaddress.IPv4Address(text)
     except ValueError:
