@@ -76,10 +76,10 @@ def echo_ros() -> None:
 
 def echo_jaus(port: int) -> None:
     """Sends each message back to its sender."""
-    from jausml_runtime.address import JausAddress
-    from jausml_runtime.judp import JudpTransport
-    from jausml_runtime.loop import Loop
-    from jausml_runtime.settings import TransportSettings
+    from jausml_runtime.base.address import JausAddress
+    from jausml_runtime.base.loop import Loop
+    from jausml_runtime.base.settings import TransportSettings
+    from jausml_runtime.transports.udp.judp import JudpTransport
 
     own, loop = JausAddress.parse(ECHO), Loop()
     transport = JudpTransport(TransportSettings(port=port), loop)
@@ -106,11 +106,11 @@ class Peer:
         """
         import rclpy
         from geometry_msgs.msg import TwistStamped
-        from jausml_runtime.address import JausAddress
-        from jausml_runtime.component import ComponentSettings, JausComponent
-        from jausml_runtime.judp import JudpTransport
-        from jausml_runtime.loop import Loop
-        from jausml_runtime.settings import TransportSettings
+        from jausml_runtime.base.address import JausAddress
+        from jausml_runtime.base.loop import Loop
+        from jausml_runtime.base.settings import TransportSettings
+        from jausml_runtime.component.component import ComponentSettings, JausComponent
+        from jausml_runtime.transports.udp.judp import JudpTransport
         from measured_bridge.messages import SetVelocityCommand
         from rclpy.executors import SingleThreadedExecutor
 

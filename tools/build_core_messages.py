@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes jausml/runtime/core_messages.py from the library's core service set by our own generator.
+"""Writes jausml/runtime/services/messages.py from the core service set by our own generator.
 
 Usage: python tools/build_core_messages.py [OUTPUT.py]
 """
@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.generation.engine import FileTask, Renderer
-from jausml.generators.common.message_builder import build_messages
-from jausml.generators.common.messages import MessagesModule
+from jausml.generators.python.codec.message_builder import build_messages
+from jausml.generators.python.codec.messages import MessagesModule
 from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
-OUTPUT = ROOT / "jausml" / "runtime" / "core_messages.py"
+OUTPUT = ROOT / "jausml" / "runtime" / "services" / "messages.py"
 
 
 class CoreMessages:
@@ -29,7 +29,7 @@ class CoreMessages:
 
     name = "core_messages"
     description = "codecs of the core messages, for the runtime itself"
-    template_folders = (ROOT / "generators" / "common" / "templates",)
+    template_folders = (ROOT / "jausml" / "generators" / "python" / "templates",)
 
     def tasks(self, model: Model) -> list[FileTask[MessagesModule]]:
         """Returns the one task.
@@ -41,7 +41,7 @@ class CoreMessages:
         messages = [m for service in services for m in [*service.inputs, *service.outputs]]
         module = MessagesModule(
             summary="The messages of the JAUS core services (AS5710A) and their codecs.",
-            runtime="",
+            runtime=".",
             messages=build_messages(messages),
             source=SOURCE.name,
             element_id="core_messages",

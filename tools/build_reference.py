@@ -19,9 +19,9 @@ from jausml.metamodel import (
     documentation,
     load_metamodels,
 )
+from jausml.semantics.conversions import CONVERSION_SOURCE
 from jausml.text.rules import TEXT_RULES
 from jausml.validation.catalogue import catalogue
-from jausml.validation.facts.conversions import CONVERSION_SOURCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

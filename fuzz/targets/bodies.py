@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.generation.engine import FileTask, Renderer
-from jausml.generators.common.message_builder import build_messages
-from jausml.generators.common.message_examples import example_bytes
-from jausml.generators.common.messages import MessagesModule, MessageView
+from jausml.generators.python.codec.message_builder import build_messages
+from jausml.generators.python.codec.message_examples import example_bytes
+from jausml.generators.python.codec.messages import MessagesModule, MessageView
 from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
-from jausml.runtime.message import DecodeError, EncodeError, Message
+from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,7 +44,7 @@ class Codecs:
 
     name = "codecs"
     description = "codecs of a service set of the library"
-    template_folders = (ROOT / "generators" / "common" / "templates",)
+    template_folders = (ROOT / "jausml" / "generators" / "python" / "templates",)
 
     def __init__(self, module: str, views: tuple[MessageView, ...]) -> None:
         """Names the module.

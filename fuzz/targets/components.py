@@ -10,26 +10,26 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from jausml.runtime import core_messages as core
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.completion import Completion
-from jausml.runtime.component import (
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.component.component import (
     ComponentSettings,
     Guard,
     JausComponent,
     ServiceIdentity,
     Status,
 )
-from jausml.runtime.loop import Loop
-from jausml.runtime.message import Message
-from jausml.runtime.packet import Priority
-from jausml.runtime.transport import ReceivedMessage
+from jausml.runtime.services import messages as core
+from jausml.runtime.services.completion import Completion
+from jausml.runtime.transports.packets.packet import Priority
+from jausml.runtime.transports.transport import ReceivedMessage
+from jausml.runtime.wire.message import Message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.runtime.counters import Counters
-    from jausml.runtime.transport import OnResult, Receive
+    from jausml.runtime.base.counters import Counters
+    from jausml.runtime.transports.transport import OnResult, Receive
 
 OWN = JausAddress(100, 1, 1)
 PEERS = (JausAddress(100, 1, 2), JausAddress(200, 1, 1), JausAddress(200, 1, 2))

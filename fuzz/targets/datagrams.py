@@ -8,17 +8,17 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.counters import Counters
-from jausml.runtime.judp import JudpTransport
-from jausml.runtime.loop import Loop
-from jausml.runtime.packet import AckNak, DataFlags, Packet, parse_datagram
-from jausml.runtime.settings import MAX_FRAGMENT_SIZE, TransportSettings
-from jausml.runtime.shared_port import present_frame, read_forwarded, read_present
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
+from jausml.runtime.transports.udp.judp import JudpTransport
+from jausml.runtime.transports.udp.shared_port import present_frame, read_forwarded, read_present
 
 if TYPE_CHECKING:
-    from jausml.runtime.settings import Endpoint
-    from jausml.runtime.transport import ReceivedMessage
+    from jausml.runtime.base.settings import Endpoint
+    from jausml.runtime.transports.transport import ReceivedMessage
 
 SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)
 OWN = (JausAddress(100, 1, 1), JausAddress(100, 1, 2))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.importers.jsidl import Source, import_sources
-from jausml.model.writer import to_xmi
+from jausml.model.xmi.writer import to_xmi
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

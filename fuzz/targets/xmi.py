@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from jausml.model import read_models
 from jausml.model.comparison import compare
-from jausml.model.writer import write_model
+from jausml.model.xmi.writer import write_model
 from jausml.validation.engine import check
 
 if TYPE_CHECKING:

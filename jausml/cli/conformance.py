@@ -9,21 +9,21 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
-from jausml.peers.conformance.formats import json, junit, text
-from jausml.peers.conformance.groups import all_groups, fixed_checks
-from jausml.peers.conformance.opening import TargetNotReached, opened
-from jausml.peers.conformance.runner import run
-from jausml.peers.conformance.session import Limits
-from jausml.peers.network import component_address
+from jausml.live.peers.conformance.formats import json, junit, text
+from jausml.live.peers.conformance.groups import all_groups, fixed_checks
+from jausml.live.peers.conformance.opening import TargetNotReached, opened
+from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.session import Limits
+from jausml.live.peers.network import component_address
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.peers.conformance.check import ConformanceReport, Result
-    from jausml.peers.conformance.groups import Group
-    from jausml.peers.conformance.session import Session
-    from jausml.peers.network import Network
-    from jausml.runtime.address import JausAddress
+    from jausml.live.peers.conformance.check import ConformanceReport, Result
+    from jausml.live.peers.conformance.groups import Group
+    from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.network import Network
+    from jausml.runtime.base.address import JausAddress
 
 _RENDERERS = {"text": text.render, "json": json.render, "junit": junit.render}
 _GROUPS = [group.name for group in all_groups()]

@@ -28,9 +28,9 @@ from jausml.cli.messages import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.messages import Catalogue, DecodedMessage
-    from jausml.traffic.frames import Datagram
-    from jausml.traffic.observing import Observation
+    from jausml.live.messages import Catalogue, DecodedMessage
+    from jausml.live.traffic.frames import Datagram
+    from jausml.live.traffic.observing import Observation
 
 _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
 
@@ -143,7 +143,7 @@ def _is_file(text: str) -> bool:
 
 def _refuse_capture(path: str) -> None:
     """Refuses a capture where hex is wanted."""
-    from jausml.traffic.captures import is_capture  # noqa: PLC0415 - `--help` is quick
+    from jausml.live.traffic.captures import is_capture  # noqa: PLC0415 - `--help` is quick
 
     # What is no plain file, such as a pipe, gives its bytes only once.
     if path != STDIN and Path(path).is_file():
@@ -172,7 +172,7 @@ class _Output:
         if self._is_json:
             write(to_json(decoded.to_json()))
             return
-        from jausml.messages import text  # noqa: PLC0415 - JSON does without
+        from jausml.live.messages import text  # noqa: PLC0415 - JSON does without
 
         write(text.title(decoded))
         for line in text.lines(decoded):
@@ -192,7 +192,7 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        from jausml.traffic import text  # noqa: PLC0415 - JSON does without
+        from jausml.live.traffic import text  # noqa: PLC0415 - JSON does without
 
         for line in text.lines(observation):
             write(line)
@@ -207,10 +207,7 @@ class _Output:
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
     """Refuses a service or a message that nobody defines, before anything is read."""
-    from jausml.messages import (  # noqa: PLC0415 - `--help` is quick
-        AmbiguousMessageError,
-        MessageError,
-    )
+    from jausml.live.messages import AmbiguousMessageError, MessageError  # noqa: PLC0415 - `--help` is quick
 
     try:
         if service is not None:
@@ -240,7 +237,7 @@ class _Reading:
 
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
-        from jausml.messages import MessageError  # noqa: PLC0415 - `--help` is quick
+        from jausml.live.messages import MessageError  # noqa: PLC0415 - `--help` is quick
 
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
@@ -254,8 +251,8 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
-        from jausml.traffic.errors import TrafficError  # noqa: PLC0415 - `--help` is quick
-        from jausml.traffic.hexlines import parse_hex  # noqa: PLC0415
+        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415 - `--help` is quick
+        from jausml.live.traffic.hexlines import parse_hex  # noqa: PLC0415
 
         for place, line in lines:
             try:
@@ -269,12 +266,12 @@ class _Reading:
                 yield place, data
 
     def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
-        from jausml.traffic.frames import Datagram  # noqa: PLC0415 - `--help` is quick
+        from jausml.live.traffic.frames import Datagram  # noqa: PLC0415 - `--help` is quick
 
         self._observe((place, Datagram(data)) for place, data in lines)
 
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
-        from jausml.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
+        from jausml.live.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
 
         observer = Observer(self._catalogue, *self._meaning)
         for place, datagram in datagrams:
@@ -288,9 +285,9 @@ class _Reading:
 
     def capture(self, path: str, port: int) -> None:
         """Shows the JUDP traffic of a capture."""
-        from jausml.traffic.captures import read_frames  # noqa: PLC0415 - `--help` is quick
-        from jausml.traffic.errors import TrafficError  # noqa: PLC0415
-        from jausml.traffic.frames import UdpReader  # noqa: PLC0415
+        from jausml.live.traffic.captures import read_frames  # noqa: PLC0415 - `--help` is quick
+        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415
+        from jausml.live.traffic.frames import UdpReader  # noqa: PLC0415
 
         reader = UdpReader(port)
         with ExitStack() as stack:
@@ -316,9 +313,9 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
-        from jausml.runtime.settings import TransportSettings  # noqa: PLC0415 - `--help` is quick
-        from jausml.traffic.errors import TrafficError  # noqa: PLC0415
-        from jausml.traffic.listening import MulticastListener  # noqa: PLC0415
+        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415
+        from jausml.live.traffic.listening import MulticastListener  # noqa: PLC0415
+        from jausml.runtime.base.settings import TransportSettings  # noqa: PLC0415 - `--help` is quick
 
         try:
             settings = TransportSettings(

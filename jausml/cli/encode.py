@@ -25,7 +25,7 @@ def command(path: str, models: tuple[str, ...]) -> None:
     Exit status: 0 done, 1 some line is wrong (the others are encoded), 2 usage or a file that
     cannot be read, 3 internal error.
     """
-    from jausml.messages import MessageError  # noqa: PLC0415 - `--help` is quick
+    from jausml.live.messages import MessageError  # noqa: PLC0415 - `--help` is quick
 
     failed = False
     catalogue = open_catalogue(models)
@@ -46,7 +46,7 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.messages.codec import shown  # noqa: PLC0415 - `--help` is quick
+    from jausml.live.messages.codec import shown  # noqa: PLC0415 - `--help` is quick
 
     try:
         value = json.loads(line.rstrip(), object_pairs_hook=_object)

@@ -35,7 +35,7 @@ from jausml.text.notation import NOTATIONS, SUFFIX
 from jausml.validation.engine import check
 from jausml.validation.formats import text
 from jausml.validation.formats.text import one_line
-from jausml.validation.rules.jaus_components import MAXIMUM_RATE
+from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -14,7 +14,7 @@ from jausml.importers.jsidl import ImportResult, import_jsidl
 from jausml.importers.jsidl.library import library_model, services_by_urn
 from jausml.importers.jsidl.scopes import pick_version
 from jausml.model.comparison import ON_THE_WIRE, compare
-from jausml.model.reader import ReadResult
+from jausml.model.reading.reader import ReadResult
 from jausml.validation.engine import check
 from jausml.validation.formats import json, text
 from jausml.validation.formats.text import one_line

@@ -21,7 +21,7 @@ from jausml.importers.ros import (
 from jausml.importers.ros.sources import SUFFIXES
 from jausml.interfaces import Installation
 from jausml.interfaces.types import is_package_name
-from jausml.model.reader import ReadResult
+from jausml.model.reading.reader import ReadResult
 from jausml.model.values import suggest
 from jausml.validation.engine import check
 from jausml.validation.formats import json, text

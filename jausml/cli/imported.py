@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import EnvironmentFault
-from jausml.model.writer import UnwritableError, replace_file, to_xmi
+from jausml.model.xmi.writer import UnwritableError, replace_file, to_xmi
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

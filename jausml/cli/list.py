@@ -11,7 +11,7 @@ from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from jausml.messages import Catalogue, MessageEntry, ServiceEntry
+    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
 
 
 _format_option = click.option(
@@ -99,7 +99,7 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 
 
 def _messages(catalogue: Catalogue, service: str | None) -> Sequence[MessageEntry]:
-    from jausml.messages import UnknownServiceError  # noqa: PLC0415 - `--help` is quick
+    from jausml.live.messages import UnknownServiceError  # noqa: PLC0415 - `--help` is quick
 
     if service is None:
         return catalogue.messages

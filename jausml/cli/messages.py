@@ -16,7 +16,7 @@ from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from jausml.messages import Catalogue
+    from jausml.live.messages import Catalogue
 
 STDIN = "-"
 
@@ -51,7 +51,7 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         EnvironmentFault: A path cannot be read.
         ModelFault: A model has errors.
     """
-    from jausml.messages import CatalogueError, load_catalogue  # noqa: PLC0415 - `--help` is quick
+    from jausml.live.messages import CatalogueError, load_catalogue  # noqa: PLC0415 - `--help` is quick
     from jausml.text.notation import NOTATIONS  # noqa: PLC0415
 
     try:

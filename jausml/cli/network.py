@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from jausml.cli.common import EnvironmentFault
-from jausml.messages import Catalogue, MessageError, load_catalogue
-from jausml.peers.network import (
+from jausml.live.messages import Catalogue, MessageError, load_catalogue
+from jausml.live.peers.network import (
     DEFAULT_GROUP,
     DEFAULT_ID,
     DEFAULT_INTERFACE,

@@ -15,19 +15,19 @@ from click.core import ParameterSource
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
-from jausml.messages import MessageError
-from jausml.peers import rendering
-from jausml.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
-from jausml.peers.network import component_address
-from jausml.peers.operator import NoAnswer, Refused, running_operator
+from jausml.live.messages import MessageError
+from jausml.live.peers import rendering
+from jausml.live.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
+from jausml.live.peers.network import component_address
+from jausml.live.peers.operator import NoAnswer, Refused, running_operator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from jausml.messages import MessageEntry
-    from jausml.peers.network import Network
-    from jausml.peers.operator import Operator
-    from jausml.runtime.address import JausAddress
+    from jausml.live.messages import MessageEntry
+    from jausml.live.peers.network import Network
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
 
 _LONGEST_PAUSE = 0.1
 

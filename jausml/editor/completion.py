@@ -12,12 +12,12 @@ from jausml.editor.paths import facts, fields_of, sides_at
 from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.model.values import show
-from jausml.text.imports import library_files
+from jausml.semantics.conversions import conversion_signature
 from jausml.text.keywords import snake_case
+from jausml.text.reading.imports import library_files
 from jausml.text.tree import Assignment, Direction, End
-from jausml.text.words import path as written_path
-from jausml.text.words import word as written_word
-from jausml.validation.facts.conversions import conversion_signature
+from jausml.text.writing.words import path as written_path
+from jausml.text.writing.words import word as written_word
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -13,19 +13,10 @@ from typing import TYPE_CHECKING
 
 from jausml.editor.classes import class_of, class_of_value, feature_named, table
 from jausml.editor.positions import Place, end_of
-from jausml.text.comments import lists_of
-from jausml.text.scanning import scan
-from jausml.text.shaping import Items
-from jausml.text.tree import (
-    Assignment,
-    Direction,
-    Document,
-    Element,
-    End,
-    Feature,
-    Item,
-    Vector,
-)
+from jausml.text.reading.comments import lists_of
+from jausml.text.reading.scanning import scan
+from jausml.text.reading.shaping import Items
+from jausml.text.tree import Assignment, Direction, Document, Element, End, Feature, Item, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -10,8 +10,8 @@ from jausml.editor.names import Declaration, find
 from jausml.editor.paths import sides_at
 from jausml.editor.positions import Place, is_within
 from jausml.editor.workbench import imported_file, names_in, parsed_text
-from jausml.text.scanning import scan
-from jausml.text.shaping import span_of, word_text
+from jausml.text.reading.scanning import scan
+from jausml.text.reading.shaping import span_of, word_text
 from jausml.text.tree import Import, Span
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import documentation
 from jausml.model.names import qualified_name
 from jausml.text.keywords import snake_case
-from jausml.text.shaping import word_text
+from jausml.text.reading.shaping import word_text
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.semantics.attributes import UNSTATED, Attribute
+from jausml.semantics.jaus_paths import JausPlace, message_place
+from jausml.semantics.ros_paths import RosPlace
 from jausml.text.tree import Assignment, Direction, Element, Feature, Name, Vector
-from jausml.validation.facts.attributes import UNSTATED, Attribute
-from jausml.validation.facts.jaus_paths import JausPlace, message_place
-from jausml.validation.facts.ros_paths import RosPlace
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.editor.context import Context
     from jausml.editor.workbench import Workbench
-    from jausml.validation.facts.paths import Place
+    from jausml.semantics.paths import Place
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,10 +24,10 @@ from jausml.editor.positions import Columns, Place
 from jausml.editor.renaming import RenameError, rename, renamed_span
 from jausml.editor.workbench import Workbench, parsed_text
 from jausml.model.diagnostics import Severity
-from jausml.text.layout import render
 from jausml.text.notation import SUFFIX
-from jausml.text.shaping import span_of
+from jausml.text.reading.shaping import span_of
 from jausml.text.tree import Span
+from jausml.text.writing.layout import render
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

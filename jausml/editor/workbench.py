@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.editor.names import Names, names_of
 from jausml.model.names import qualified_name
-from jausml.model.reader import ReadResult, read_models
+from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.uris import LIBRARY_URI, library_root
-from jausml.text.imports import resolve
 from jausml.text.notation import NOTATIONS, SUFFIX, decode
-from jausml.text.parsing import Parsed, parse
+from jausml.text.reading.imports import resolve
+from jausml.text.reading.parsing import Parsed, parse
 from jausml.text.tree import Import, Text
 from jausml.validation.engine import RuleError, check
 

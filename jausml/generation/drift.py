@@ -14,13 +14,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.folder import inspect
 from jausml.generation.paths import path_problem
-from jausml.generation.source import (
-    Definition,
-    Function,
-    SourceClass,
-    SourceProblem,
-    read_classes,
-)
+from jausml.generation.source import Definition, Function, SourceClass, SourceProblem, read_classes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

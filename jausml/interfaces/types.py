@@ -5,14 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from jausml.interfaces.definitions import (
-    BOUNDED,
-    FIXED,
-    PRIMITIVES,
-    TEXTS,
-    UNBOUNDED,
-    FieldType,
-)
+from jausml.interfaces.definitions import BOUNDED, FIXED, PRIMITIVES, TEXTS, UNBOUNDED, FieldType
 from jausml.model.values import nearest
 
 _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")

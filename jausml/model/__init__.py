@@ -3,7 +3,7 @@
 from jausml.model.diagnostics import Diagnostic, Location, Related, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
-from jausml.model.reader import ReadResult, read_models
+from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.rules import READER_RULES, RuleInfo
 from jausml.model.uris import LIBRARY_URI, find_project_root, library_root
 

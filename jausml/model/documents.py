@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.model.diagnostics import Location
-from jausml.model.scanning import attribute_position
+from jausml.model.xmi.scanning import attribute_position
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.model.notation import Notation
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 _FEW = 8
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 ElementT = TypeVar("ElementT", bound="EObject")
 

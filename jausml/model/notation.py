@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
-    from jausml.model.parsing import Node
     from jausml.model.rules import RuleInfo
+    from jausml.model.xmi.parsing import Node
 
 NOTATION = "http://www.jausml.org/notation"
 BY_NAME = f"{NOTATION} name"

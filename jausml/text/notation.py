@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
 from jausml.model.notation import Fault, Notation
-from jausml.model.parsing import MAX_BYTES
+from jausml.model.xmi.parsing import MAX_BYTES
 from jausml.text.keywords import snake_case
 from jausml.text.rules import TEXT_RULES
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.rules import RuleInfo
-    from jausml.text.document import TextDocument
+    from jausml.text.reading.document import TextDocument
 
 SUFFIX = ".ros2jaus"
 
@@ -55,8 +55,8 @@ class Ros2Jaus:
     def read(self, data: bytes, path: Path, metamodels: Metamodels) -> TextDocument:
         """Reads a document, as `jausml.model.notation.Notation` says."""
         # All this takes a while to load, and models in XMI do without it.
-        from jausml.text.document import TextDocument  # noqa: PLC0415
-        from jausml.text.parsing import parse  # noqa: PLC0415
+        from jausml.text.reading.document import TextDocument  # noqa: PLC0415
+        from jausml.text.reading.parsing import parse  # noqa: PLC0415
         from jausml.text.tree import Document  # noqa: PLC0415
 
         text, fault = decode(data)

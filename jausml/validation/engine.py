@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model import Diagnostic, ReadResult, Related, read_models
+from jausml.semantics.subject import Subject
 from jausml.validation.report import Report
 from jausml.validation.rules import all_rules
-from jausml.validation.subject import Subject
 
 if TYPE_CHECKING:
     import os

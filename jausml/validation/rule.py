@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Severity
-    from jausml.validation.subject import Subject
+    from jausml.semantics.subject import Subject
 
 
 @dataclass(frozen=True, slots=True)

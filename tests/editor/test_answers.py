@@ -12,8 +12,8 @@ from jausml.editor.hover import hover
 from jausml.editor.outline import outline
 from jausml.editor.positions import Columns, Place
 from jausml.editor.renaming import RenameError, rename
-from jausml.model.units import parse_unit
-from jausml.text.parsing import parse
+from jausml.languages.units import parse_unit
+from jausml.text.reading.parsing import parse
 
 MAP = """\
 velocity {{

@@ -51,7 +51,7 @@ class Generated:
 
     def error(self, name: str) -> type[Exception]:
         """Returns an error of the generated runtime."""
-        modules = ("bridge_limits", "bridge_statistics", "conversions", "message")
+        modules = ("bridge.limits", "bridge.statistics", "conversions", "wire.message")
         found = [importlib.import_module(f"jausml_runtime.{each}") for each in modules]
         return next(getattr(each, name) for each in found if hasattr(each, name))
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.common.fields import Bits, Fixed
-from jausml.generators.common.nested import ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.fields import Bits, Fixed
+from jausml.generators.python.codec.nested import ContainerClass, VariableFieldClass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.generators.common.messages import MessageView
+    from jausml.generators.python.codec.messages import MessageView
 
 
 def differences(view: MessageView, sent: Any, received: Any) -> list[str]:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from hypothesis import strategies as st
 
-from jausml.generators.common.fields import Bits, Fixed
-from jausml.generators.common.nested import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.fields import Bits, Fixed
+from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass, VariableFieldClass
 
 if TYPE_CHECKING:
-    from jausml.generators.common.messages import MessageView
+    from jausml.generators.python.codec.messages import MessageView
 
 LATIN1 = st.characters(max_codepoint=255, exclude_characters="\0")
 

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from jausml.generation.engine import FileTask, Renderer
-from jausml.generators.common.fields import Tag
-from jausml.generators.common.message_builder import build_message_map
-from jausml.generators.common.messages import MessagesModule, MessageView
-from jausml.generators.common.nested import BitFieldClass, ContainerClass
+from jausml.generators.python.codec.fields import Tag
+from jausml.generators.python.codec.message_builder import build_message_map
+from jausml.generators.python.codec.messages import MessagesModule, MessageView
+from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
-TEMPLATES = ROOT / "generators" / "common" / "templates"
+TEMPLATES = ROOT / "jausml" / "generators" / "python" / "templates"
 LIBRARY = ROOT / "models" / "library" / "jaus"
 GOLDEN = ROOT.parent / "shared" / "golden" / "jaus_messages.jsonl"
 LIBRARY_FILES = {

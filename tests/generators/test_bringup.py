@@ -11,7 +11,7 @@ from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.bringup.views import SETTINGS
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.metamodel.classes import ros
-from jausml.runtime.settings import TransportSettings
+from jausml.runtime.base.settings import TransportSettings
 
 from .node_support import CASES, artifacts, model_of, ros_environment, run, write
 

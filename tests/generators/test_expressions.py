@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generators.common.expressions import python_expression
-from jausml.model.expressions import FUNCTIONS, EvaluationError, evaluate, parse_expression
-from jausml.runtime import arithmetic
-from jausml.runtime.conversions import ConversionError
+from jausml.generators.python.expressions import python_expression
+from jausml.languages.expressions import FUNCTIONS, EvaluationError, evaluate, parse_expression
+from jausml.runtime.conversions import ConversionError, arithmetic
 
 
 def python(text):

@@ -9,8 +9,8 @@ import pytest
 from codec_nearness import coded_values
 from codec_support import FieldNames, golden_vectors, library, shipped_sets
 
-from jausml.generators.common.fields import Bits
-from jausml.runtime.codec import scaled
+from jausml.generators.python.codec.fields import Bits
+from jausml.runtime.wire.codec import scaled
 
 VECTORS = [vector for vector in golden_vectors() if vector["set"] in shipped_sets()]
 

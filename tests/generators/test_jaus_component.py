@@ -16,7 +16,7 @@ from jausml.generation.engine import render
 from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
-from jausml.runtime.component import JausComponent
+from jausml.runtime.component.component import JausComponent
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"

@@ -11,10 +11,10 @@ from codec_support import library, load, read_messages, render
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generators.common.layout import signature
-from jausml.runtime import core_messages as core
-from jausml.runtime.codec import scaled
-from jausml.runtime.message import DecodeError, EncodeError, read_code
+from jausml.generators.python.layout import signature
+from jausml.runtime.services import messages as core
+from jausml.runtime.wire.codec import scaled
+from jausml.runtime.wire.message import DecodeError, EncodeError, read_code
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -17,14 +17,14 @@ from jausml.generators.jaus_component.diagrams import guard_text
 from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
 from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.languages.guards import parse_guard
 from jausml.model import read_models
-from jausml.model.guards import parse_guard
-from jausml.runtime.address import JausAddress
-from jausml.runtime.loop import Loop
-from jausml.runtime.modelled_component import ModelledComponent
-from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transports import create_transport
-from jausml.validation.facts.machines import KEPT_BY_RUNTIME
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.modelled import ModelledComponent
+from jausml.runtime.transports.selecting import create_transport
+from jausml.semantics.machines import KEPT_BY_RUNTIME
 
 MODEL = Path(__file__).parent / "lamp.xmi"
 BASE = "spot/spot/spot_base.py"

@@ -15,8 +15,8 @@ import setuptools
 from lxml import etree
 
 from jausml.generation import GenerationError
-from jausml.generators.common.package import PackageView, package_view
 from jausml.generators.common.system import source_of, system_of
+from jausml.generators.python.package import PackageView, package_view
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models

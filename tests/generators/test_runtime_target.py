@@ -48,7 +48,9 @@ def test_a_copy_is_the_original_below_a_header(copies):
         assert has_valid_header(text)
         notice, digest, body = text.split("\n", 2)
         # A long path is cut at its front.
-        assert notice.split(" from ")[1].partition(";")[0].removeprefix("...").endswith(name)
+        assert f"runtime/{name}".endswith(
+            notice.split(" from ")[1].partition(";")[0].split("...")[-1][-len(name) :]
+        )
         assert DIGEST_MARK in digest
         assert body.encode() == (SOURCE / name).read_bytes()
 
@@ -83,7 +85,12 @@ def needs_ros(text):
 def test_what_components_need_is_the_copy_alone(tmp_path, copies):
     write("talk", tmp_path, (RUNTIME,))
     names = [name for name, text in sorted(copies.items()) if not needs_ros(text)]
-    assert {"process.py", "component.py", "bridge.py", "services/events.py"} <= set(names)
+    assert {
+        "component/process.py",
+        "component/component.py",
+        "bridge/bridge.py",
+        "services/events.py",
+    } <= set(names)
     modules = [name.removesuffix(".py").replace("/", ".") for name in names]
     pure = [f"jausml_runtime.{name}".removesuffix(".__init__") for name in modules]
     # -I and -S: neither the environment nor site-packages; the checkout is not there either.

@@ -39,10 +39,10 @@ MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 ASK = """
 import queue
 from desk.main import TRANSPORT
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import JausComponent
-from jausml_runtime.core_messages import QueryIdentification, ReportIdentification
-from jausml_runtime.process import running_transport
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import JausComponent
+from jausml_runtime.services.messages import QueryIdentification, ReportIdentification
+from jausml_runtime.component.process import running_transport
 
 answers = queue.SimpleQueue()
 with running_transport(TRANSPORT) as transport:

@@ -16,7 +16,7 @@ from jausml.importers.jsidl import JSIDL_RULES, Source, import_sources
 from jausml.importers.jsidl.expressions import ExpressionError, evaluate
 from jausml.importers.jsidl.scopes import matches, pick_version
 from jausml.model import READER_RULES
-from jausml.model.writer import to_xmi
+from jausml.model.xmi.writer import to_xmi
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "40"))
 QUICK = settings(

@@ -15,7 +15,7 @@ from jausml.importers.jsidl.library import library_model, services_by_urn
 from jausml.importers.jsidl.scopes import pick_version
 from jausml.model import read_models
 from jausml.model.comparison import ON_THE_WIRE, compare
-from jausml.model.writer import write_model
+from jausml.model.xmi.writer import write_model
 from jausml.validation.engine import validate
 
 JSIDL = SHARED / "jsidl"

@@ -5,9 +5,14 @@ from __future__ import annotations
 import json
 import sys
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import ComponentSettings, ControlState, JausComponent, ServiceIdentity
-from jausml_runtime.process import run
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import (
+    ComponentSettings,
+    ControlState,
+    JausComponent,
+    ServiceIdentity,
+)
+from jausml_runtime.component.process import run
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
 
 BRIDGE = JausAddress(10, 1, 9)

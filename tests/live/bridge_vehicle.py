@@ -10,9 +10,14 @@ import json
 import sys
 import threading
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
-from jausml_runtime.process import run
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import (
+    ComponentSettings,
+    Guard,
+    JausComponent,
+    ServiceIdentity,
+)
+from jausml_runtime.component.process import run
 from loop_bridge.messages import (
     QueryLocalPose,
     QueryVelocityState,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import sys
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import ComponentSettings, JausComponent, ServiceIdentity
-from jausml_runtime.process import run
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import ComponentSettings, JausComponent, ServiceIdentity
+from jausml_runtime.component.process import run
 from pose_bridge.messages import QueryGlobalPose, ReportGlobalPose
 
 BRIDGE = JausAddress(10, 1, 9)

@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from jausml.runtime.bridge_connection import ConnectionStatus
-from jausml.runtime.topics import Qos, Topic
+from jausml.runtime.bridge.connection import ConnectionStatus
+from jausml.runtime.bridge.topics import Qos, Topic
 
 from .bridge_support import RosPeer, wait_for
 
@@ -32,7 +32,7 @@ def peer():
 
 @pytest.fixture
 def node(peer):
-    from jausml.runtime.ros import RosNode
+    from jausml.runtime.bridge.ros import RosNode
 
     del peer  # it sets the domain
     nodes = []

@@ -11,7 +11,7 @@ import pytest
 
 from jausml.generators.wireshark.services import library_services
 from jausml.generators.wireshark.views import DissectorView
-from jausml.messages import load_catalogue
+from jausml.live.messages import load_catalogue
 from jausml.model import read_models
 
 from .wireshark_bodies import body, matches

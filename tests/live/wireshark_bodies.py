@@ -6,7 +6,7 @@ import math
 import struct
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.common.fields import FORMATS, integer_limits
+from jausml.generators.python.codec.fields import FORMATS, integer_limits
 
 if TYPE_CHECKING:
     import random

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.messages import load_catalogue
+from jausml.live.messages import load_catalogue
 
 GENERATORS = Path(__file__).parents[1] / "generators"
 sys.path.insert(0, str(GENERATORS))

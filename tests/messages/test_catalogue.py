@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.messages import (
+from jausml.live.messages import (
     AmbiguousMessageError,
     CatalogueError,
     DecodeError,

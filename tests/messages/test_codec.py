@@ -8,9 +8,9 @@ import tracemalloc
 
 import pytest
 
-from jausml.messages import DecodeError, EncodeError
-from jausml.messages.blobs import Text
-from jausml.messages.scalars import Scaled
+from jausml.live.messages import DecodeError, EncodeError
+from jausml.live.messages.blobs import Text
+from jausml.live.messages.scalars import Scaled
 
 
 def test_the_worked_example_of_a_presence_vector(catalogue):

@@ -14,10 +14,10 @@ from codec_support import LIBRARY, LIBRARY_FILES, FieldNames, library, shipped_s
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from jausml.messages import CodecError
-from jausml.messages.catalogue import Catalogue
+from jausml.live.messages import CodecError
+from jausml.live.messages.catalogue import Catalogue
 from jausml.model import read_models
-from jausml.runtime.message import DecodeError, EncodeError
+from jausml.runtime.wire.message import DecodeError, EncodeError
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "3"))
 FEW = settings(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.messages import AmbiguousMessageError
+from jausml.live.messages import AmbiguousMessageError
 
 GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "jaus_messages.jsonl"
 

@@ -142,7 +142,7 @@ def test_an_unknown_class_is_an_attribute_error():
 
 SNIPPET = """
 from jausml.metamodel.classes import jaus
-from jausml.validation.subject import Subject
+from jausml.semantics.subject import Subject
 
 def names(subject: Subject, field: jaus.Field) -> None:
     for message in subject.instances(jaus.MessageDef):

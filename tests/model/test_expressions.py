@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.model.expressions import (
+from jausml.languages.expressions import (
     DEEPEST,
     FUNCTIONS,
     LONGEST,

@@ -5,7 +5,8 @@ import codecs
 import pytest
 from reader_support import XMLNS, zoo
 
-from jausml.model import Location, parsing
+from jausml.model import Location
+from jausml.model.xmi import parsing
 
 
 def rules(result):

@@ -9,7 +9,7 @@ import pytest
 
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
-from jausml.model.machines import (
+from jausml.semantics.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
     DEEPEST,

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from reader_support import EMF, ZOO_METAMODELS, Files, zoo
 
 from jausml.metamodel import FeatureKind, ValueKind, load_metamodels
-from jausml.model import READER_RULES, scanning
-from jausml.model.parsing import parse
+from jausml.model import READER_RULES
 from jausml.model.values import convert
+from jausml.model.xmi import scanning
+from jausml.model.xmi.parsing import parse
 
 SHIPPED = load_metamodels()
 PREFIXES = " ".join(

@@ -20,7 +20,7 @@ from jausml.metamodel.filling import link, new_object, set_value
 from jausml.model import library_root, read_models
 from jausml.model.comparison import compare
 from jausml.model.model import Model
-from jausml.model.writer import UnwritableError, java_double, replace_file, to_xmi, write_model
+from jausml.model.xmi.writer import UnwritableError, java_double, replace_file, to_xmi, write_model
 
 ROOT = Path(__file__).resolve().parents[2]
 RESAVED = ROOT / "tests" / "emf" / "resaved"

@@ -13,19 +13,19 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import conformance, main, ocu
-from jausml.messages import load_catalogue
-from jausml.peers.entry_messages import message_class
-from jausml.peers.network import make_network
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import (
+from jausml.live.messages import load_catalogue
+from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.network import make_network
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.component import (
     ComponentSettings,
     Guard,
     JausComponent,
     Scope,
     ServiceIdentity,
 )
-from jausml.runtime.process import running_transport
-from jausml.runtime.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
 
 TARGET = JausAddress(100, 1, 1)
 CORE = "urn:jaus:jss:core:"

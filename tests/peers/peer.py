@@ -8,11 +8,11 @@ import socket
 import threading
 import time
 
-from jausml.runtime import core_messages as core
-from jausml.runtime.counters import Counters
-from jausml.runtime.message import DecodeError
-from jausml.runtime.packet import AckNak, DataFlags, Packet, parse_datagram
-from jausml.runtime.reassembly import Reassembly
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.services import messages as core
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
+from jausml.runtime.transports.packets.reassembly import Reassembly
+from jausml.runtime.wire.message import DecodeError
 
 LOOPBACK = "127.0.0.1"
 SERVICES = ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from jausml.peers.conformance.check import Verdict
-from jausml.peers.conformance.groups import all_groups, fixed_checks
-from jausml.peers.conformance.opening import TargetNotReached, opened
-from jausml.peers.conformance.runner import run
-from jausml.peers.conformance.session import Limits
-from jausml.peers.describing import describe
-from jausml.peers.network import make_network
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import JausComponent, ServiceIdentity
+from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.groups import all_groups, fixed_checks
+from jausml.live.peers.conformance.opening import TargetNotReached, opened
+from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.session import Limits
+from jausml.live.peers.describing import describe
+from jausml.live.peers.network import make_network
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import JausComponent, ServiceIdentity
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports
@@ -237,7 +237,7 @@ def test_every_check_has_an_id_of_its_own_and_says_what_it_is():
 
 
 def _request(authority):
-    from jausml.runtime.core_messages import RequestControl
+    from jausml.runtime.services.messages import RequestControl
 
     return RequestControl(authority_code=authority)
 

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.messages import MessageError, load_catalogue
-from jausml.peers.conformance.check import Verdict
-from jausml.peers.conformance.formats import json, junit, text
-from jausml.peers.conformance.groups import all_groups
-from jausml.peers.conformance.opening import opened
-from jausml.peers.conformance.runner import run
-from jausml.peers.describing import MAX_LENGTH, describe
-from jausml.peers.rendering import report_json, report_line
-from jausml.runtime.address import JausAddress
+from jausml.live.messages import MessageError, load_catalogue
+from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.formats import json, junit, text
+from jausml.live.peers.conformance.groups import all_groups
+from jausml.live.peers.conformance.opening import opened
+from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.describing import MAX_LENGTH, describe
+from jausml.live.peers.rendering import report_json, report_line
+from jausml.runtime.base.address import JausAddress
 
 pytestmark = pytest.mark.ports
 

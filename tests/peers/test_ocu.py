@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main, ocu
-from jausml.runtime.address import JausAddress
-from jausml.runtime.core_messages import RequestControl
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
+from jausml.runtime.services.messages import RequestControl
 
 pytestmark = pytest.mark.ports
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.peers.conformance.client import Client
-from jausml.peers.conformance.opening import opened
-from jausml.runtime.address import JausAddress
-from jausml.runtime.core_messages import ClearEmergency, SetEmergency
+from jausml.live.peers.conformance.client import Client
+from jausml.live.peers.conformance.opening import opened
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
+from jausml.runtime.services.messages import ClearEmergency, SetEmergency
 
 pytestmark = pytest.mark.ports
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.messages import MessageError
-from jausml.peers.entry_messages import find_exchange, message_class
-from jausml.peers.samples import full_query, plain_query
-from jausml.peers.values import shown_fields
-from jausml.runtime.component import ServiceIdentity
-from jausml.runtime.message import DecodeError, EncodeError
+from jausml.live.messages import MessageError
+from jausml.live.peers.entry_messages import find_exchange, message_class
+from jausml.live.peers.samples import full_query, plain_query
+from jausml.live.peers.values import shown_fields
+from jausml.runtime.component.component import ServiceIdentity
+from jausml.runtime.wire.message import DecodeError, EncodeError
 
 
 @pytest.mark.parametrize(

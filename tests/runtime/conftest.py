@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime.counters import Counters
-from jausml.runtime.loop import Loop
-from jausml.runtime.packet import Packet, parse_datagram
-from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transports import create_transport
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.packets.packet import Packet, parse_datagram
+from jausml.runtime.transports.selecting import create_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from jausml.runtime.address import JausAddress
-    from jausml.runtime.transport import ReceivedMessage
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.transports.transport import ReceivedMessage
 
 GROUP = "239.255.0.1"
 LOOPBACK = "127.0.0.1"

@@ -9,13 +9,13 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.judp import JudpTransport
-from jausml.runtime.loop import Loop
-from jausml.runtime.settings import TransportSettings
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
-    from jausml.runtime.transport import ReceivedMessage
+    from jausml.runtime.transports.transport import ReceivedMessage
 
 ECHO = b"\x00\xd0"
 

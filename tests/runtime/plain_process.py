@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import JausComponent, ServiceIdentity
-from jausml.runtime.process import run
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import JausComponent, ServiceIdentity
+from jausml.runtime.component.process import run
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 

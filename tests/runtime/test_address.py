@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.address import BROADCAST, JausAddress, address_of
+from jausml.runtime.base.address import BROADCAST, JausAddress, address_of
 
 ADDRESSES = st.builds(JausAddress, st.integers(0, 65535), st.integers(0, 255), st.integers(0, 255))
 

@@ -4,9 +4,9 @@ import socket
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.address_book import AddressBook, Doubt
-from jausml.runtime.counters import Counters
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.transports.address_book import AddressBook, Doubt
 
 ROBOT = JausAddress(100, 1, 1)
 HERE, THERE = ("127.0.0.1", 4000), ("127.0.0.2", 4001)

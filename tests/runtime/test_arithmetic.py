@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from jausml.runtime import arithmetic as a
 from jausml.runtime.conversions import ConversionError
+from jausml.runtime.conversions import arithmetic as a
 
 
 def test_values():

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 pytestmark = pytest.mark.ports
 

@@ -4,7 +4,7 @@ import logging
 import threading
 from typing import TYPE_CHECKING
 
-from jausml.runtime.counters import Counters
+from jausml.runtime.base.counters import Counters
 
 if TYPE_CHECKING:
     import pytest

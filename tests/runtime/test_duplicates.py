@@ -3,8 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.duplicates import DuplicateWindow
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.duplicates import DuplicateWindow
 
 A, B = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
 

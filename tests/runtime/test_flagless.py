@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.flagless import FlaglessMessages
-from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.flagless import FlaglessMessages
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 PEER = JausAddress(200, 1, 1)
 OTHER = JausAddress(201, 1, 1)

@@ -12,14 +12,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime import jtcp
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.counters import Counters
-from jausml.runtime.jtcp import JtcpTransport
-from jausml.runtime.jtcp_stream import StreamError, StreamReader
-from jausml.runtime.loop import Loop
-from jausml.runtime.packet import AckNak, Broadcast, DataFlags, Packet, parse_datagram
-from jausml.runtime.settings import TransportKind, TransportSettings
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportKind, TransportSettings
+from jausml.runtime.transports.packets.packet import (
+    AckNak,
+    Broadcast,
+    DataFlags,
+    Packet,
+    parse_datagram,
+)
+from jausml.runtime.transports.tcp import jtcp
+from jausml.runtime.transports.tcp.jtcp import JtcpTransport
+from jausml.runtime.transports.tcp.stream import StreamError, StreamReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

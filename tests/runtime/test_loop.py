@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime.loop import Loop
+from jausml.runtime.base.loop import Loop
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.loop import Loop
-from jausml.runtime.node_manager import NodeManagerTransport
-from jausml.runtime.packet import AckNak, Broadcast, Packet
-from jausml.runtime.settings import TransportKind, TransportSettings
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportKind, TransportSettings
+from jausml.runtime.transports.node_manager.transport import NodeManagerTransport
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.counters import Counters
-from jausml.runtime.packet import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.transports.packets.packet import (
     MAX_PAYLOAD,
     AckNak,
     Broadcast,

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.counters import Counters
-from jausml.runtime.packet import DataFlags, Packet, Priority
-from jausml.runtime.reassembly import Reassembly
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.transports.packets.packet import DataFlags, Packet, Priority
+from jausml.runtime.transports.packets.reassembly import Reassembly
 
 ROBOT = JausAddress(100, 1, 1)
 OCU = JausAddress(200, 1, 1)

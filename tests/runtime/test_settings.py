@@ -4,8 +4,8 @@ import argparse
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.settings import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import (
     TransportKind,
     TransportSettings,
     add_arguments,

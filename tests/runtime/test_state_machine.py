@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.core_messages import QueryTime, Resume, Standby
-from jausml.runtime.state_machine import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.state_machine import (
     REMEMBERED_STATES,
     Kind,
     On,
@@ -16,6 +15,7 @@ from jausml.runtime.state_machine import (
     any_of,
     negation,
 )
+from jausml.runtime.services.messages import QueryTime, Resume, Standby
 
 SENDER = JausAddress(1, 1, 1)
 WORK = "Receiving.Ready.Controlled.Available.Ready"

@@ -8,18 +8,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.judp import JudpTransport
-from jausml.runtime.loop import Loop
-from jausml.runtime.packet import (
-    AckNak,
-    Broadcast,
-    DataFlags,
-    Packet,
-    Priority,
-)
-from jausml.runtime.settings import TransportSettings
-from jausml.runtime.transport import ReceivedMessage
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.transport import ReceivedMessage
+from jausml.runtime.transports.udp.judp import JudpTransport
 
 pytestmark = pytest.mark.ports
 

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime import port_holder
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ComponentSettings, ControlState, JausComponent
-from jausml.runtime.core_messages import QueryStatus, ReportStatus
-from jausml.runtime.jtcp import JtcpTransport
-from jausml.runtime.judp import JudpTransport
-from jausml.runtime.loop import Loop
-from jausml.runtime.node_manager import NodeManagerTransport
-from jausml.runtime.settings import TransportKind, TransportSettings
-from jausml.runtime.transports import create_transport
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportKind, TransportSettings
+from jausml.runtime.component.component import ComponentSettings, ControlState, JausComponent
+from jausml.runtime.services.messages import QueryStatus, ReportStatus
+from jausml.runtime.transports import port_holder
+from jausml.runtime.transports.node_manager.transport import NodeManagerTransport
+from jausml.runtime.transports.selecting import create_transport
+from jausml.runtime.transports.tcp.jtcp import JtcpTransport
+from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.packet import AckNak, Packet
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.transports.packets.packet import AckNak, Packet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.messages import load_catalogue
+from jausml.live.messages import load_catalogue
 from jausml.metamodel.classes import jaus, ros
 from jausml.text.notation import NOTATIONS
 

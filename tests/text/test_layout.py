@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.text.layout import WIDTH, render
-from jausml.text.parsing import parse
-from jausml.text.scanning import scan
+from jausml.text.reading.parsing import parse
+from jausml.text.reading.scanning import scan
 from jausml.text.tree import (
     NOWHERE,
     Assignment,
@@ -34,7 +33,8 @@ from jausml.text.tree import (
     Vector,
     VectorEntry,
 )
-from jausml.text.words import can_document
+from jausml.text.writing.layout import WIDTH, render
+from jausml.text.writing.words import can_document
 
 
 def without_spans(value):

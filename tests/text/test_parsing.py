@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.text.expectations import KEYWORDS
-from jausml.text.parsing import DEEPEST, LONGEST, MOST_FAULTS, parse
+from jausml.text.reading.expectations import KEYWORDS
+from jausml.text.reading.parsing import DEEPEST, LONGEST, MOST_FAULTS, parse
 from jausml.text.tree import (
     Assignment,
     Clock,

@@ -17,11 +17,11 @@ from jausml.metamodel import load_metamodels
 from jausml.model import LIBRARY_URI, library_root, read_models
 from jausml.model.comparison import compare
 from jausml.model.identifiers import name_identifiers
-from jausml.model.writer import to_xmi, write_model
-from jausml.text.layout import render
+from jausml.model.xmi.writer import to_xmi, write_model
 from jausml.text.notation import NOTATIONS
-from jausml.text.parsing import parse
-from jausml.text.unparsing import to_text
+from jausml.text.reading.parsing import parse
+from jausml.text.writing.layout import render
+from jausml.text.writing.unparsing import to_text
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = load_metamodels()

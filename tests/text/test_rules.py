@@ -25,7 +25,7 @@ def test_each_rule_has_a_failing_text_and_a_place_that_reports_it():
     tests = "".join(
         path.read_text() for path in HERE.glob("test_*.py") if path.name != "test_rules.py"
     )
-    sources = "".join(p.read_text() for p in SOURCES.glob("*.py") if p.name != "rules.py")
+    sources = "".join(p.read_text() for p in SOURCES.rglob("*.py") if p.name != "rules.py")
     for rule in TEXT_RULES:
         assert rule in tests, rule
         assert rule in sources, rule

@@ -7,10 +7,10 @@ import pytest
 from jausml.metamodel import load_metamodels
 from jausml.model import read_models
 from jausml.model.values import convert
-from jausml.model.writer import UnwritableError
-from jausml.text import literals
+from jausml.model.xmi.writer import UnwritableError
 from jausml.text.notation import NOTATIONS
-from jausml.text.unparsing import to_text
+from jausml.text.writing import literals
+from jausml.text.writing.unparsing import to_text
 
 REAL = load_metamodels().classes["ros.Node"].features["frequency"].data_type
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>

@@ -11,8 +11,8 @@ from capture_files import block, interface, option, packet, pcap, section
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.traffic.captures import read_frames
-from jausml.traffic.errors import CaptureError
+from jausml.live.traffic.captures import read_frames
+from jausml.live.traffic.errors import CaptureError
 
 FRAMES = [b"first frame", b"x", b""]
 

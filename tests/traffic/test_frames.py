@@ -19,8 +19,8 @@ from capture_files import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.traffic.captures import Frame
-from jausml.traffic.frames import UdpReader
+from jausml.live.traffic.captures import Frame
+from jausml.live.traffic.frames import UdpReader
 
 DATA = b"a datagram of some length"
 

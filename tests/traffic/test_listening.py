@@ -7,9 +7,9 @@ import socket
 import pytest
 from capture_files import QUERY_STATUS
 
-from jausml.runtime.settings import TransportSettings
-from jausml.traffic.errors import TrafficError
-from jausml.traffic.listening import MulticastListener
+from jausml.live.traffic.errors import TrafficError
+from jausml.live.traffic.listening import MulticastListener
+from jausml.runtime.base.settings import TransportSettings
 
 pytestmark = pytest.mark.ports
 

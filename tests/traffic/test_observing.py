@@ -11,13 +11,13 @@ from capture_files import QUERY_STATUS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.messages import load_catalogue
-from jausml.runtime.address import JausAddress
-from jausml.runtime.packet import DataFlags, Packet
-from jausml.runtime.shared_port import present_frame
-from jausml.traffic import text
-from jausml.traffic.frames import Datagram, Endpoint
-from jausml.traffic.observing import Observer
+from jausml.live.messages import load_catalogue
+from jausml.live.traffic import text
+from jausml.live.traffic.frames import Datagram, Endpoint
+from jausml.live.traffic.observing import Observer
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.packet import DataFlags, Packet
+from jausml.runtime.transports.udp.shared_port import present_frame
 
 GOLDEN = Path(__file__).resolve().parents[3] / "shared" / "golden" / "judp_datagrams.jsonl"
 CATALOGUE = load_catalogue()

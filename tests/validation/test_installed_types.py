@@ -8,8 +8,8 @@ import pytest
 
 from jausml.interfaces import Installation
 from jausml.model.uris import library_root
+from jausml.semantics.installed import InstalledTypes
 from jausml.validation.engine import validate
-from jausml.validation.facts.installed import InstalledTypes
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <ros:Node xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

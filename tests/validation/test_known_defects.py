@@ -8,8 +8,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.model import read_models
+from jausml.semantics.units import unit_step
 from jausml.validation.engine import validate
-from jausml.validation.facts.units import unit_step
 
 JAUS = "http://www.jausml.org/library/jaus/"
 ROS = "http://www.jausml.org/library/ros/"

@@ -8,12 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.model import intervals, read_models
-from jausml.model.expressions import evaluate, parse_expression
+from jausml.languages import intervals
+from jausml.languages.expressions import evaluate, parse_expression
+from jausml.model import read_models
 from jausml.runtime import conversions as runtime
-from jausml.validation.facts.paths import place
-from jausml.validation.facts.ranges import converted
-from jausml.validation.facts.samples import NoValueError, sent_through
+from jausml.semantics.paths import place
+from jausml.semantics.ranges import converted
+from jausml.semantics.samples import NoValueError, sent_through
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 FACTORS = st.floats(-1e3, 1e3, allow_nan=False).filter(lambda each: abs(each) > 1e-6)

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 from jausml.importers.jsidl.building import DEEPEST
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.values import Values, documentation, folded, joined
-from jausml.model.guards import GuardError, parse_guard
+from jausml.languages.guards import GuardError, parse_guard
 from jausml.model.values import show, suggest
 from jausml.model.words import parts, snake_case
 
 if TYPE_CHECKING:
     from jausml.importers.jsidl.building import Builder
     from jausml.importers.jsidl.lineage import KnownNames
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 _KINDS = ("simple", "internal", "push", "pop")
 _STEPS = ("action", "send_action")

@@ -10,7 +10,7 @@ from jausml.model.values import nearest, show, suggest
 
 if TYPE_CHECKING:
     from jausml.model.documents import Document
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 
 def is_jsidl(root: Node) -> bool:

@@ -11,7 +11,7 @@ from jausml.model.rules import READER_RULES
 
 if TYPE_CHECKING:
     from jausml.model.documents import Document
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 
 @dataclass(frozen=True, slots=True)

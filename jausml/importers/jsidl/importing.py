@@ -33,8 +33,8 @@ from jausml.metamodel import load_metamodels
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
-from jausml.model.parsing import Node, parse
 from jausml.model.values import show
+from jausml.model.xmi.parsing import Node, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

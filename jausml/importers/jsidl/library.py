@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel.classes import jaus
-from jausml.model.reader import read_models
+from jausml.model.reading.reader import read_models
 from jausml.model.uris import library_root
 
 if TYPE_CHECKING:

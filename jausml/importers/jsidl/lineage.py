@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.model.machines import CORE_EVENTS
+from jausml.semantics.inherited_machines import CORE_EVENTS
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable

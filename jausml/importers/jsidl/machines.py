@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, cast
 
 from jausml.importers.jsidl.lineage import bases_first
-from jausml.model.machines import CORE_STATES, Machine, machines_of
 from jausml.model.values import show, suggest
+from jausml.semantics.inherited_machines import CORE_STATES, Machine, machines_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from jausml.model.documents import Document
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 _SETS = ("declared_type_set", "declared_const_set")
 _MESSAGE_SETS = ("message_set", "input_set", "output_set", "internal_events_set")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from jausml.importers.jsidl.findings import Findings, Place
     from jausml.importers.jsidl.scopes import Scope, Scopes
-    from jausml.model.parsing import Node
+    from jausml.model.xmi.parsing import Node
 
 NUMERIC_TYPES: Mapping[str, str] = MappingProxyType(
     {

@@ -3,12 +3,7 @@
 from jausml.importers.ros.importing import ImportResult, import_packages
 from jausml.importers.ros.placing import placed
 from jausml.importers.ros.rules import ROS_RULES
-from jausml.importers.ros.sources import (
-    PackageSource,
-    Source,
-    installed_source,
-    package_sources,
-)
+from jausml.importers.ros.sources import PackageSource, Source, installed_source, package_sources
 
 __all__ = [
     "ROS_RULES",

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.interfaces.parsing import PARTS
+from jausml.languages.units import UnitError, parse_unit
 from jausml.metamodel import FeatureKind, ValueKind
 from jausml.metamodel.filling import link, new_object, set_value
-from jausml.model.parsing import Node
-from jausml.model.units import UnitError, parse_unit
+from jausml.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
     from jausml.interfaces import Definition, FieldDefinition, Section

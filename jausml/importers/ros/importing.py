@@ -17,7 +17,7 @@ from jausml.metamodel.classes import ros
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
-from jausml.model.reader import read_models
+from jausml.model.reading.reader import read_models
 from jausml.model.rules import READER_RULES
 from jausml.model.uris import library_root
 from jausml.model.values import suggest

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.model.documents import Document
 from jausml.model.model import Model
-from jausml.model.parsing import Node
+from jausml.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.interfaces.installed import definition_files
 from jausml.interfaces.parsing import PARTS
-from jausml.model.parsing import parse
+from jausml.model.xmi.parsing import parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

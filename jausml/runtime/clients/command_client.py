@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from ..services.messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,
@@ -16,10 +16,10 @@ from .event_subscription import COMMAND_REQUESTS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 MAX_DURATION = 0xFFFFFFFF
 """Longest MaximumAllowedDuration in seconds."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from ..services.definitions import Status
+from ..services.messages import (
     ConfirmControl,
     QueryStatus,
     QueryTimeout,
@@ -16,15 +17,14 @@ from ..core_messages import (
     RequestControl,
     Resume,
 )
-from ..services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 MISSED_CHECKS = 3
 """Checks without confirmation after which control is taken for lost."""

@@ -5,13 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..address import BROADCAST
-from ..core_messages import (
-    QueryIdentification,
-    ReportIdentification,
-    ReportServiceList,
-    ReportServices,
-)
+from ..base.address import BROADCAST
 from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
     query_all_service_lists,
@@ -20,13 +14,19 @@ from ..services.discovery_messages import (
     reported_service_list,
     reported_services,
 )
+from ..services.messages import (
+    QueryIdentification,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
     from ..services.definitions import ServiceIdentity
 
 EAGER_TRIES = 3

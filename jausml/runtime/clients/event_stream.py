@@ -5,17 +5,17 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from ..core_messages import CancelEvent, CreateEvent, UpdateEvent
-from ..message import DecodeError, Message
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
+from ..services.messages import CancelEvent, CreateEvent, UpdateEvent
+from ..wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..core_messages import Event
-    from ..loop import Timer
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..services.messages import Event
     from .event_subscription import EventClient, EventSubscription
 
 SILENT_PERIODS = 3

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..core_messages import (
+from ..services.definitions import MAX_EVENT_RATE
+from ..services.messages import (
     CancelEvent,
     ConfirmEventRequest,
     Event,
@@ -12,16 +13,15 @@ from ..core_messages import (
     RejectEventRequest,
     ReportEventTimeout,
 )
-from ..services.definitions import MAX_EVENT_RATE
 from .event_stream import EventStream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 EVENT_REQUESTS = range(224)
 """Request ids of the events of one provider."""

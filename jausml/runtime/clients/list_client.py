@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from ..services.element_list import ALL_UIDS, NO_UID, ListElement
+from ..services.messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -14,15 +15,14 @@ from ..core_messages import (
     ReportElementList,
     SetElement,
 )
-from ..services.element_list import ALL_UIDS, NO_UID, ListElement
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
     from .query import QueryClient
 
 MAX_ELEMENTS = 255

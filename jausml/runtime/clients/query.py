@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 
 class PendingQuery:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from .definitions import VERSION_1_1, Guard
+from .messages import (
     ConfirmControl,
     QueryAuthority,
     QueryControl,
@@ -17,15 +18,14 @@ from ..core_messages import (
     RequestControl,
     SetAuthority,
 )
-from .definitions import VERSION_1_1, Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 
 Confirm = ConfirmControl.ResponseCode

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..completion import Completion
-from ..core_messages import (
+from ..wire.message import DecodeError, Message, read_code
+from .completion import Completion
+from .event_requests import RejectCode, RequestError, reject
+from .messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,
@@ -14,14 +16,12 @@ from ..core_messages import (
     CreateEvent,
     UpdateEvent,
 )
-from ..message import DecodeError, Message, read_code
-from .event_requests import RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..dispatch import Handler
-    from ..loop import Timer
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from .dispatch import Handler
     from .event_requests import EventIds
 
 Result = CommandEvent.CommandResult

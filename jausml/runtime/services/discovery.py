@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from .definitions import VERSION_1_1, Scope, ServiceIdentity
+from .discovery_messages import (
+    MAX_LIST,
+    registered_services,
+    report_configuration,
+    report_service_list,
+    report_services,
+    report_subsystem_list,
+)
+from .messages import (
     QueryConfiguration,
     QueryIdentification,
     QueryServiceList,
@@ -17,22 +26,13 @@ from ..core_messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from .definitions import VERSION_1_1, Scope, ServiceIdentity
-from .discovery_messages import (
-    MAX_LIST,
-    registered_services,
-    report_configuration,
-    report_service_list,
-    report_services,
-    report_subsystem_list,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 Type = ReportIdentification.Type
 

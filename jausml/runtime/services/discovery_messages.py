@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
-from ..core_messages import (
+from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from .definitions import ServiceIdentity
+from .messages import (
     QueryServiceList,
     QueryServices,
     RegisterServices,
@@ -14,7 +15,6 @@ from ..core_messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from .definitions import ServiceIdentity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

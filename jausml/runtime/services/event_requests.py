@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import RejectEventRequest
+from .messages import RejectEventRequest
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
+    from ..base.address import JausAddress
+    from ..component.base import ComponentBase
 
 RejectCode = RejectEventRequest.ResponseCode
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..core_messages import (
+from ..wire.message import DecodeError, Message
+from .command_events import CommandEvents
+from .definitions import VERSION_1_1
+from .event_requests import EventIds, RejectCode, RequestError, reject
+from .messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateEvent,
@@ -16,16 +20,12 @@ from ..core_messages import (
     ReportEventTimeout,
     UpdateEvent,
 )
-from ..message import DecodeError, Message
-from .command_events import CommandEvents
-from .definitions import VERSION_1_1
-from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..dispatch import Provision
-    from ..loop import Timer
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from .dispatch import Provision
 
 PERIODIC = CreateEvent.EventType.PERIODIC_SC
 EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from .definitions import Guard
+from .element_list import ElementList, ListElement, ListError, Reason
+from .messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -16,13 +18,11 @@ from ..core_messages import (
     ReportElementList,
     SetElement,
 )
-from .definitions import Guard
-from .element_list import ElementList, ListElement, ListError, Reason
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 LIST_MANAGERS = frozenset(
     f"urn:jaus:jss:{owner}:ListManager" for owner in ("core", "mobility", "manipulator")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
-from ..core_messages import QueryHeartbeatPulse, ReportHeartbeatPulse
+from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from .definitions import Scope
+from .messages import QueryHeartbeatPulse, ReportHeartbeatPulse
 
 if TYPE_CHECKING:
-    from ..component_base import ComponentBase
-    from ..loop import Timer
-    from ..message import Message
+    from ..base.loop import Timer
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
 
 UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
 """Service of the IOP that promises a heartbeat nobody has asked for."""

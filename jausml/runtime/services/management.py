@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core_messages import (
+from ..base.counters import LOGGER
+from .access_control import Reject
+from .definitions import VERSION_1_1, Guard, Status
+from .messages import (
     ClearEmergency,
     QueryStatus,
     ReportStatus,
@@ -14,14 +17,11 @@ from ..core_messages import (
     Shutdown,
     Standby,
 )
-from ..counters import LOGGER
-from .access_control import Reject
-from .definitions import VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
-    from ..message import Message
+    from ..base.address import JausAddress
+    from ..component.base import ComponentBase
+    from ..wire.message import Message
     from .access_control import AccessControlService
 
 # JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.

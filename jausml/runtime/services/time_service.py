@@ -5,13 +5,13 @@ from __future__ import annotations
 from datetime import datetime, time, timedelta, timezone
 from typing import TYPE_CHECKING
 
-from ..core_messages import QueryTime, ReportTime, SetTime
-from ..counters import LOGGER
+from ..base.counters import LOGGER
 from .definitions import Guard
+from .messages import QueryTime, ReportTime, SetTime
 
 if TYPE_CHECKING:
-    from ..address import JausAddress
-    from ..component_base import ComponentBase
+    from ..base.address import JausAddress
+    from ..component.base import ComponentBase
 
 TIME_STAMP = 1 << 0
 """Bit of the time of day and day of month in a QueryTime's PresenceVector."""

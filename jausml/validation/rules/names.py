@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.languages.guards import GuardError, conditions, parse_guard
 from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.diagnostics import Severity
-from jausml.model.guards import GuardError, conditions, parse_guard
-from jausml.model.machines import DEEPEST, too_deep
 from jausml.model.words import snake_case
-from jausml.validation.facts.machines import behaviours
-from jausml.validation.facts.names import is_identifier, package_key, taken
-from jausml.validation.facts.services import with_inherited
+from jausml.semantics.inherited_machines import DEEPEST, too_deep
+from jausml.semantics.machines import behaviours
+from jausml.semantics.names import is_identifier, package_key, taken
+from jausml.semantics.services import with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.validation.facts.machines import Behaviour
-    from jausml.validation.subject import Subject
+    from jausml.semantics.machines import Behaviour
+    from jausml.semantics.subject import Subject
 
     Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
 

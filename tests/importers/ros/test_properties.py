@@ -17,7 +17,7 @@ from jausml.interfaces import parse_definition
 from jausml.interfaces.definitions import PRIMITIVES, TEXTS, FieldType
 from jausml.interfaces.values import integer_range
 from jausml.model import READER_RULES
-from jausml.model.writer import to_xmi
+from jausml.model.xmi.writer import to_xmi
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "60"))
 QUICK = settings(

@@ -15,7 +15,7 @@ from mapping_support import Translator, generate, read, system_text
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.model.reader import ReadResult
+    from jausml.model.reading.reader import ReadResult
 
 
 @pytest.fixture(scope="session")

@@ -22,7 +22,7 @@ from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
 
 if TYPE_CHECKING:
-    from jausml.model.reader import ReadResult
+    from jausml.model.reading.reader import ReadResult
 
 ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"

@@ -24,7 +24,7 @@ from mapping_support import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.model.reader import ReadResult
+    from jausml.model.reading.reader import ReadResult
 
 MAPS = [(stem, each) for stem, maps in ready_maps().items() for each in maps]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 import threading
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import JausComponent, ServiceIdentity
-from jausml_runtime.process import running_transport
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import JausComponent, ServiceIdentity
+from jausml_runtime.component.process import running_transport
 from winch.main import TRANSPORT
 from winch.messages import QueryWinchState, ReportWinchState, SetWinchCommand
 

@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from jausml.runtime import core_messages
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ComponentSettings, JausComponent, ServiceIdentity
-from jausml.runtime.loop import Loop
-from jausml.runtime.message import DecodeError, Message
-from jausml.runtime.packet import Priority
-from jausml.runtime.transport import ReceivedMessage
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.component.component import ComponentSettings, JausComponent, ServiceIdentity
+from jausml.runtime.services import messages as core_messages
+from jausml.runtime.transports.packets.packet import Priority
+from jausml.runtime.transports.transport import ReceivedMessage
+from jausml.runtime.wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from jausml.runtime.counters import Counters
-    from jausml.runtime.transport import Receive
+    from jausml.runtime.base.counters import Counters
+    from jausml.runtime.transports.transport import Receive
 
 CORE_SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import sys
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import (
     ComponentSettings,
     Guard,
     JausComponent,
     Scope,
     ServiceIdentity,
 )
-from jausml.runtime.core_messages import QueryTime, ReportTime, SetTime
-from jausml.runtime.process import run
+from jausml.runtime.component.process import run
+from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from jausml.runtime.component import ServiceIdentity
-from jausml.runtime.core_messages import RequestControl, Resume
-from jausml.runtime.message import Message
+from jausml.runtime.component.component import ServiceIdentity
+from jausml.runtime.services.messages import RequestControl, Resume
+from jausml.runtime.wire.message import Message
 
 V1_0, V1_1 = (1, 0), (1, 1)
 

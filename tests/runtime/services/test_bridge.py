@@ -6,15 +6,21 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.bridge import Bridge, BridgeSettings
-from jausml.runtime.bridge_limits import Clamp, DropField, DropMessage, Error, OutOfRangeError
-from jausml.runtime.bridge_statistics import AbsentFieldError
-from jausml.runtime.bridge_to_jaus import TopicsToMessage, TopicsToReport
-from jausml.runtime.bridge_to_ros import EventToTopics, MessageToTopics, QueryToTopics
-from jausml.runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.bridge.bridge import Bridge, BridgeSettings
+from jausml.runtime.bridge.limits import Clamp, DropField, DropMessage, Error, OutOfRangeError
+from jausml.runtime.bridge.statistics import AbsentFieldError
+from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.component.component import (
+    ComponentSettings,
+    Guard,
+    JausComponent,
+    ServiceIdentity,
+)
 from jausml.runtime.conversions import ConversionError, Time
-from jausml.runtime.core_messages import (
+from jausml.runtime.services.messages import (
     Event,
     QueryEventTimeout,
     QueryTime,
@@ -25,9 +31,8 @@ from jausml.runtime.core_messages import (
     Resume,
     SetTime,
 )
-from jausml.runtime.message import EncodeError
-from jausml.runtime.packet import Priority
-from jausml.runtime.topics import Topic
+from jausml.runtime.transports.packets.packet import Priority
+from jausml.runtime.wire.message import EncodeError
 
 PEER = JausAddress(1, 1, 1)
 OTHER = JausAddress(1, 1, 2)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ControlState, ServiceIdentity, Status
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import ControlState, ServiceIdentity, Status
+from jausml.runtime.services.messages import (
     ClearEmergency,
     ConfirmControl,
     QueryStatus,

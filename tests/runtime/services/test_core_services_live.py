@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import (
     Completion,
     ComponentSettings,
     ControlState,
@@ -17,7 +17,7 @@ from jausml.runtime.component import (
     Status,
     chain,
 )
-from jausml.runtime.core_messages import QueryTime, ReportTime, SetAuthority
+from jausml.runtime.services.messages import QueryTime, ReportTime, SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 

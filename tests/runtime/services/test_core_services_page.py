@@ -8,9 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import ComponentSettings, Guard, JausComponent, ServiceIdentity
-from jausml.runtime.core_messages import SetAuthority
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import (
+    ComponentSettings,
+    Guard,
+    JausComponent,
+    ServiceIdentity,
+)
+from jausml.runtime.services.messages import SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 

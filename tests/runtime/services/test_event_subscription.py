@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.services.messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateEvent,

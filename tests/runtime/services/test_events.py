@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.component import JausComponent, ServiceIdentity
-from jausml.runtime.core_messages import (
+from jausml.runtime.component.component import JausComponent, ServiceIdentity
+from jausml.runtime.services.messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateEvent,

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from jausml.runtime.bridge_joins import Join
-from jausml.runtime.bridge_to_jaus import TopicsToMessage, TopicsToReport
-from jausml.runtime.core_messages import QueryTime, ReportTime, SetTime
-from jausml.runtime.topics import Topic
+from jausml.runtime.bridge.joins import Join
+from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
 
 from .test_bridge import PEER, Number, Setting, peer_component, values
 

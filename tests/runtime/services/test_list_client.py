@@ -8,9 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.component import ElementList, JausComponent, ServiceIdentity, Status, chain
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.component.component import (
+    ElementList,
+    JausComponent,
+    ServiceIdentity,
+    Status,
+    chain,
+)
+from jausml.runtime.services.element_list import ListElement, ListError
+from jausml.runtime.services.messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -18,8 +25,7 @@ from jausml.runtime.core_messages import (
     ReportElement,
     SetElement,
 )
-from jausml.runtime.message import EncodeError
-from jausml.runtime.services.element_list import ListElement, ListError
+from jausml.runtime.wire.message import EncodeError
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 

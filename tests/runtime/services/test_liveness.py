@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.address import BROADCAST, JausAddress
-from jausml.runtime.component import Guard
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.component.component import Guard
+from jausml.runtime.services.messages import (
     QueryHeartbeatPulse,
     QueryStatus,
     ReportHeartbeatPulse,

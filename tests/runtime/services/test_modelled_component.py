@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.model.machines import CORE_LEAVES
-from jausml.runtime.component import Guard, Status
-from jausml.runtime.core_messages import (
+from jausml.runtime.component.component import Guard, Status
+from jausml.runtime.component.modelled import CORE_STATES, ModelledComponent
+from jausml.runtime.component.state_machine import Kind, On, State
+from jausml.runtime.services.messages import (
     ClearEmergency,
     ConfirmControl,
     CreateEvent,
@@ -21,8 +22,7 @@ from jausml.runtime.core_messages import (
     SetTime,
     Standby,
 )
-from jausml.runtime.modelled_component import CORE_STATES, ModelledComponent
-from jausml.runtime.state_machine import Kind, On, State
+from jausml.semantics.inherited_machines import CORE_LEAVES
 
 WORK = "Receiving.Ready.Controlled.Available.Ready"
 SENT = ReportTime()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.core_messages import QueryTime, ReportTime, SetTime
-from jausml.runtime.message import EncodeError
+from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
+from jausml.runtime.wire.message import EncodeError
 
 COUNTER = "component.report_not_encodable"
 

@@ -11,16 +11,17 @@ from pathlib import Path
 
 import pytest
 
-from jausml.runtime import process
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component import process
+from jausml.runtime.component.component import (
     ComponentSettings,
     ControlState,
     JausComponent,
     ServiceIdentity,
     Status,
 )
-from jausml.runtime.core_messages import (
+from jausml.runtime.services.messages import (
     QueryHeartbeatPulse,
     QueryStatus,
     QueryTime,
@@ -30,7 +31,6 @@ from jausml.runtime.core_messages import (
     SetTime,
     Shutdown,
 )
-from jausml.runtime.settings import TransportSettings
 
 pytestmark = pytest.mark.ports
 

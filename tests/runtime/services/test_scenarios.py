@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import Completion, ControlState, Guard, JausComponent, Status
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import (
+    Completion,
+    ControlState,
+    Guard,
+    JausComponent,
+    Status,
+)
+from jausml.runtime.services.management import MAX_EMERGENCY_CLIENTS
+from jausml.runtime.services.messages import (
     ClearEmergency,
     RequestControl,
     SetAuthority,
     SetEmergency,
 )
-from jausml.runtime.services.management import MAX_EMERGENCY_CLIENTS
 
 ROBOT = JausAddress(1, 1, 1)
 FIRST, SECOND, THIRD = (JausAddress(subsystem, 1, 1) for subsystem in (2, 3, 4))

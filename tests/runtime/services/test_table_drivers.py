@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import Guard, JausComponent, Status
-from jausml.runtime.core_messages import QueryAuthority, ReportAuthority, Resume, SetAuthority
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import Guard, JausComponent, Status
+from jausml.runtime.services.messages import QueryAuthority, ReportAuthority, Resume, SetAuthority
 
 from .state_tables import Row, after, controlled, play, ready, rows, unavailable
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.component import Completion, Guard, JausComponent
-from jausml.runtime.core_messages import (
+from jausml.runtime.component.component import Completion, Guard, JausComponent
+from jausml.runtime.services.messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from jausml.runtime.component import JausComponent, Status
-from jausml.runtime.core_messages import (
+from jausml.runtime.component.component import JausComponent, Status
+from jausml.runtime.services.messages import (
     ClearEmergency,
     ConfirmControl,
     QueryStatus,

@@ -6,9 +6,16 @@ from datetime import datetime, timedelta, timezone
 
 import pytest
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import JausComponent, ListElement, Scope, ServiceIdentity, chain
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import (
+    JausComponent,
+    ListElement,
+    Scope,
+    ServiceIdentity,
+    chain,
+)
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, LIST_MANAGERS
+from jausml.runtime.services.messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -25,7 +32,6 @@ from jausml.runtime.core_messages import (
     SetElement,
     SetTime,
 )
-from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, LIST_MANAGERS
 
 from .state_tables import V1_0, Row, after, controlled, play, ready, rows
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jausml.runtime.address import JausAddress
-from jausml.runtime.component import Scope, ServiceIdentity, chain
-from jausml.runtime.core_messages import (
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.component.component import Scope, ServiceIdentity, chain
+from jausml.runtime.services.messages import (
     CreateCommandEvent,
     DeleteElement,
     QueryStatus,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import ComponentSettings
-from jausml_runtime.transport import Transport
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import ComponentSettings
+from jausml_runtime.transports.transport import Transport
 
 from .drum import Drum
 from .messages import QueryWinchState, RejectWinchCommand, ReportWinchState, SetWinchCommand

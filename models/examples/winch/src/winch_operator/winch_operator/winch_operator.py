@@ -6,12 +6,12 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jausml_runtime.address import JausAddress
-from jausml_runtime.component import ComponentSettings
-from jausml_runtime.core_messages import ClearEmergency, SetEmergency
-from jausml_runtime.message import Message
-from jausml_runtime.packet import Priority
-from jausml_runtime.transport import Transport
+from jausml_runtime.base.address import JausAddress
+from jausml_runtime.component.component import ComponentSettings
+from jausml_runtime.services.messages import ClearEmergency, SetEmergency
+from jausml_runtime.transports.packets.packet import Priority
+from jausml_runtime.transports.transport import Transport
+from jausml_runtime.wire.message import Message
 
 from .messages import (
     LockBrake,

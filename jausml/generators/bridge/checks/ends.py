@@ -1,0 +1,174 @@
+"""Both ends of a connection as the generated tests see them."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.bridge.checks.check import MARGIN, store
+from jausml.generators.bridge.checks.figures import Chain, quantities_of
+from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
+from jausml.generators.bridge.translation import used_maps
+from jausml.generators.python.layout import Call, statement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.generators.bridge.checks.filling import Message
+    from jausml.generators.bridge.connections import ConnectionView, JoinView
+
+
+@dataclass(frozen=True)
+class Ends:
+    """A connection with its messages under the names that they have in tests.
+
+    Attributes:
+        view: The connection.
+        type_name: Returns the name of the class of a ROS type.
+    """
+
+    view: ConnectionView
+    type_name: Callable[[Any], str]
+
+    @property
+    def name(self) -> str:
+        """Name of the connection in Python."""
+        return self.view.name
+
+    @property
+    def map(self) -> Any:
+        """The `bridge.AttributeMap`."""
+        return self.view.connection.map
+
+    @property
+    def to_ros(self) -> bool:
+        """Whether the target is of ROS."""
+        return self.view.to_ros
+
+    def message(self, name: str, *, is_ros: bool) -> Message:
+        """Returns the message of one side under a name."""
+        if is_ros:
+            return RosMessage(self.map.type, name, self.type_name)
+        return JausMessage(self.map.message, self.view.message, name)
+
+    @property
+    def source(self) -> Message:
+        """The message that is translated."""
+        return self.message("source", is_ros=not self.to_ros)
+
+    @property
+    def target(self) -> Message:
+        """The message that comes out."""
+        return self.message("target", is_ros=self.to_ros)
+
+    @property
+    def assignments(self) -> list[Any]:
+        """The assignments of the direction."""
+        return list(self.map.toRos if self.to_ros else self.map.toJaus)
+
+    @functools.cached_property
+    def chains(self) -> list[Chain]:
+        """The conversions of each FieldAssignment whose sources are of the main message."""
+        quantities = quantities_of(self.view.connection.eContainer())
+        chains = [
+            Chain(self.map, assignment, self.to_ros, quantities)
+            for assignment in self.assignments
+            if assignment.eClass.name == "FieldAssignment"
+        ]
+        return [each for each in chains if not any(map(self.join_of, each.sources))]
+
+    @property
+    def overridden(self) -> dict[str, float]:
+        """What the maps state for quantities that the bridge replaces, by attribute.
+
+        Vectors are figures of the map as it stands.
+        """
+        self.view.body  # noqa: B018 - writing a translation collects what it uses
+        maps = used_maps(self.map, to_ros=self.to_ros)
+        return self.view.around.overridden(each for one in maps for each in one.quantities)
+
+    def join_of(self, path: str) -> JoinView | None:
+        """Returns the join that a path of the source starts with."""
+        first = path.partition(".")[0]
+        return next((join for join in self.view.joins if join.model_name == first), None)
+
+    def policy(self, assignment: Any) -> str:
+        """Returns what becomes of values out of range, as a literal of the metamodel."""
+        own = str(assignment.outOfRange.name)
+        return str(self.view.connection.outOfRange.name) if own == "asConnection" else own
+
+    def is_alone(self, path: str) -> bool:
+        """Whether one assignment at most writes to a target path, or to what is in it."""
+        writers = [
+            target.strip()
+            for assignment in self.assignments
+            for target in assignment.target.split(",")
+            if assignment.eClass.name != "Ignore" and overlap(target.strip(), path)
+        ]
+        return len(writers) <= 1
+
+    def default(self, path: str) -> str:
+        """Returns Python for what a target as it is made has at a path."""
+        return self.target.place(path).code.replace("target", f"{self.view.target_name}()", 1)
+
+    def translated(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the statements that translate `source` into `target`.
+
+        Args:
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
+        present = set(given)
+        return [
+            *self.joined(present),
+            store("target", self.call("source", present)),
+            f"assert isinstance(target, {self.view.target_name})",
+        ]
+
+    def refused(self, error: str, before: str = "") -> list[str]:
+        """Returns the statements that show that `source` is not translated.
+
+        Args:
+            error: Class of the error.
+            before: What keeps the error, e.g. ` as caught`.
+        """
+        call = statement(self.call("source"), column=2 * MARGIN)
+        inner = [f"    {line}" for line in call.split("\n")]
+        return [*self.joined(), "\n".join([f"with pytest.raises({error}){before}:", *inner])]
+
+    def call(self, source: str, given: Iterable[str] = ()) -> Call:
+        """Returns the call that translates a message.
+
+        Args:
+            source: The message, as Python text.
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
+        present = set(given)
+        arguments = [
+            f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
+            for join in self.view.joins
+        ]
+        return Call(f"bridge.translate_{self.name}", (source, *arguments))
+
+    def joined(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the statements that make joined messages without which nothing is translated.
+
+        Args:
+            given: Names of joins, in Python, whose message is there.
+        """
+        present = set(given)
+        return [
+            f"{join.name} = {join.type_name}()"
+            for join in self.view.joins
+            if join.name not in present and self._is_given(join, present)
+        ]
+
+    @staticmethod
+    def _is_given(join: JoinView, present: set[str]) -> bool:
+        return join.name in present or join.join.whenStale.name == "dropMessage"
+
+
+def overlap(first: str, second: str) -> bool:
+    """Whether one of two paths leads to the other, or to what is in it."""
+    shorter, longer = sorted((first, second), key=len)
+    return longer == shorter or longer.startswith((f"{shorter}.", f"{shorter}["))

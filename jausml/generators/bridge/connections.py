@@ -1,0 +1,400 @@
+"""What the templates of a bridge package may ask about one connection."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from textwrap import indent
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
+from jausml.generators.bridge.translation import (
+    Body,
+    Surroundings,
+    jaus_constants,
+    ros_constants,
+    to_jaus,
+    to_ros,
+)
+from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
+from jausml.generators.common.ros import RosType, ros_type
+from jausml.generators.python.guards import condition
+from jausml.generators.python.layout import Call, signature, statement
+from jausml.generators.python.names import Scope, snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.generators.python.codec.messages import MessageView
+
+COMPLEX = "# noqa: C901"
+"""Comment behind the first line of a method with many branches."""
+PRESENCE_VECTOR = "PresenceVector"
+_OWN_NAMES = frozenset({"self", "source", "target"})
+_ARGUMENT = 12
+_QOS = {
+    "reliability": "reliable",
+    "durability": "volatile",
+    "history": "keep_last",
+    "depth": 10,
+    "deadline": 0.0,
+    "lifespan": 0.0,
+    "liveliness": "automatic",
+    "leaseDuration": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class JoinView:
+    """A further topic that a translation takes values from.
+
+    Args:
+        join: The `bridge.Join`.
+        name: Its name in Python.
+        type_name: Name of its ROS message class in the generated modules.
+        topics: The `bridge.Topic` elements that feed it.
+    """
+
+    join: Any
+    name: str
+    type_name: str
+    topics: tuple[Any, ...]
+
+    @property
+    def model_name(self) -> str:
+        """Its name in the model."""
+        return str(self.join.name)
+
+    @property
+    def type(self) -> Any:
+        """The ROS type in the model."""
+        return self.join.type
+
+
+@dataclass(frozen=True)
+class ConnectionView:
+    """A modelled connection.
+
+    Args:
+        connection: The `bridge.Connection`.
+        name: Its name in Python.
+        ros_name: Name of its ROS message class in the generated modules.
+        view_of: Returns the class of a JAUS message.
+        around: What the translations of the bridge use of its class and module.
+        requested: JAUS fields of the report that connections of the bridge read.
+    """
+
+    connection: Any
+    name: str
+    ros_name: str
+    view_of: Callable[[Any], MessageView]
+    around: Surroundings
+    requested: frozenset[str] = frozenset()
+
+    # ------------------------------------------------------------------ both ends
+
+    @property
+    def to_ros(self) -> bool:
+        """True from JAUS to ROS."""
+        return bool(self.connection.direction.name == "jausToRos")
+
+    @property
+    def exchange(self) -> str:
+        """Literal of Exchange."""
+        return str(self.connection.exchange.name)
+
+    @property
+    def message_element(self) -> Any:
+        """The JAUS message in the model."""
+        return self.connection.map.message
+
+    @functools.cached_property
+    def message(self) -> MessageView:
+        """The JAUS message."""
+        return self.view_of(self.message_element)
+
+    @property
+    def message_name(self) -> str:
+        """Class of the JAUS message."""
+        return self.message.class_name
+
+    @property
+    def ros_type(self) -> RosType:
+        """The ROS type."""
+        return ros_type(self.connection.map.type)
+
+    @property
+    def source_name(self) -> str:
+        """Class of the message that is taken."""
+        return self.message_name if self.to_ros else self.ros_name
+
+    @property
+    def target_name(self) -> str:
+        """Class of the message that is made."""
+        return self.ros_name if self.to_ros else self.message_name
+
+    @property
+    def kind(self) -> str:
+        """Class of the runtime that carries it."""
+        if self.to_ros:
+            kinds = {"message": "MessageToTopics", "query": "QueryToTopics"}
+            return kinds.get(self.exchange, "EventToTopics")
+        return "TopicsToMessage" if self.exchange == "message" else "TopicsToReport"
+
+    @property
+    def documentation(self) -> str:
+        """What the connection carries, and what the model says about it."""
+        ends = (
+            f"{self.message.jaus_name} ({self.message.code_text})",
+            f"{self.ros_type.package}/{self.ros_type.name}",
+        )
+        source, target = ends if self.to_ros else ends[::-1]
+        about = self.connection.documentation or ""
+        return "\n\n".join(filter(None, [f"{source} to {target}.", about, self._about_map]))
+
+    @property
+    def _about_map(self) -> str:
+        return self.connection.map.documentation or ""
+
+    # ------------------------------------------------------------------ JAUS messages
+
+    @property
+    def query_element(self) -> Any:
+        """The query for the report in the model; None when the connection needs none."""
+        return query_of(self.connection)
+
+    @functools.cached_property
+    def query(self) -> MessageView | None:
+        """The query for the report; None when the connection needs none."""
+        return None if self.query_element is None else self.view_of(self.query_element)
+
+    @property
+    def message_names(self) -> tuple[str, ...]:
+        """The classes of the JAUS messages that the connection uses."""
+        if self.query is None:
+            return (self.message_name,)
+        return (self.message_name, self.query.class_name)
+
+    def _query_call(self, query: MessageView) -> Call:
+        """The query as it is asked: its presence vector names the fields that are read."""
+        presence = query.find(PRESENCE_VECTOR)
+        if not presence:
+            return Call(query.class_name, ())
+        bits = (m.bit for m in self.message.body.members if m.jaus_name in self.requested)
+        return Call(query.class_name, (f"{presence[0].attribute}=0x{sum(bits):04X}",))
+
+    # ------------------------------------------------------------------ construction
+
+    @property
+    def arguments(self) -> tuple[tuple[str, str | Call], ...]:
+        """Arguments of the runtime class after name and translate."""
+        connection = self.connection
+        found: list[tuple[str, str | Call]] = [
+            ("message", self.message_name),
+            ("type", self.ros_name),
+        ]
+        if self.query is not None:
+            query = self._query_call(self.query) if self.to_ros else self.query.class_name
+            found.append(("query", query))
+        if self.to_ros and self.exchange in {"periodicEvent", "query"}:
+            rate = connection.rate or connection.eContainer().frequency
+            found.append(("rate", python_literal(float(rate))))
+        if self._handler_guard != "ANY":
+            found.append(("when", condition(self.message_element, self._handler_guard)))
+        if self.kind == "TopicsToMessage":
+            found += self._sending()
+        if connection.silenceTimeout > 0:
+            found.append(("silence_timeout", python_literal(float(connection.silenceTimeout))))
+        if self.has_safe_value:
+            found.append(("safe_value", f"self.safe_{self.name}"))
+        return tuple(found)
+
+    def _sending(self) -> list[tuple[str, str | Call]]:
+        found: list[tuple[str, str | Call]] = []
+        if self.connection.control and self.guard != "ANY":
+            found.append(("control", f"Guard.{self.guard}"))
+        if self.connection.priority.name != "standard":
+            names = {"low": "LOW", "high": "HIGH", "safetyCritical": "SAFETY_CRITICAL"}
+            found.append(("priority", f"Priority.{names[self.connection.priority.name]}"))
+        if self.connection.acknowledge:
+            found.append(("acknowledge", "True"))
+        return found
+
+    @property
+    def peers(self) -> tuple[Call, ...]:
+        """Addresses of the JAUS components at the other end."""
+        return tuple(map(address_call, self.connection.peers))
+
+    @property
+    def topics(self) -> tuple[Call, ...]:
+        """The topics with their quality of service."""
+        return tuple(_topic(topic) for topic in self.connection.topics if topic.join is None)
+
+    @property
+    def argument_lines(self) -> tuple[str, ...]:
+        """Arguments of the runtime class after name and translate, laid out."""
+        lines = [argument(key, value, _ARGUMENT) for key, value in self.arguments]
+        if self.kind != "TopicsToReport":
+            lines.append(list_argument("peers", self.peers, _ARGUMENT))
+        lines.append(list_argument("topics", self.topics, _ARGUMENT))
+        if self.joins:
+            calls = [_join(join) for join in self.joins]
+            lines.append(list_argument("joins", calls, _ARGUMENT))
+        return tuple(lines)
+
+    @property
+    def guard(self) -> str:
+        """Whom the receiver obeys, by what the service of a command inherits (AS5710)."""
+        if not self.message.is_command:
+            return "ANY"
+        # A command that a service keeps in Standby moves what listens to a topic at once.
+        service = self.message_element.eContainer()
+        if inherits(service, "Management"):
+            return "READY"
+        return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
+
+    @property
+    def _handler_guard(self) -> str:
+        return self.guard if self.kind == "MessageToTopics" else "ANY"
+
+    @property
+    def runtime_names(self) -> set[tuple[str, str]]:
+        """Names of the runtime that the base needs for the connection."""
+        module = "bridge.to_ros" if self.to_ros else "bridge.to_jaus"
+        names = {(module, self.kind), *self.body.names}
+        keys = {key for key, _ in self.arguments}
+        if keys & {"when", "control"}:
+            names.add(("component.component", "Guard"))
+        if "priority" in keys:
+            names.add(("transports.packets.packet", "Priority"))
+        if any(topic.qos is not None for topic in self.connection.topics):
+            joined = [topic for join in self.joins for topic in map(_topic, join.topics)]
+            if any(len(topic.arguments) > 1 for topic in (*self.topics, *joined)):
+                names.add(("bridge.topics", "Qos"))
+        if self.joins:
+            names.add(("bridge.joins", "Join"))
+        return {(f"jausml_runtime.{place}", name) for place, name in names}
+
+    # ------------------------------------------------------------------ translation
+
+    @functools.cached_property
+    def joins(self) -> tuple[JoinView, ...]:
+        """The joined topics, whose latest messages are parameters of the translation."""
+        if self.to_ros:
+            return ()
+        scope = Scope(_OWN_NAMES)
+        return tuple(
+            JoinView(
+                join,
+                scope.claim(snake_case(join.name)),
+                self.around.type_name(join.type),
+                tuple(topic for topic in self.connection.topics if topic.join is join),
+            )
+            for join in self.connection.map.joins
+        )
+
+    @functools.cached_property
+    def body(self) -> Body:
+        """The statements of the translation."""
+        owner = f"self.{self.name}"
+        if self.to_ros:
+            return to_ros(self.connection, self.message, owner, self.ros_name, self.around)
+        joins = {join.model_name: (join.name, join.type) for join in self.joins}
+        return to_jaus(self.connection, self.message, owner, joins, self.around)
+
+    @property
+    def translate_signature(self) -> str:
+        """First line of the translation."""
+        parameters = ["self", f"source: {self.source_name}"]
+        parameters += [f"{join.name}: {join.type_name} | None = None" for join in self.joins]
+        result = f"{self.target_name} | None"
+        comment = COMPLEX if self.body.is_complex else ""
+        return signature(f"def translate_{self.name}", parameters, result, 4, comment)
+
+    @property
+    def safe_signature(self) -> str:
+        """First line of the method that makes the safe value."""
+        return signature(f"def safe_{self.name}", ["self"], self.target_name, 4)
+
+    @property
+    def safe_documentation(self) -> str:
+        """When the safe value is sent."""
+        moments = []
+        if self.connection.silenceTimeout > 0:
+            seconds = python_literal(float(self.connection.silenceTimeout))
+            moments.append(f"when {self.connection.name} hears nothing for {seconds} s")
+        if self._handler_guard == "READY":
+            moments.append("when the bridge leaves Ready")
+        return f"Sent once {', and '.join(moments)}."
+
+    @property
+    def has_safe_value(self) -> bool:
+        """Whether the model says what is sent when the source is lost, and it can be lost."""
+        can_be_lost = self.connection.silenceTimeout > 0 or self._handler_guard == "READY"
+        return bool(self.connection.safeValue) and can_be_lost
+
+    @functools.cached_property
+    def safe_body(self) -> Body:
+        """The statements that make the safe value."""
+        constants = self.connection.safeValue
+        if self.to_ros:
+            return ros_constants(self.connection.map.type, self.ros_name, constants)
+        return jaus_constants(self.message, constants)
+
+
+def query_of(connection: Any) -> Any:
+    """Returns the query for the report of a connection; None for single messages.
+
+    Raises:
+        GenerationError: Neither the service of the report nor another of the sender has one.
+    """
+    if connection.exchange.name == "message":
+        return None
+    if connection.query is not None:
+        return connection.query
+    report = connection.map.message
+    to_ros = connection.direction.name == "jausToRos"
+    senders = connection.peers if to_ros else [connection.eContainer()]
+    services = with_inherited(service for sender in senders for service in sender.provides)
+    query = query_for(report, [report.eContainer(), *services])
+    if query is None:
+        raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
+    return query
+
+
+def argument(name: str, value: str | Call, column: int) -> str:
+    """Returns a keyword argument of a call that stands one to a line, without its comma."""
+    return statement(value, f"{name}=", column + 1)
+
+
+def list_argument(name: str, items: Sequence[Call], column: int) -> str:
+    """Returns a keyword argument that is a list of calls, without its comma."""
+    line = f"{name}=[{', '.join(map(str, items))}]"
+    if len(line) + 1 + column <= LINE_WIDTH:
+        return line
+    inner = [indent(f"{statement(item, '', column + 5)},", "    ") for item in items]
+    return "\n".join([f"{name}=[", *inner, "]"])
+
+
+def _join(join: JoinView) -> Call:
+    topics = ", ".join(map(str, map(_topic, join.topics)))
+    arguments = [python_string(join.name), join.type_name, f"[{topics}]"]
+    arguments.append(f"freshness={python_literal(float(join.join.freshness))}")
+    if join.join.whenStale.name == "dropMessage":
+        arguments.append("drop=True")
+    return Call("Join", tuple(arguments))
+
+
+def _topic(topic: Any) -> Call:
+    arguments: list[str | Call] = [python_string(topic.name)]
+    if topic.qos is not None:
+        policies = []
+        for feature, default in _QOS.items():
+            value = getattr(topic.qos, feature)
+            value = getattr(value, "name", value)
+            if value != default:
+                policies.append(f"{snake_case(feature)}={python_literal(value)}")
+        if policies:
+            arguments.append(Call("Qos", tuple(policies)))
+    return Call("Topic", tuple(arguments))

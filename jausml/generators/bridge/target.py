@@ -1,0 +1,81 @@
+"""One package for each modelled bridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generators.bridge.checks.module import TestModule
+from jausml.generators.bridge.views import BridgeView
+from jausml.generators.common.system import source_of, system_of
+from jausml.generators.python.codec.messages import MessagesModule
+from jausml.generators.python.package import (
+    PACKAGE_TEMPLATES,
+    module_path,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
+
+
+class BridgeTarget:
+    """Messages, base, skeleton, entry point and tests of each bridge."""
+
+    name = "bridge"
+    description = "ROS 2 <-> JAUS bridges with skeletons, one ament_python package each."
+    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
+
+    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
+        """Returns the files of every bridge."""
+        system, source = system_of(model), source_of(model)
+        bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
+        tests = [TestModule(bridge) for bridge in bridges]
+        packages = [
+            package_view(
+                system,
+                bridge.package,
+                element_id=bridge.element_id,
+                source=source,
+                description=bridge.documentation,
+                element=bridge.bridge,
+                dependencies=bridge.dependencies,
+                test_dependencies=test.dependencies,
+                executables=((bridge.package, f"{bridge.package}.main"),),
+            )
+            for bridge, test in zip(bridges, tests, strict=True)
+        ]
+        messages = {bridge.element_id: bridge for bridge in bridges}
+        return [
+            *package_tasks(packages),
+            FileTask(
+                "messages.py.j2",
+                [_messages(bridge) for bridge in bridges],
+                lambda module: module_path(messages[module.element_id], "messages"),
+            ),
+            *program_tasks(
+                bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"
+            ),
+            FileTask(
+                "test_translations.py.j2",
+                tests,
+                lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+            ),
+        ]
+
+
+def _messages(bridge: BridgeView) -> MessagesModule:
+    return MessagesModule(
+        summary=f"The JAUS messages of the bridge {bridge.name}.",
+        runtime="jausml_runtime",
+        messages=bridge.messages,
+        source=bridge.source,
+        element_id=bridge.element_id,
+    )
+
+
+TARGET = BridgeTarget()

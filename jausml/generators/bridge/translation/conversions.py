@@ -1,0 +1,239 @@
+"""Values through the conversions of an assignment, in order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import python_literal
+from jausml.generators.bridge.translation.formulas import ExpressionStatements
+from jausml.generators.bridge.translation.tables import look_up
+from jausml.generators.bridge.translation.values import (
+    BOOLEAN,
+    NUMBERS,
+    PYTHON_TYPES,
+    QUATERNION,
+    TIME,
+    AssignmentError,
+    Value,
+)
+from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, REAL
+from jausml.generators.python.layout import Call, unpacking
+from jausml.generators.python.names import snake_case
+from jausml.languages.expressions import occurrences, parse_expression, source_names
+from jausml.semantics.conversions import conversion_signature
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.generators.bridge.translation.body import Body
+    from jausml.generators.bridge.translation.surroundings import Surroundings
+    from jausml.generators.bridge.translation.targets import Target
+
+_RESULTS = {
+    "number": REAL,
+    "geometry_msgs/Quaternion": QUATERNION,
+    "builtin_interfaces/Time": TIME,
+    "TimeStamp": BITS,
+}
+
+# What gives integers when it gets integers, of a bounded size.
+_KEEP_INTEGERS = frozenset({"with_units", "negate", "clamp", "deadband"})
+
+# Characters of a source that may stand in an expression without a name of its own.
+_SHORT = 40
+
+
+class Chain:
+    """The conversions of one assignment.
+
+    Args:
+        body: Takes statements that the values need before the last one.
+        surroundings: The class and the module around.
+        target: Where the results go.
+        target_paths: To which of its places.
+        to_ros: Whether the target is of ROS.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        surroundings: Surroundings,
+        target: Target,
+        target_paths: Sequence[str],
+        *,
+        to_ros: bool,
+    ) -> None:
+        self._body = body
+        self._surroundings = surroundings
+        self._target = target
+        self._target_paths = target_paths
+        self._to_ros = to_ros
+
+    def apply(
+        self, conversions: Sequence[Any], values: Sequence[Value], source_paths: Sequence[str]
+    ) -> list[Value]:
+        """Returns the values for the targets.
+
+        Args:
+            conversions: The `bridge.Conversion` elements.
+            values: The values of the sources.
+            source_paths: Their paths, by which expressions name them.
+
+        Raises:
+            AssignmentError: A conversion does not take what it gets.
+        """
+        current, paths = list(values), list(source_paths)
+        if not self._keeps_integers(conversions):
+            current = [_real(each) for each in current]
+        for position, conversion in enumerate(conversions):
+            is_last = position == len(conversions) - 1
+            before = len(current)
+            current = self._convert(conversion, current, paths, is_last=is_last)
+            paths = paths if len(current) == before else [f"value{i + 1}" for i in range(99)]
+        if len(current) != len(self._target_paths):
+            raise AssignmentError(
+                f"{', '.join(self._target_paths)}: {len(current)} values for"
+                f" {len(self._target_paths)} targets"
+            )
+        return current
+
+    def scaled(self, values: Sequence[Value], step: tuple[float, float] | None) -> list[Value]:
+        """Returns the values in the unit of the target.
+
+        Args:
+            values: The results of the conversions.
+            step: Factor and offset between the units; None when they are the same.
+        """
+        if step is None:
+            return list(values)
+        factor, offset = step
+        function, arguments = ("linear", (factor, offset)) if offset else ("scale", (factor,))
+        name = self._body.use("conversions", function)
+        numbers = tuple(python_literal(each) for each in arguments)
+        return [
+            replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None, known=())
+            for each in values
+        ]
+
+    def _keeps_integers(self, conversions: Sequence[Any]) -> bool:
+        """Whether integers may stay what they are.
+
+        So they may before what gives real numbers anyway, and where all of their digits go to other
+        integers.
+        """
+        names = [each.kind.name for each in conversions]
+        first = next((each for each in names if each != "with_units"), "")
+        if first not in _KEEP_INTEGERS and first != "square":
+            return True
+        kinds = {self._target.kind(path) for path in self._target_paths}
+        return kinds == {INTEGER} and _KEEP_INTEGERS.issuperset(names)
+
+    # -- one conversion --------------------------------------------------------------------------
+
+    def _convert(
+        self, conversion: Any, values: list[Value], paths: list[str], *, is_last: bool
+    ) -> list[Value]:
+        kind = conversion.kind.name
+        if kind == "with_units":
+            return values
+        if kind == "look_up":
+            return [self._look_up(conversion, values, is_last=is_last)]
+        if kind == "expression":
+            return [self._expression(conversion, values, paths)]
+        if kind == "user":
+            return self._user(conversion, values, is_last=is_last)
+        return self._call(conversion, values)
+
+    def _call(self, conversion: Any, values: list[Value]) -> list[Value]:
+        """The function of the runtime that has the name of the conversion."""
+        signature = conversion_signature(conversion.kind)
+        if len(values) != len(signature.inputs):
+            raise AssignmentError(f"{conversion.kind.name} does not take {len(values)} values")
+        function = self._body.use("conversions", conversion.kind.name)
+        arguments = [python_literal(float(each)) for each in conversion.arguments]
+        if conversion.quantity is not None:
+            arguments = [self._surroundings.quantity(conversion.quantity)]
+        if function == "timestamp_to_time":
+            arguments.append("near=self.now()")
+        call = Call(function, (*(each.code for each in values), *arguments))
+        kinds = [_RESULTS[output] for output in signature.outputs]
+        return self._results(call, kinds, values)
+
+    def _results(self, call: Call, kinds: list[str], values: list[Value]) -> list[Value]:
+        """The results of a call; several get a local name each."""
+        first = replace(values[0], limits=None, listed=(), known=())
+        if len(kinds) == 1:
+            return [replace(first, code=call, kind=kinds[0])]
+        places = [
+            self._body.local_names.claim(snake_case(name.rpartition(".")[2]))
+            for name in _names_for(kinds, self._target_paths)
+        ]
+        unpacked = unpacking(places, str(call), self._body.column)
+        if "\n" in unpacked:
+            self._body.store(call, ", ".join(places))
+        else:
+            self._body.add(unpacked)
+        pairs = zip(places, kinds, strict=True)
+        return [replace(first, code=place, kind=kind) for place, kind in pairs]
+
+    def _look_up(self, conversion: Any, values: list[Value], *, is_last: bool) -> Value:
+        (value,) = values
+        kind = self._target.kind(self._target_paths[0]) if is_last else REAL
+        listed = self._target.listed(self._target_paths[0]) if is_last else ()
+        table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
+        name = self._surroundings.constant(*table.constant)
+        function = self._body.use("conversions", "look_up")
+        code = Call(function, (value.code, name))
+        limits = (table.known[0], table.known[-1]) if table.known else None
+        conditions, limit = value.conditions, value.limit
+        return Value(code, kind, conditions, limits=limits, limit=limit, known=table.known)
+
+    def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
+        expression = parse_expression(conversion.expression or "")
+        names = source_names(paths)
+        codes: dict[int, str] = {}
+        used = [each.name for each in occurrences(expression)]
+        for index in dict.fromkeys(names[name] for name in used):
+            times = sum(names[name] == index for name in used)
+            codes[index] = self._plain(values[index], paths[index], times)
+        sources = {name: codes[names[name]] for name in used}
+        code = ExpressionStatements(self._body, sources).code(expression)
+        return Value(code, REAL, values[0].conditions, limit=values[0].limit)
+
+    def _plain(self, value: Value, path: str, times: int) -> str:
+        """The value as Python text that stands some times in an expression."""
+        if value.kind not in NUMBERS:
+            raise AssignmentError(f"{path}: an expression needs numbers")
+        value = _real(value)
+        is_short = len(str(value.code)) <= _SHORT
+        if is_short and (times == 1 or isinstance(value.code, str)):
+            return str(value.code)
+        return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
+
+    def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
+        # A bool is an int, and the style allows none as a parameter.
+        inputs = [
+            "int" if value.kind == BOOLEAN else PYTHON_TYPES.get(value.kind, "Any")
+            for value in values
+        ]
+        kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
+        outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
+        output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
+        method = self._surroundings.user_method(conversion.method or "", inputs, output)
+        call = Call(method, tuple(each.code for each in values))
+        return self._results(call, kinds, values)
+
+
+def _real(value: Value) -> Value:
+    """A number as Python's float: ROS takes no int for it, and products of int have no end."""
+    if value.kind not in (INTEGER, BOOLEAN):
+        return value
+    return replace(value, code=Call("float", (value.code,)), kind=REAL)
+
+
+def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:
+    """Names for several results: those of the targets when there are as many."""
+    if len(paths) == len(kinds):
+        return list(paths)
+    return ["value"] * len(kinds)

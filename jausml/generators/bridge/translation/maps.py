@@ -1,0 +1,212 @@
+"""Whole maps as the statements of methods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import printable
+from jausml.generators.bridge.translation.body import Body
+from jausml.generators.bridge.translation.ros_fields import RosStart, full_name
+from jausml.generators.bridge.translation.sources import JausSource, RosSource
+from jausml.generators.bridge.translation.surroundings import NestedTranslation
+from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
+from jausml.generators.bridge.translation.translation import Translation, paths_of
+from jausml.generators.python.codec.jaus_fields import JausStart
+from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
+from jausml.generators.python.names import Scope, names_in, snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from jausml.generators.bridge.translation.surroundings import Surroundings
+    from jausml.generators.python.codec.messages import MessageView
+
+# Names that the functions of the runtime have in the module, and that no local may hide.
+_TAKEN = names_in(
+    """
+    arc_cosine arc_sine arc_tangent by_name clamp cosine cost_to_occupancy covariance_to_rms
+    deadband degrees_to_radians direction divide enu_quaternion_to_ned_angles
+    enu_quaternion_to_ned_heading enu_yaw_to_ned_heading flu_quaternion_to_frd_angles
+    flu_quaternion_to_frd_pitch flu_quaternion_to_frd_roll flu_quaternion_to_frd_yaw
+    frd_angles_to_flu_quaternion frd_yaw_to_flu_quaternion greatest is_finite least length linear
+    look_up magnitude modulo ned_angles_to_enu_quaternion ned_heading_to_enu_quaternion
+    ned_heading_to_enu_yaw negate occupancy_to_cost percent_to_value power radians_to_degrees
+    reverse_rows root round_down round_off round_up scale self set_quaternion set_time sign sine
+    source square square_root tangent target time_to_timestamp timestamp_to_time value_to_percent
+    wrap_angle
+    """
+)
+
+
+def to_ros(
+    connection: Any, message: MessageView, owner: str, class_name: str, around: Surroundings
+) -> Body:
+    """Returns the statements that make `target` (ROS) from `source` (JAUS).
+
+    Args:
+        connection: The `bridge.Connection`, whose map has the assignments.
+        message: Its JAUS message.
+        owner: Python path of the connection.
+        class_name: Name of the ROS message class in the module.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = _body(owner, connection.outOfRange.name)
+    _map_to_ros(body, connection.map, message, class_name, around)
+    return body
+
+
+def to_jaus(
+    connection: Any,
+    message: MessageView,
+    owner: str,
+    joins: Mapping[str, tuple[str, Any]],
+    around: Surroundings,
+) -> Body:
+    """Returns the statements that make `target` (JAUS) from `source` (ROS).
+
+    Args:
+        connection: The `bridge.Connection`, whose map has the assignments.
+        message: Its JAUS message.
+        owner: Python path of the connection.
+        joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = _body(owner, connection.outOfRange.name, *(name for name, _ in joins.values()))
+    _map_to_jaus(body, connection.map, message, joins, around)
+    return body
+
+
+def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]) -> Body:
+    """Returns the statements that make `target` (ROS) of constants."""
+    body = Body()
+    body.add(f"target = {class_name}()")
+    target = RosTarget(message_type, RosStart("target", message_type))
+    for assignment in assignments:
+        value = target.constant(assignment.target, assignment.value)
+        target.put(body, assignment.target, value.code)
+    return body
+
+
+def jaus_constants(message: MessageView, assignments: Iterable[Any]) -> Body:
+    """Returns the statements that make `target` (JAUS) of constants."""
+    body = Body()
+    body.add(f"target = {message.class_name}()")
+    target = JausTarget(message)
+    for assignment in assignments:
+        target.prepare(body, assignment.target)
+        value = target.constant(assignment.target, assignment.value)
+        target.put(body, assignment.target, value.code)
+    return body
+
+
+def used_maps(attribute_map: Any, *, to_ros: bool) -> Iterator[Any]:
+    """Yields a map and those that its messages inside messages use, each once.
+
+    Args:
+        attribute_map: The `bridge.AttributeMap`.
+        to_ros: Which of its assignments.
+    """
+    seen: list[Any] = []
+    waiting = [attribute_map]
+    while waiting:
+        current = waiting.pop(0)
+        if current in seen:
+            continue
+        seen.append(current)
+        yield current
+        assignments = list(current.toRos if to_ros else current.toJaus)
+        while assignments:
+            assignment = assignments.pop(0)
+            assignments = [*getattr(assignment, "assignments", ()), *assignments]
+            if assignment.eClass.name == "MessageAssignment":
+                waiting.append(assignment.map)
+
+
+def _body(owner: str, policy: str, *parameters: str) -> Body:
+    return Body(owner, policy, local_names=Scope(_TAKEN | frozenset(parameters)))
+
+
+def _map_to_ros(
+    body: Body, attribute_map: Any, message: MessageView, class_name: str, around: Surroundings
+) -> None:
+    if may_set_limits(attribute_map.message):
+        _refuse_limits(body, attribute_map)
+    target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
+    name = body.owner.removeprefix("self.")
+    source = JausSource(message, JausStart("source", names=body.name_of))
+    translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
+    translation.require(attribute_map.toRos)
+    body.add(f"target = {class_name}()")
+    translation.add(attribute_map.toRos)
+
+
+def _map_to_jaus(
+    body: Body,
+    attribute_map: Any,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, Any]],
+    around: Surroundings,
+) -> None:
+    source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
+    name = body.owner.removeprefix("self.")
+    target = JausTarget(message)
+    translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
+    translation.require(attribute_map.toJaus)
+    body.add(f"target = {message.class_name}()")
+    translation.add(attribute_map.toJaus)
+
+
+def _nested_method(translation: Translation, attribute_map: Any) -> str:
+    """Returns the Python path of the method that translates a message inside another one.
+
+    Args:
+        translation: The translation that has the message.
+        attribute_map: The `bridge.AttributeMap` of the message inside.
+    """
+    around, owner = translation.surroundings, translation.body.owner
+    key = (owner, attribute_map, translation.to_ros)
+    if key in around.nested:
+        return f"self.{around.nested[key].name}"
+    connection = owner.removeprefix("self.")
+    message = around.view_of(attribute_map.message)
+    type_name = around.type_name(attribute_map.type)
+    ends = (message.class_name, type_name)
+    source, target = ends if translation.to_ros else ends[::-1]
+    name = around.attributes.claim(f"_{connection}_{snake_case(attribute_map.name)}")
+    words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
+    given, made = words if translation.to_ros else words[::-1]
+    about = printable(attribute_map.documentation or "")
+    text = "\n\n".join(filter(None, [f"{given} to {made}.", about]))
+    nested = around.nested[key] = NestedTranslation(name, source, target, text)
+    body = _body(owner, translation.body.policy)
+    if translation.to_ros:
+        _map_to_ros(body, attribute_map, message, type_name, around)
+    else:
+        _map_to_jaus(body, attribute_map, message, {}, around)
+    nested.body = body
+    return f"self.{name}"
+
+
+def _refuse_limits(body: Body, attribute_map: Any) -> None:
+    """Adds the refusal of limits, which a topic would carry as if they were the command.
+
+    Where the map carries the CommandType as well, the ROS side can tell them apart.
+    """
+    carried = {
+        path
+        for assignment in attribute_map.toRos
+        if assignment.eClass.name == "FieldAssignment"
+        for path in paths_of(assignment.source)
+    }
+    if "CommandType" not in carried:
+        error = body.use("conversions", "ConversionError")
+        body.add(f"if source.command_type != {CURRENT_COMMAND}:")
+        body.add(f'    raise {error}("a limit, not the current command")')

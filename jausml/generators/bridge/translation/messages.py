@@ -1,0 +1,60 @@
+"""Messages inside messages: translated by a map and a method of their own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import python_string
+from jausml.generators.python.codec.jaus_fields import FORMAT
+from jausml.generators.python.layout import Call
+
+if TYPE_CHECKING:
+    from jausml.generators.bridge.translation.translation import Translation
+    from jausml.generators.bridge.translation.values import Value
+
+
+def add_message(translation: Translation, assignment: Any) -> None:
+    """Adds the statements that translate a message which a JAUS field carries.
+
+    Args:
+        translation: The translation that the assignment belongs to.
+        assignment: The `bridge.MessageAssignment`.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    (_to_ros if translation.to_ros else _to_jaus)(translation, assignment)
+
+
+def _to_ros(translation: Translation, assignment: Any) -> None:
+    body, source = translation.body, translation.source
+    surroundings = translation.surroundings
+    field: Any = source.carried(assignment.source.strip())  # type: ignore[union-attr]
+    message = surroundings.view_of(assignment.map.message)
+    method = translation.nested_method(translation, assignment.map)
+    with body.given(field.conditions):
+        data = field.place
+        if field.kind == FORMAT:
+            error = body.use("conversions", "ConversionError")
+            with body.inside(f"if {data}.format_index != 0:"):
+                text = python_string(f"{field.path} carries no JAUS message")
+                body.add(f"raise {error}({text})")
+            data = f"{data}.data"
+        decoded = Call(f"{message.class_name}.decode", (data,))
+        path = assignment.target.strip()
+        translation.target.put(body, path, Call(method, (decoded,)))
+
+
+def _to_jaus(translation: Translation, assignment: Any) -> None:
+    body = translation.body
+    path = assignment.target.strip()
+    target: Any = translation.target
+    target.prepare(body, path)
+    value: Value = translation.source.value(assignment.source.strip(), "")
+    method = translation.nested_method(translation, assignment.map)
+    with body.given(value.conditions):
+        payload = Call(f"{Call(method, (value.code,))}.encode", ())
+        policy = body.policy
+        limit = body.limit_of("dropMessage" if policy == "dropField" else policy)
+        target.put(body, path, target.carrier(path, payload, limit))

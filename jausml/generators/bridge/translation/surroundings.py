@@ -1,0 +1,225 @@
+"""What translations need of the class and the module around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.bridge.translation.values import AssignmentError
+from jausml.generators.python.names import Scope, constant_name, snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from jausml.generators.bridge.translation.body import Body
+    from jausml.generators.python.codec.messages import MessageView
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A constant of the module.
+
+    Attributes:
+        name: Its name.
+        annotation: Its type.
+        items: Python text of the items, keys included.
+        brackets: What stands around them: `{}` or `()`.
+        about: What it is, in plain text.
+    """
+
+    name: str
+    annotation: str
+    items: tuple[str, ...]
+    brackets: str
+    about: str
+
+
+@dataclass(frozen=True)
+class QuantityView:
+    """A quantity of the maps, an attribute of the bridge.
+
+    Attributes:
+        name: Its name in Python and as parameter.
+        value: Its number.
+        units: Its unit; empty when the model has none.
+        documentation: What the model says of it.
+    """
+
+    name: str
+    value: float
+    units: str
+    documentation: str
+
+
+@dataclass(frozen=True)
+class UserMethod:
+    """A conversion that the user writes.
+
+    Attributes:
+        name: Name of the method, e.g. `convert_gear`.
+        model_name: Its name in the model.
+        inputs: Types of the values that it takes.
+        output: Type of what it returns.
+    """
+
+    name: str
+    model_name: str
+    inputs: tuple[str, ...]
+    output: str
+
+
+@dataclass(frozen=True)
+class Memory:
+    """An attribute that keeps a value from one message to the next.
+
+    Attributes:
+        name: Its name.
+        annotation: Its type, None included.
+    """
+
+    name: str
+    annotation: str
+
+
+@dataclass
+class NestedTranslation:
+    """A method that translates a message inside another one.
+
+    Attributes:
+        name: Name of the method.
+        source_name: Class of the message that is taken.
+        target_name: Class of the message that is made.
+        documentation: What it does.
+        body: Its statements, None while they are written.
+    """
+
+    name: str
+    source_name: str
+    target_name: str
+    documentation: str
+    body: Body | None = None
+
+
+@dataclass
+class Surroundings:
+    """Collects what the translations of one class use of it.
+
+    Attributes:
+        view_of: Returns the class of a JAUS message.
+        type_name: Returns the name of the class of a ROS type, which the module then imports.
+        overrides: Quantities of the bridge by name, which stand for those of maps.
+        attributes: Names of attributes and methods of the class.
+        constants: Constants of the module by what they are made from.
+        quantities: The quantities that are used.
+        methods: The conversions that the user writes, by name.
+        memories: The attributes that keep values.
+        nested: The translations of messages inside others, by connection, map and direction.
+    """
+
+    view_of: Callable[[Any], MessageView]
+    type_name: Callable[[Any], str]
+    overrides: dict[str, Any] = field(default_factory=dict)
+    attributes: Scope = field(default_factory=Scope)
+    constant_names: Scope = field(default_factory=Scope)
+    constants: dict[object, Constant] = field(default_factory=dict)
+    quantities: dict[object, QuantityView] = field(default_factory=dict)
+    methods: dict[str, UserMethod] = field(default_factory=dict)
+    memories: list[Memory] = field(default_factory=list)
+    nested: dict[object, NestedTranslation] = field(default_factory=dict)
+
+    def constant(
+        self, name: str, annotation: str, items: Sequence[str], brackets: str, about: str
+    ) -> str:
+        """Returns the name of a constant of the module; equal ones of one name share it.
+
+        Args:
+            name: What it should be called, any text.
+            annotation: Its type.
+            items: Python text of its items.
+            brackets: What stands around them.
+            about: What it is, in plain text.
+        """
+        key = (name, annotation, tuple(items))
+        if key not in self.constants:
+            claimed = self.constant_names.claim(constant_name(name))
+            self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
+        return self.constants[key].name
+
+    def quantity(self, quantity: Any) -> str:
+        """Returns the Python path of a quantity, whose value a parameter may change.
+
+        Args:
+            quantity: The `bridge.Quantity`.
+        """
+        key = self._quantity_key(quantity)
+        if key not in self.quantities:
+            found = self.overrides.get(quantity.name, quantity)
+            about = found.documentation or quantity.documentation or ""
+            name = self.attributes.claim(snake_case(quantity.name))
+            self.quantities[key] = QuantityView(name, *key[1:], str(about))
+        return f"self.{self.quantities[key].name}"
+
+    def overridden(self, quantities: Iterable[Any]) -> dict[str, float]:
+        """Returns what maps state for quantities that the bridge replaces.
+
+        Args:
+            quantities: Each a `bridge.Quantity` of a map.
+
+        Returns:
+            The values of the maps by names of attributes, of those that are used.
+        """
+        found: dict[str, float] = {}
+        for quantity in quantities:
+            used = self.quantities.get(self._quantity_key(quantity))
+            if used is not None and used.value != quantity.value:
+                found.setdefault(used.name, float(quantity.value))
+        return found
+
+    def _quantity_key(self, quantity: Any) -> tuple[str, float, str]:
+        """Returns name, value and unit: what is the same in all of them is one attribute."""
+        found = self.overrides.get(quantity.name, quantity)
+        return str(quantity.name), float(found.value), str(found.units or quantity.units or "")
+
+    def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
+        """Returns the Python path of a conversion that the user writes.
+
+        Args:
+            method: Its name in the model.
+            inputs: Types of the values that it takes.
+            output: Type of what it returns.
+
+        Raises:
+            AssignmentError: Another assignment gives it another number of values.
+        """
+        if method not in self.methods:
+            name = self.attributes.claim(f"convert_{snake_case(method)}")
+            self.methods[method] = UserMethod(name, method, tuple(inputs), output)
+        known = self.methods[method]
+        if len(known.inputs) != len(inputs):
+            raise AssignmentError(f"user conversion '{method}' takes {len(known.inputs)} values")
+        pairs = zip(known.inputs, inputs, strict=True)
+        self.methods[method] = UserMethod(
+            known.name,
+            method,
+            tuple(_either(first, second) for first, second in pairs),
+            _either(known.output, output, "Any"),
+        )
+        return f"self.{known.name}"
+
+    def memory(self, name: str, annotation: str) -> str:
+        """Returns the Python path of an attribute that keeps a value; None before the first.
+
+        Args:
+            name: What it should be called.
+            annotation: Type of the value.
+        """
+        claimed = self.attributes.claim(f"last_{name}")
+        self.memories.append(Memory(claimed, f"{annotation} | None"))
+        return f"self.{claimed}"
+
+
+def _either(first: str, second: str, otherwise: str = "") -> str:
+    if first == second:
+        return first
+    both = {*first.split(" | "), *second.split(" | ")}
+    return otherwise or " | ".join(sorted(both))

@@ -1,0 +1,215 @@
+"""Assignments as statements: fields, constants and the clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.generators.bridge.translation import lists, messages
+from jausml.generators.bridge.translation.conversions import Chain
+from jausml.generators.bridge.translation.values import (
+    TIME,
+    UNLIMITED,
+    AssignmentError,
+    Value,
+    constant,
+)
+from jausml.generators.python.codec.jaus_fields import BITS, joined
+from jausml.generators.python.layout import Call
+from jausml.generators.python.names import snake_case
+from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.paths import place
+from jausml.semantics.units import attribute_measure, result_measure, unit_step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from jausml.generators.bridge.translation.body import Body
+    from jausml.generators.bridge.translation.sources import JausSource, RosSource
+    from jausml.generators.bridge.translation.surroundings import Surroundings
+    from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
+    from jausml.generators.python.codec.jaus_fields import Condition
+
+
+def paths_of(text: str) -> list[str]:
+    """Returns the paths of a source or target."""
+    return [path.strip() for path in text.split(",")]
+
+
+@dataclass(frozen=True)
+class Translation:
+    """Assignments of one map in one direction, or of one list in it.
+
+    Attributes:
+        body: Takes the statements.
+        surroundings: The class and the module around.
+        map: The `bridge.AttributeMap`.
+        source: Where source paths start.
+        target: Where target paths start.
+        name: Name of the translation, for what it keeps between messages.
+        nested_method: Returns the Python path of the method that translates by another map.
+    """
+
+    body: Body
+    surroundings: Surroundings
+    map: Any
+    source: JausSource | RosSource
+    target: JausTarget | RosTarget
+    name: str
+    nested_method: Callable[[Translation, Any], str]
+
+    @property
+    def to_ros(self) -> bool:
+        """Whether the target is of ROS."""
+        return not hasattr(self.target, "message")
+
+    def require(self, assignments: Iterable[Any]) -> None:
+        """Adds the refusal of messages that lack what the assignments cannot do without."""
+        for assignment in assignments:
+            if getattr(assignment, "whenAbsent", None) is None:
+                continue
+            if assignment.whenAbsent.name != "dropMessage":
+                continue
+            paths = paths_of(assignment.source)
+            if assignment.eClass.name == "ListAssignment":
+                many = self.source.many(paths.pop(0))
+                self.body.require(many.conditions, many.path)
+            for path in paths:
+                self.body.require(self.source.value(path, "").conditions, path)
+
+    def add(self, assignments: Iterable[Any]) -> None:
+        """Adds the statements of assignments."""
+        kinds: dict[str, Callable[[Any], None]] = {
+            "FieldAssignment": self._field,
+            "ConstantAssignment": self._constant,
+            "ClockAssignment": self._clock,
+            "ListAssignment": partial(lists.add_list, self),
+            "MessageAssignment": partial(messages.add_message, self),
+        }
+        for assignment in assignments:
+            if assignment.eClass.name != "Ignore":
+                kinds[assignment.eClass.name](assignment)
+
+    # -- constants and the clock -----------------------------------------------------------------
+
+    def _constant(self, assignment: Any) -> None:
+        self.target.prepare(self.body, assignment.target)
+        self._store_constant(assignment.target, assignment.value)
+
+    def _store_constant(self, path: str, text: str) -> None:
+        value = self.target.constant(path, text)
+        self.target.put(self.body, path, value.code)
+
+    def _clock(self, assignment: Any) -> None:
+        self.target.prepare(self.body, assignment.target)
+        value = Value("self.now()", TIME)
+        if not self.to_ros:
+            function = self.body.use("conversions", "time_to_timestamp")
+            value = Value(Call(function, ("self.now()",)), BITS)
+        code = self.target.fitted(assignment.target, value)
+        self.target.put(self.body, assignment.target, code)
+
+    # -- fields ----------------------------------------------------------------------------------
+
+    def values_of(self, assignment: Any) -> list[Value]:
+        """Returns the values of the sources of an assignment, with what they need to be there."""
+        limit = self.body.limit(assignment)
+        return [self.source.value(path, limit) for path in paths_of(assignment.source)]
+
+    def results_of(self, assignment: Any, values: Sequence[Value]) -> list[Value]:
+        """Returns the values for the targets of an assignment, in the unit of the targets."""
+        targets, to_ros = paths_of(assignment.target), self.to_ros
+        chain = Chain(self.body, self.surroundings, self.target, targets, to_ros=to_ros)
+        results = chain.apply(assignment.conversions, values, paths_of(assignment.source))
+        step = unit_step(self.map, assignment, to_ros=to_ros)
+        return chain.scaled(results, step)
+
+    def _field(self, assignment: Any) -> None:
+        targets = paths_of(assignment.target)
+        for path in targets:
+            self.target.prepare(self.body, path)
+        values = self.values_of(assignment)
+        policy = assignment.whenAbsent.name
+        if policy == "useDefault" and len(values) > 1:
+            self._field_of_some(assignment)
+            return
+        conditions = _conditions(values)
+        if policy == "useDefault" and conditions:
+            for path in targets:
+                self._store_constant(path, assignment.defaultValue or "")
+        if policy == "lastValue" and conditions:
+            self._field_with_memory(assignment, values, conditions)
+            return
+        with self.body.given(conditions):
+            self._store(assignment, values)
+
+    def _field_of_some(self, assignment: Any) -> None:
+        """Several sources, of which the absent ones count as the default value."""
+        source, limit = self.source.inlined(), self.body.limit(assignment)
+        values = [source.value(path, limit) for path in paths_of(assignment.source)]
+        every = [value.conditions for value in values]
+        tests = [" and ".join(each.holds for each in conditions) for conditions in every]
+        if any(not test for test in tests):
+            self._store(assignment, [self._or_default(assignment, each) for each in values])
+            return
+        with self.body.inside(self.body.condition(list(dict.fromkeys(tests)), "or")):
+            self._store(assignment, [self._or_default(assignment, each) for each in values])
+
+    def _or_default(self, assignment: Any, value: Value) -> Value:
+        if not value.conditions:
+            return value
+        text, place = assignment.defaultValue or "", assignment.target
+        default = constant(value.kind, text, UNLIMITED, place, value.listed)
+        test = " and ".join(each.holds for each in value.conditions)
+        name = self.body.local(snake_case(str(value.code).rpartition(".")[2]), default)
+        self.body.add(f"if {test}:")
+        self.body.depth += 1
+        self.body.store(value.code, name)
+        self.body.depth -= 1
+        return replace(value, code=name, conditions=(), kind=value.kind)
+
+    def _field_with_memory(
+        self, assignment: Any, values: Sequence[Value], conditions: Sequence[Condition]
+    ) -> None:
+        """Keeps what the last message with the sources gave, and stores that."""
+        targets = paths_of(assignment.target)
+        places = [
+            self.surroundings.memory(
+                f"{self.name}_{snake_case(path.replace('.', '_'))}", self.target.value_type(path)
+            )
+            for path in targets
+        ]
+        with self.body.given(conditions):
+            for path, place, value in zip(
+                targets, places, self.results_of(assignment, values), strict=True
+            ):
+                self.body.store(self.target.fitted(path, value), place)
+        for path, place in zip(targets, places, strict=True):
+            with self.body.inside(f"if {place} is not None:"):
+                self.target.put(self.body, path, place)
+
+    def _store(self, assignment: Any, values: Sequence[Value]) -> None:
+        results = self.results_of(assignment, values)
+        remark = self._unit_remark(assignment)
+        # A conversion may make another quantity of the source, in a unit that nobody states.
+        kinds = [conversion.kind for conversion in assignment.conversions]
+        keeps_units = all(conversion_signature(kind).units == "same" for kind in kinds)
+        for path, value in zip(paths_of(assignment.target), results, strict=True):
+            words = remark or (value.units if self.to_ros and keeps_units else "")
+            self.target.put(self.body, path, self.target.fitted(path, value), words)
+
+    def _unit_remark(self, assignment: Any) -> str:
+        """Both units, where the units of source and target differ."""
+        if unit_step(self.map, assignment, to_ros=self.to_ros) is None:
+            return ""
+        placed = place(self.map, assignment, to_ros=self.to_ros)
+        if placed is None:
+            raise AssignmentError(f"{assignment.target}: its map does not have it")
+        given = getattr(result_measure(placed), "text", "")
+        wanted = [attribute_measure(found) for _, found in placed.targets]
+        return f"{given} to {next(each.text for each in wanted if each is not None)}"
+
+
+def _conditions(values: Sequence[Value]) -> tuple[Condition, ...]:
+    return joined(each for value in values for each in value.conditions)

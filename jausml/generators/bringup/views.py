@@ -1,0 +1,348 @@
+"""What the templates of the bring-up package may ask."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from textwrap import indent
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.literals import LINE_WIDTH, python_string, yaml_string
+from jausml.generators.common.components import TRANSPORTS, host_of
+from jausml.generators.common.ros import import_lines, parameter_value
+from jausml.generators.python.layout import Call, statement
+from jausml.generators.python.names import package_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_COMMAND_COLUMN = 16
+"""Column of the arguments of an action in a launch file."""
+
+_YAML_WORDS = frozenset(["y", "n", "yes", "no", "on", "off", "true", "false", "null"])
+"""Plain scalars that YAML 1.1 reads as another type than text, in any case."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting of the JAUS transport.
+
+    Attributes:
+        name: Launch argument, e.g. `jaus_port`; the option of a process is `--jaus-port`.
+        feature: Feature of a host that has the value.
+        default: Value of the runtime.
+        description: What it is, for `ros2 launch --show-args`.
+    """
+
+    name: str
+    feature: str
+    default: str
+    description: str
+
+    @property
+    def option(self) -> str:
+        """Command line option of a process."""
+        return f"--{self.name.replace('_', '-')}"
+
+
+SETTINGS = (
+    Setting(
+        "jaus_interface", "interface", "127.0.0.1", "IPv4 address of the network interface of JAUS"
+    ),
+    Setting("jaus_transport", "transport", "judp", "How JAUS travels: judp, jtcp or node-manager"),
+    Setting("jaus_port", "port", "3794", "UDP or TCP port of JAUS"),
+    Setting("jaus_multicast_group", "multicastGroup", "239.255.0.1", "Multicast group of JAUS"),
+    Setting(
+        "jaus_multicast_ttl", "multicastTtl", "16", "Routers that a multicast of JAUS may pass"
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A launch argument.
+
+    Attributes:
+        name: Its name.
+        default: Default value as a Python expression.
+        description: What it is.
+    """
+
+    name: str
+    default: str
+    description: str
+
+
+@dataclass(frozen=True)
+class ProcessView:
+    """A process of the system.
+
+    Attributes:
+        name: Name of the component, node or bridge.
+        kind: `component`, `node` or `bridge`.
+        namespace: ROS namespace; empty for the root and for JAUS components.
+        host: Name of the host that it runs on; empty when the model has no hosts.
+        transport: Values of SETTINGS on that host.
+        parameters: ROS parameters with their default values.
+    """
+
+    name: str
+    kind: str
+    namespace: str
+    host: str
+    transport: tuple[str, ...]
+    parameters: Mapping[str, bool | float | str]
+
+    @property
+    def package(self) -> str:
+        """Package of the process, which is also the name of its executable."""
+        return package_name(self.name)
+
+    @property
+    def speaks_jaus(self) -> bool:
+        """Whether the process takes the options of the JAUS transport."""
+        return self.kind != "node"
+
+    @property
+    def speaks_ros(self) -> bool:
+        """Whether the process is a ROS 2 node."""
+        return self.kind != "component"
+
+    @property
+    def module(self) -> str:
+        """Module that runs the process."""
+        return f"{self.package}.main"
+
+    @property
+    def command(self) -> str:
+        """The argument `cmd` of a launch action, laid out for its column."""
+        package = python_string(self.package)
+        program = Call("ExecutableInPackage", (f"executable={package}", f"package={package}"))
+        line = f"cmd=[{program}, *TRANSPORT],"
+        if len(line) + _COMMAND_COLUMN <= LINE_WIDTH:
+            return line
+        inner = indent(f"{statement(program, '', _COMMAND_COLUMN + 5)},", "    ")
+        return f"cmd=[\n{inner}\n    *TRANSPORT,\n],"
+
+    @property
+    def transport_arguments(self) -> tuple[str, ...]:
+        """Command line options of the JAUS transport, where they differ from its defaults."""
+        if not self.speaks_jaus:
+            return ()
+        values = zip(SETTINGS, self.transport, strict=True)
+        changed = [(each.option, value) for each, value in values if value != each.default]
+        return tuple(text for pair in changed for text in pair)
+
+
+@dataclass(frozen=True)
+class LaunchView:
+    """A launch file: the whole system, or what runs on one host.
+
+    Attributes:
+        name: Name of the launch file without its suffix.
+        documentation: What it starts.
+        package: The bring-up package.
+        source: Model file.
+        ros_domain: ROS domain of the system.
+        transport: Values of SETTINGS that the launch arguments have by default.
+        processes: What it starts.
+    """
+
+    name: str
+    documentation: str
+    package: str
+    source: str
+    ros_domain: int
+    transport: tuple[str, ...]
+    processes: tuple[ProcessView, ...]
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"launch:{self.name}"
+
+    @property
+    def speaks_jaus(self) -> bool:
+        """Whether some process takes the options of the JAUS transport."""
+        return any(process.speaks_jaus for process in self.processes)
+
+    @property
+    def speaks_ros(self) -> bool:
+        """Whether some process is a ROS 2 node."""
+        return any(process.speaks_ros for process in self.processes)
+
+    @property
+    def has_components(self) -> bool:
+        """Whether some process is a JAUS component without ROS."""
+        return any(not process.speaks_ros for process in self.processes)
+
+    @property
+    def settings(self) -> tuple[Setting, ...]:
+        """The settings of the JAUS transport."""
+        return SETTINGS if self.speaks_jaus else ()
+
+    @property
+    def arguments(self) -> tuple[Argument, ...]:
+        """The launch arguments; a ROS domain that the environment names is kept."""
+        domain = python_string(self.ros_domain)
+        values = zip(self.settings, self.transport, strict=False)
+        return (
+            Argument(
+                "ros_domain_id",
+                f'EnvironmentVariable("ROS_DOMAIN_ID", default_value={domain})',
+                "Domain of ROS 2",
+            ),
+            *(
+                Argument(each.name, python_string(value), each.description)
+                for each, value in values
+            ),
+        )
+
+    @property
+    def import_lines(self) -> tuple[str, ...]:
+        """Import lines of the launch file, without those of the standard library."""
+        names = {
+            ("launch", "LaunchDescription"),
+            ("launch.actions", "DeclareLaunchArgument"),
+            ("launch.actions", "SetEnvironmentVariable"),
+            ("launch.substitutions", "EnvironmentVariable"),
+            ("launch.substitutions", "LaunchConfiguration"),
+        }
+        if self.speaks_ros:
+            names.add(("ament_index_python.packages", "get_package_share_directory"))
+            names.add(("launch_ros.actions", "Node"))
+        if self.has_components:
+            names.add(("launch.actions", "ExecuteProcess"))
+            names.add(("launch_ros.substitutions", "ExecutableInPackage"))
+        return import_lines(names)
+
+
+@dataclass(frozen=True)
+class ConfigView:
+    """The parameter file of one ROS 2 node."""
+
+    source: str
+    process: ProcessView
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"config:{self.process.name}"
+
+    @property
+    def parameters(self) -> tuple[tuple[str, str], ...]:
+        """Names and values of the parameters as YAML."""
+        values = {"use_sim_time": False, **self.process.parameters}
+        return tuple((_yaml_key(name), _yaml(value)) for name, value in values.items())
+
+
+@dataclass(frozen=True)
+class BringupView:
+    """The bring-up package of a system.
+
+    Args:
+        system: The `system.System`.
+        source: Model file.
+    """
+
+    system: Any
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"system:{self.system.name}"
+
+    @property
+    def name(self) -> str:
+        """Package name."""
+        return package_name(f"{self.system.name}_bringup")
+
+    @functools.cached_property
+    def processes(self) -> tuple[ProcessView, ...]:
+        """Components, bridges and nodes, in the order in which they are started."""
+        components = [self._process(item, "component") for item in self.system.components]
+        bridges = [self._process(item, "bridge") for item in self.system.bridges]
+        nodes = [self._process(item, "node") for item in self.system.nodes]
+        return tuple(components + bridges + nodes)
+
+    @property
+    def launches(self) -> tuple[LaunchView, ...]:
+        """One launch file for the system, and one for each host when there are several.
+
+        The one of the system starts everything on one computer, where the settings of the first
+        host hold for all.
+        """
+        system, hosts = self.system.name, list(self.system.hosts)
+        title = f"Starts the processes of {system}."
+        if len(hosts) > 1:
+            title += f"\n\nAll run on this computer, with the JAUS transport of {hosts[0].name}."
+        views = [self._launch(system, title, hosts[0] if hosts else None, self.processes)]
+        for host in hosts if len(hosts) > 1 else ():
+            title = f"Starts the processes of {system} on the host {host.name}."
+            processes = tuple(each for each in self.processes if each.host == host.name)
+            views.append(self._launch(f"{system}_{host.name}", title, host, processes))
+        return tuple(views)
+
+    @property
+    def configs(self) -> tuple[ConfigView, ...]:
+        """One parameter file for each ROS 2 node."""
+        return tuple(
+            ConfigView(self.source, process) for process in self.processes if process.speaks_ros
+        )
+
+    @property
+    def dependencies(self) -> tuple[str, ...]:
+        """ROS packages that the package needs at run time, sorted."""
+        packages = {process.package for process in self.processes}
+        return tuple(sorted(packages | {"ament_index_python", "launch", "launch_ros"}))
+
+    def _launch(
+        self, name: str, documentation: str, host: Any, processes: tuple[ProcessView, ...]
+    ) -> LaunchView:
+        return LaunchView(
+            name=name,
+            documentation=documentation,
+            package=self.name,
+            source=self.source,
+            ros_domain=self.system.rosDomain,
+            transport=_transport(host),
+            processes=processes,
+        )
+
+    def _process(self, element: Any, kind: str) -> ProcessView:
+        host = host_of(self.system, element)
+        parameters = element.parameters if kind == "node" else ()
+        return ProcessView(
+            name=element.name,
+            kind=kind,
+            namespace=str(element.namespace or "") if kind != "component" else "",
+            host=host.name if host is not None else "",
+            transport=_transport(host),
+            parameters={each.name: parameter_value(each) for each in parameters},
+        )
+
+
+def _transport(host: Any) -> tuple[str, ...]:
+    if host is None:
+        return tuple(each.default for each in SETTINGS)
+    return tuple(_value(host, each.feature) for each in SETTINGS)
+
+
+def _value(host: Any, feature: str) -> str:
+    value = getattr(host, feature)
+    return TRANSPORTS[value.name] if feature == "transport" else str(value)
+
+
+def _yaml_key(name: str) -> str:
+    return yaml_string(name) if name.lower() in _YAML_WORDS else name
+
+
+def _yaml(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return yaml_string(value)
+    mantissa, mark, exponent = repr(value).partition("e")
+    # YAML 1.1 reads 1e-07 as text.
+    return f"{mantissa}.0e{exponent}" if mark and "." not in mantissa else repr(value)

@@ -1,0 +1,195 @@
+"""What a component handles, answers and receives: one view for each method of its skeleton."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.artifact import MethodContract
+from jausml.generation.docstrings import clean, docstring, sentence
+from jausml.generation.literals import python_literal
+from jausml.generators.python.layout import Call, signature, statement
+
+if TYPE_CHECKING:
+    from jausml.generators.python.codec.messages import MessageView
+
+GUARD_TEXTS = {
+    "ANY": "from whoever sends it",
+    "CONTROLLED": "from the controller",
+    "READY": "from the controller while the component is Ready",
+}
+_DEFINITION = 4
+_BODY = 8
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method that the base calls and the user's class overrides.
+
+    Attributes:
+        name: Its name.
+        parameters: Parameters after self as (name, type).
+        result: Type of the result in the base.
+        documentation: Clean text.
+        identity: What stays when the model element is renamed.
+    """
+
+    name: str
+    parameters: tuple[tuple[str, str], ...]
+    result: str
+    documentation: str
+    identity: str
+
+    @property
+    def signature(self) -> str:
+        """Its first line."""
+        parameters = ["self", *(f"{name}: {kind}" for name, kind in self.parameters)]
+        return signature(f"def {self.name}", parameters, self.result, _DEFINITION)
+
+    @property
+    def docstring(self) -> str:
+        """Its docstring."""
+        return docstring(self.documentation, _BODY)
+
+    @property
+    def default(self) -> tuple[str, ...]:
+        """Statements of the base: nobody has implemented it."""
+        *messages, (sender, _) = self.parameters
+        what = "".join(f" {{{name}.NAME}}" for name, _ in messages)
+        detail = f'f"{self.name}:{what} from {{{sender}}}"'
+        count = Call("self.counters.count", ('"component.not_implemented"', detail))
+        lines = [statement(count, "", _BODY)]
+        return (*lines, "return None") if self.result != "None" else tuple(lines)
+
+    @property
+    def placeholder(self) -> str:
+        """Statement of the skeleton: what the base does."""
+        arguments = tuple(name for name, _ in self.parameters)
+        before = "return " if self.result != "None" else ""
+        return statement(Call(f"super().{self.name}", arguments), before, _BODY)
+
+    @property
+    def contract(self) -> MethodContract:
+        """What the drift report compares the user's class with."""
+        body = [self.signature, f"    {self.docstring}", f"    {self.placeholder}"]
+        stub = "".join(f"    {line}\n" for text in body for line in text.split("\n"))
+        names = tuple(name for name, _ in self.parameters)
+        return MethodContract(self.name, names, self.identity, stub)
+
+
+@dataclass(frozen=True)
+class Handler:
+    """An input message that is no query.
+
+    Attributes:
+        message: The message.
+        method: The method that acts on it.
+        when: Whom it is obeyed from, as an expression.
+    """
+
+    message: MessageView
+    method: Method
+    when: str
+
+    @property
+    def registration(self) -> str:
+        """Statement of the constructor."""
+        arguments = (self.message.class_name, f"self.{self.method.name}", f"when={self.when}")
+        return statement(Call("self.handle", arguments), "", _BODY)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A query and its report.
+
+    Attributes:
+        query: The query.
+        report: The report.
+        method: The method that makes the report.
+    """
+
+    query: MessageView
+    report: MessageView
+    method: Method
+
+    @property
+    def registration(self) -> str:
+        """Statement of the constructor."""
+        names = (self.query.class_name, self.report.class_name, f"self.{self.method.name}")
+        return statement(Call("self.provide", names), "", _BODY)
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another component that this one controls or receives reports from.
+
+    Attributes:
+        constant: Name of the class constant with its address.
+        address: The address, as an expression.
+        name: Its name in the model, clean.
+        control: Name of the attribute with the control session; empty when not controlled.
+    """
+
+    constant: str
+    address: Call
+    name: str
+    control: str
+
+
+@dataclass(frozen=True)
+class Received:
+    """A report that a service connection brings.
+
+    Attributes:
+        connection: The `jaus.ServiceConnection`.
+        query: The query for the report.
+        report: The report.
+        peer: Who sends it.
+        method: The method that takes it.
+        silent: The method that is told of the provider's silence.
+    """
+
+    connection: Any
+    query: MessageView
+    report: MessageView
+    peer: Peer
+    method: Method
+    silent: Method | None
+
+    @property
+    def registration(self) -> str:
+        """Statement of the constructor."""
+        arguments: list[str | Call] = [
+            f"self.{self.peer.constant}",
+            self._query(),
+            self.report.class_name,
+            f"self.{self.method.name}",
+        ]
+        exchange = self.connection.exchange.name
+        if exchange == "oneTime":
+            return statement(Call("self.query", tuple(arguments)), "", _BODY)
+        if exchange == "periodic":
+            arguments.append(f"rate={python_literal(float(self.connection.rate))}")
+        if self.silent:
+            timeout = python_literal(float(self.connection.silenceTimeout))
+            arguments.append(f"silence_timeout={timeout}")
+            callback = f"lambda: self.{self.silent.name}(self.{self.peer.constant})"
+            arguments.append(f"on_silence={callback}")
+        return statement(Call("self.subscribe", tuple(arguments)), "", _BODY)
+
+    def _query(self) -> Call:
+        """Returns the query for all optional fields of the report."""
+        wanted = self.report.body.presence_mask
+        selectors = [m for m in self.query.body.members if m.jaus_name == "PresenceVector"]
+        arguments = tuple(f"{member.attribute}=0x{wanted:X}" for member in selectors)
+        return Call(self.query.class_name, arguments if wanted else ())
+
+
+def documented(element: Any, otherwise: str) -> str:
+    """Returns what the model says of an element, as a sentence.
+
+    Args:
+        element: A NamedElement of the model.
+        otherwise: Clean text for an element without documentation.
+    """
+    return sentence(clean(element.documentation) or otherwise)

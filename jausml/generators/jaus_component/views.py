@@ -1,0 +1,397 @@
+"""What the templates of a component package may ask."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.docstrings import clean, docstring, sentence
+from jausml.generation.errors import GenerationError
+from jausml.generation.literals import python_string
+from jausml.generators.common import components
+from jausml.generators.common.ros import import_lines
+from jausml.generators.jaus_component import machines
+from jausml.generators.jaus_component.handlers import (
+    GUARD_TEXTS,
+    Answer,
+    Handler,
+    Method,
+    Peer,
+    Received,
+    documented,
+)
+from jausml.generators.python import imports, names
+from jausml.generators.python.codec.message_builder import build_message_map
+from jausml.generators.python.codec.message_examples import example_bytes
+from jausml.generators.python.guards import condition, guard_of, may_set_limits
+from jausml.generators.python.layout import Call, hexadecimal, statement, text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.generators.jaus_component.machine_views import EventView, MachineView
+    from jausml.generators.python.codec.messages import MessageView
+
+_ARGUMENT = 8
+
+# Hooks of every component, with their parameters; the base does nothing in them.
+_HOOKS = {
+    "on_initialize": (),
+    "on_ready": (),
+    "on_not_ready": (),
+    "on_controller_changed": ("controller",),
+    "on_emergency": ("active",),
+    "on_set_time": ("time",),
+    "on_list_changed": (),
+    "on_shutdown": (),
+    "host_time": (),
+    "supports_element": ("element",),
+}
+# Methods of the component itself that a message of an unlucky name must not replace.
+_TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONENT_NAMES
+_RUNTIME_NAMES = {
+    "jausml_runtime.base.address": ("JausAddress",),
+    "jausml_runtime.component.component": (
+        "Completion",
+        "ComponentSettings",
+        "Guard",
+        "JausComponent",
+        "Scope",
+        "ServiceIdentity",
+    ),
+    **machines.RUNTIME_NAMES,
+}
+
+
+@dataclass(frozen=True)
+class ComponentView:
+    """A modelled component.
+
+    Args:
+        component: The `jaus.Component`.
+        system: The `system.System` that owns it.
+        source: Model file.
+    """
+
+    component: Any
+    system: Any
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"component:{self.component.name}"
+
+    @property
+    def name(self) -> str:
+        """Name of the component in the model, clean."""
+        return clean(self.component.name)
+
+    @property
+    def package(self) -> str:
+        """Package, module of the skeleton and executable."""
+        return names.package_name(str(self.component.name))
+
+    @property
+    def class_name(self) -> str:
+        """Class of the user's skeleton."""
+        return names.class_name("".join(word.capitalize() for word in self.package.split("_")))
+
+    @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    def documentation(self) -> str:
+        """What the model says that the component is for."""
+        known = clean(self.component.documentation)
+        return sentence(known or f"component {self.name} of the system {clean(self.system.name)}")
+
+    def docstring(self, column: int) -> str:
+        """Returns the docstring of a module or class of the component.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return docstring(self.documentation, column)
+
+    # -- messages --------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def _services(self) -> tuple[Any, ...]:
+        """Provided services whose messages the component itself handles, bases first."""
+        provided = components.with_inherited(self.component.provides)
+        return tuple(s for s in provided if s.urn not in components.RUNTIME_SERVICES)
+
+    @functools.cached_property
+    def _messages(self) -> dict[Any, MessageView]:
+        """Every message of the component by model element."""
+        used = components.with_inherited(self.component.uses)
+        services = [*self._services, *(s for s in used if s.urn not in components.RUNTIME_SERVICES)]
+        elements = [m for s in services for m in [*s.inputs, *s.outputs]]
+        elements += machines.messages_of(self._services)
+        for connection in self.component.connections:
+            elements += [connection.message, self._query_of(connection)]
+        return build_message_map(dict.fromkeys(elements))
+
+    @property
+    def messages(self) -> tuple[MessageView, ...]:
+        """The messages whose classes the package brings; the runtime has those of core services."""
+        own = (v for e, v in self._messages.items() if not components.is_core_message(e))
+        return tuple(dict.fromkeys(own))
+
+    @property
+    def examples(self) -> tuple[str, ...]:
+        """Class name and bytes of an example of each message of the package, as tuples."""
+        return tuple(hexadecimal(v.class_name, example_bytes(v), 4) for v in self.messages)
+
+    def _query_of(self, connection: Any) -> Any:
+        if connection.query is not None:
+            return connection.query
+        report = connection.message
+        query = components.query_for(report, [report.eContainer()])
+        if query is None:
+            raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
+        return query
+
+    # -- methods ---------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def _methods(self) -> names.Scope:
+        return names.Scope(_TAKEN)
+
+    @functools.cached_property
+    def parts(self) -> tuple[tuple[Handler, ...], tuple[Answer, ...], tuple[Received, ...]]:
+        """Handlers, answers and received reports, under method names that are unique."""
+        handlers: dict[int, Handler] = {}
+        answers: dict[int, Answer] = {}
+        for service in self._services:
+            for message in service.inputs:
+                view = self._messages[message]
+                report = components.report_for(message, components.with_inherited([service]))
+                if view.code in handlers or view.code in answers or self._machines.takes(view.code):
+                    continue
+                if report is None:
+                    handlers[view.code] = self._handler(message, service)
+                else:
+                    answers[view.code] = self._answer(message, report)
+        received = tuple(self._received(each) for each in self.component.connections)
+        return tuple(handlers.values()), tuple(answers.values()), received
+
+    @functools.cached_property
+    def _machines(self) -> machines.Machines:
+        return machines.Machines(self._services, self._messages, self._methods)
+
+    @property
+    def state_machines(self) -> tuple[MachineView, ...]:
+        """The state machines."""
+        return self._machines.views
+
+    @property
+    def events(self) -> tuple[EventView, ...]:
+        """Internal events that the component may raise."""
+        return self._machines.events if self.state_machines else ()
+
+    @property
+    def machine_registrations(self) -> tuple[str, ...]:
+        """Statements of the constructor that give messages to the machines."""
+        found: dict[int, str] = {}
+        for service in self._services:
+            for message in service.inputs:
+                code = self._messages[message].code
+                if self._machines.takes(code):
+                    found[code] = self._machines.registration(message, service)
+        return tuple(found.values())
+
+    @property
+    def superclass(self) -> str:
+        """Class of the runtime that the base derives from."""
+        return "ModelledComponent" if self.state_machines else "JausComponent"
+
+    @property
+    def handlers(self) -> tuple[Handler, ...]:
+        """Input messages that are no queries."""
+        return self.parts[0]
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """Queries and their reports."""
+        return self.parts[1]
+
+    @property
+    def received(self) -> tuple[Received, ...]:
+        """Reports of other components."""
+        return self.parts[2]
+
+    @property
+    def methods(self) -> tuple[Method, ...]:
+        """The methods of the skeleton."""
+        return tuple(self._all_methods())
+
+    def _all_methods(self) -> Iterator[Method]:
+        yield from (handler.method for handler in self.handlers)
+        yield from (answer.method for answer in self.answers)
+        yield from self._machines.methods
+        for each in self.received:
+            yield each.method
+            if each.silent:
+                yield each.silent
+
+    def _handler(self, message: Any, service: Any) -> Handler:
+        view, guard = self._messages[message], guard_of(message, service)
+        whom = GUARD_TEXTS[guard]
+        if guard == "READY" and may_set_limits(message):
+            whom += "; limits in Standby too"
+        method = Method(
+            self._methods.claim(f"on_{names.snake_case(view.class_name)}"),
+            (("message", view.class_name), ("sender", "JausAddress")),
+            "Completion | None",
+            documented(message, f"take {clean(message.name)} {whom}"),
+            view.code_text,
+        )
+        return Handler(view, method, condition(message, guard))
+
+    def _answer(self, query: Any, report: Any) -> Answer:
+        asked, told = self._messages[query], self._messages[report]
+        stem = names.snake_case(told.class_name).removeprefix("report_")
+        method = Method(
+            self._methods.claim(f"report_{stem}"),
+            (("query", asked.class_name), ("sender", "JausAddress")),
+            f"{told.class_name} | None",
+            documented(report, f"return {clean(report.name)}, or None while there is none"),
+            asked.code_text,
+        )
+        return Answer(asked, told, method)
+
+    def _received(self, connection: Any) -> Received:
+        view = self._messages[connection.message]
+        identity = f"connection:{connection.name}"
+        name = f"on_{names.snake_case(str(connection.name))}"
+        peer = self._peer_of[connection.provider]
+        method = Method(
+            self._methods.claim(name),
+            (("report", view.class_name), ("provider", "JausAddress")),
+            "None",
+            documented(connection, f"take {clean(view.jaus_name)} of {peer.name}"),
+            identity,
+        )
+        silent = None
+        if connection.silenceTimeout > 0 and connection.exchange.name != "oneTime":
+            silent = Method(
+                self._methods.claim(f"{method.name}_silent"),
+                (("provider", "JausAddress"),),
+                "None",
+                sentence(f"take notice that {peer.name} has stopped to report"),
+                f"{identity}:silent",
+            )
+        query = self._messages[self._query_of(connection)]
+        return Received(connection, query, view, peer, method, silent)
+
+    @functools.cached_property
+    def _peer_of(self) -> dict[Any, Peer]:
+        scope = names.Scope(frozenset(["CODE", "NAME"]))
+        controlled = list(self.component.controls)
+        providers = [connection.provider for connection in self.component.connections]
+        found = {}
+        for each in dict.fromkeys([*controlled, *providers]):
+            constant = scope.claim(names.constant_name(str(each.name)))
+            control = f"control_of_{constant.lower()}" if each in controlled else ""
+            found[each] = Peer(constant, components.address_call(each), clean(each.name), control)
+        return found
+
+    @property
+    def peers(self) -> tuple[Peer, ...]:
+        """Other components that this one controls or receives reports from."""
+        return tuple(self._peer_of.values())
+
+    @property
+    def is_managed(self) -> bool:
+        """Whether the component has the states of Management."""
+        return any(components.inherits(each, "Management") for each in self.component.provides)
+
+    # -- text ------------------------------------------------------------------------------------
+
+    @property
+    def address(self) -> Call:
+        """The modelled address."""
+        return components.address_call(self.component)
+
+    @property
+    def services(self) -> tuple[Call, ...]:
+        """The services that Discovery reports."""
+        return components.service_identities(self.component.provides)
+
+    @property
+    def component_type(self) -> int:
+        """The type that Discovery reports."""
+        return components.SUBSYSTEM_TYPES[self.component.type.name]
+
+    @property
+    def name_text(self) -> str:
+        """The name as a Python string."""
+        return python_string(self.name)
+
+    @property
+    def description_argument(self) -> str:
+        """The argument `description` of the entry point."""
+        return text(self.documentation, "description=", ",", _ARGUMENT)
+
+    @property
+    def settings(self) -> str:
+        """Assignment of the modelled behaviour."""
+        element = self.component
+        arguments = [
+            f"default_authority={int(element.defaultAuthority)}",
+            f"control_timeout={int(element.controlTimeout)}",
+            f"event_timeout={int(element.eventTimeout)}",
+        ]
+        if self._answers_for_subsystem:
+            arguments.append("discovery_scope=Scope.SUBSYSTEM")
+        return statement(Call("ComponentSettings", tuple(arguments)), "SETTINGS = ")
+
+    @property
+    def _answers_for_subsystem(self) -> bool:
+        """Whether it is component 1 of node 1 with Discovery, by convention the subsystem's."""
+        node_and_component = [int(part) for part in self.component.address.split(".")[1:]]
+        discovers = any(each.urn.endswith(":Discovery") for each in self.component.provides)
+        return discovers and node_and_component == [1, 1]
+
+    @property
+    def main_import_lines(self) -> tuple[str, ...]:
+        """Import lines of the entry point, without its own modules."""
+        names = components.transport_names(self.system, self.component)
+        return import_lines({*names, ("jausml_runtime.component.process", "run")})
+
+    @property
+    def transport(self) -> str:
+        """Assignment of the modelled settings of the transport."""
+        call = components.transport_settings(self.system, self.component)
+        return statement(call, "TRANSPORT = ")
+
+    def head(self, body: str, *, for_user: bool = False) -> str:
+        """Returns the import statements of a module of the package.
+
+        Args:
+            body: The text below them.
+            for_user: Whether it is the skeleton. Names for annotations are imported plainly
+                there: its user will soon need them for more.
+        """
+        core = [v.class_name for e, v in self._messages.items() if components.is_core_message(e)]
+        runtime = {**_RUNTIME_NAMES, "jausml_runtime.services.messages": core}
+        own = {".messages": [view.class_name for view in self.messages]}
+        if for_user:
+            runtime["jausml_runtime.transports.transport"] = ("Transport",)
+            own[f".{self.package}_base"] = ["ADDRESS", "SETTINGS", self.base_name]
+        return imports.statements(body, runtime, own)
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+        hooks = (
+            MethodContract(name, parameters, f"hook:{name}", "", optional=True)
+            for name, parameters in _HOOKS.items()
+        )
+        methods = (*(method.contract for method in self.methods), *hooks)
+        return SkeletonContract(self.class_name, self.base_name, methods)

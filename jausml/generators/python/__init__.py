@@ -1,0 +1,1 @@
+"""What all targets that write Python share: names, layout, imports, package files."""

@@ -1,0 +1,1 @@
+"""Views of message codecs: what templates may ask about a message class and its fields."""

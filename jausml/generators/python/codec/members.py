@@ -1,0 +1,135 @@
+"""The attributes of messages and of the containers in them, and how they stand on the wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from jausml.generation import docstrings as docs
+from jausml.generators.python import layout
+
+if TYPE_CHECKING:
+    from jausml.generators.python.codec.fields import Blob, Fixed
+    from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
+    from jausml.generators.python.layout import Call
+
+
+@dataclass(frozen=True)
+class Member:
+    """An attribute of a message or part.
+
+    Attributes:
+        jaus_name: Name in the model.
+        attribute: Name in Python.
+        value: What it holds.
+        default: Default value, as Python text.
+        item: Name of a local for an element, when the value is a list or an array.
+        bit: Its bit in the presence vector; 0 when it is always there.
+        units: Unit, as the model says it.
+        documentation: Clean text of the model.
+        enumeration: Name of the class of its listed values, or empty.
+    """
+
+    jaus_name: str
+    attribute: str
+    value: Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
+    default: Call | str
+    item: str = ""
+    bit: int = 0
+    units: str = ""
+    documentation: str = ""
+    enumeration: str = ""
+
+    @property
+    def is_optional(self) -> bool:
+        """Whether the presence vector says if it is there."""
+        return self.bit != 0
+
+    @property
+    def annotation(self) -> str:
+        """Type in Python, None included."""
+        return f"{self.value.python_type} | None" if self.is_optional else self.value.python_type
+
+    @property
+    def result(self) -> Call | str:
+        """The value, as Python text, when its bytes were read into a local of its name."""
+        if self.value.kind == "fixed" and not self.is_optional:
+            return self.value.unpack(self.attribute)  # type: ignore[union-attr]
+        return self.attribute
+
+    def start(self, column: int) -> str:
+        """Returns the assignment of an empty list to a local of its name.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        if self.is_optional:
+            return f"{self.attribute} = []"
+        return layout.annotated(self.attribute, self.value.python_type, "[]", column)
+
+    def line(self, column: int) -> str:
+        """Returns its line in the class, or several when it is long.
+
+        Args:
+            column: Column at which it will stand.
+        """
+        return layout.annotated(self.attribute, self.annotation, self.default, column)
+
+    @property
+    def description(self) -> str:
+        """What the docstring says of it."""
+        numbers = getattr(self.value, "range_text", "")
+        facts = [
+            " ".join(filter(None, [numbers, self.units])),
+            f"see {self.enumeration}" if self.enumeration else "",
+            "optional" if self.is_optional else "",
+        ]
+        text = "; ".join(filter(None, facts))
+        first = docs.described(self.documentation or self.jaus_name)
+        return f"{first} {docs.sentence(text)}" if text else first
+
+
+@dataclass(frozen=True)
+class Run:
+    """Members of fixed size one after the other, packed by one struct.
+
+    Attributes:
+        struct: Name of the module's constant.
+        members: The members.
+        has_presence: Whether the presence vector comes before them.
+        size: Bytes.
+    """
+
+    kind: ClassVar[str] = "run"
+    struct: str
+    members: tuple[Member, ...]
+    has_presence: bool
+    size: int
+
+    @property
+    def packed(self) -> tuple[Call | str, ...]:
+        """Arguments of the struct's pack."""
+        calls = tuple(
+            member.value.pack(f"self.{member.attribute}", member.attribute)  # type: ignore[union-attr]
+            for member in self.members
+        )
+        # The presence vector is written over this 0 when all members are known.
+        return ("0", *calls) if self.has_presence else calls
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Names that the struct's unpack assigns."""
+        names = tuple(member.attribute for member in self.members)
+        return ("presence", *names) if self.has_presence else names
+
+
+@dataclass(frozen=True)
+class Single:
+    """A member that is read and written by itself.
+
+    Attributes:
+        member: The member.
+    """
+
+    kind: ClassVar[str] = "single"
+    member: Member

@@ -1,0 +1,136 @@
+"""What templates/messages.py.j2 may ask about messages: everything is computed here, once.
+
+A message body is a tree of containers (AS5684: record, sequence, list, variant). In Python a
+message is a dataclass of the members of its body; a container inside it is a dataclass inside the
+class, a list is a list, a variant a union of the classes of its options.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generators.python import imports, layout
+from jausml.generators.python.codec.members import Member
+from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import ModuleType
+
+    from jausml.generators.python.codec.nested import (
+        Enumeration,
+        SubField,
+        VariableFieldClass,
+        VariantAlias,
+    )
+
+__all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
+
+
+@dataclass(frozen=True)
+class MessageView:
+    """A message as a class.
+
+    Attributes:
+        jaus_name: Name in the model.
+        code: Message code.
+        is_command: Whether it is of the command class.
+        body: The class itself.
+        nested: Enumerations, parts, bit fields and unions inside it, in the order to write.
+        structs: Names and formats of the module's constants that it uses.
+        body_name: Name of the record, sequence, list or variant of the body, or empty.
+        body_kind: Kind of the body: Record, Sequence, List, Variant or empty.
+    """
+
+    jaus_name: str
+    code: int
+    is_command: bool
+    body: ContainerClass
+    nested: tuple[
+        Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias, ...
+    ]
+    structs: tuple[tuple[str, str], ...] = ()
+    body_name: str = ""
+    body_kind: str = ""
+
+    @property
+    def class_name(self) -> str:
+        """Name of the class."""
+        return self.body.name
+
+    @property
+    def code_text(self) -> str:
+        """Message code as the standard writes it, e.g. `0x4404`."""
+        return f"0x{self.code:04X}"
+
+    def find(self, path: str) -> tuple[Member | SubField, ...]:
+        """Returns the members along a path of JAUS names, empty when there is none.
+
+        Args:
+            path: Names joined by dots, relative to the flattened body, e.g. `TimeStamp.Hour`.
+        """
+        found: list[Member | SubField] = []
+        members: tuple[Member | SubField, ...] = self.body.members
+        for name in path.split("."):
+            match = [member for member in members if member.jaus_name == name]
+            if not match:
+                return ()
+            found.append(match[0])
+            members = tuple(self._inside(match[0]))
+        return tuple(found)
+
+    def _inside(self, member: Member | SubField) -> Iterator[Member | SubField]:
+        for item in self.nested:
+            if isinstance(member, Member) and item.kind != "enumeration":
+                if isinstance(item, BitFieldClass) and member.value.python_type == item.path:
+                    yield from item.sub_fields
+                if isinstance(item, ContainerClass) and member.value.python_type == item.path:
+                    yield from item.members
+
+
+@dataclass(frozen=True)
+class MessagesModule:
+    """A module of messages.
+
+    Attributes:
+        summary: First line of the module's docstring.
+        runtime: Package that the codecs are imported from: `.` inside its services.
+        messages: The messages.
+        source: Model file.
+        element_id: Identity of the model element that the module is of.
+    """
+
+    summary: str
+    runtime: str
+    messages: tuple[MessageView, ...]
+    source: str = ""
+    element_id: str = ""
+
+    @property
+    def structs(self) -> tuple[tuple[str, str], ...]:
+        """Names and formats of the module's constants, those of one item first."""
+        found = {pair for message in self.messages for pair in message.structs}
+        return tuple(sorted(found, key=lambda pair: (len(pair[1]), pair[0])))
+
+    @property
+    def layout(self) -> ModuleType:
+        """How statements are laid out."""
+        return layout
+
+    def has_late_names(self, body: str) -> bool:
+        """Whether a default is made by a lambda that only calls a class.
+
+        Args:
+            body: The text of the module.
+        """
+        return re.search(r"=lambda: [\w.]+\(\)", body) is not None
+
+    def head(self, body: str) -> str:
+        """Returns the import statements of the module.
+
+        Args:
+            body: The text below them, which says what is needed.
+        """
+        return imports.statements(body, imports.codec_names(self.runtime))

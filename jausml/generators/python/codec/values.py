@@ -1,0 +1,181 @@
+"""Values made of other values: parts, variants, lists and arrays (SAE AS5684 containers)."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from jausml.generators.python.codec.fields import struct_name
+from jausml.generators.python.layout import Call
+
+if TYPE_CHECKING:
+    from jausml.generators.python.codec.fields import Blob, Fixed
+    from jausml.generators.python.codec.nested import ContainerClass, VariableFieldClass
+
+MAXIMUM_COMPLEXITY = 10
+
+
+@dataclass(frozen=True)
+class PartValue:
+    """An instance of a nested dataclass.
+
+    Attributes:
+        part: The dataclass.
+        python_type: Its full name, e.g. `ReportServices.NodeSeq`.
+    """
+
+    kind: ClassVar[str] = "part"
+    part: ContainerClass | VariableFieldClass
+    python_type: str
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.part.min_size
+
+
+@dataclass(frozen=True)
+class VariantValue:
+    """An instance of one of several dataclasses; a tag on the wire says of which.
+
+    Attributes:
+        reader: Name of the static method that reads it.
+        python_type: Full name of the union of the classes, or of the only one.
+        tag_format: Struct format of the tag.
+        options: The classes in the order of their tags.
+    """
+
+    kind: ClassVar[str] = "variant"
+    reader: str
+    python_type: str
+    tag_format: str
+    options: tuple[PartValue, ...]
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.tag_size + min(o.min_size for o in self.options)
+
+    @property
+    def refusal(self) -> Call:
+        """The error for a tag that names no option."""
+        return Call("DecodeError", (f'"{self.python_type}"', 'f"tag {tag} names no option"'))
+
+    @property
+    def tag_struct(self) -> str:
+        """Name of the constant for the tag."""
+        return struct_name(self.tag_format)
+
+    @property
+    def tag_size(self) -> int:
+        """Bytes of the tag."""
+        return struct.calcsize(f"<{self.tag_format}")
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether the reader has more branches than the style allows without a word."""
+        return len(self.options) + 1 > MAXIMUM_COMPLEXITY
+
+
+@dataclass(frozen=True)
+class ListValue:
+    """A counted list.
+
+    Attributes:
+        element: What is in it.
+        count_format: Struct format of the count.
+        lower: Smallest legal count.
+        upper: Largest legal count.
+    """
+
+    kind: ClassVar[str] = "list"
+    element: Fixed | Blob | PartValue | VariantValue
+    count_format: str
+    lower: int
+    upper: int
+
+    @property
+    def python_type(self) -> str:
+        """Type in Python."""
+        return f"list[{self.element.python_type}]"
+
+    @property
+    def count_struct(self) -> str:
+        """Name of the constant for the count."""
+        return struct_name(self.count_format)
+
+    def sized(self, value: str, field: str) -> Call:
+        """Returns the expression for the checked length of a value."""
+        # JAUS-DEVIATION: AS5684 also states a smallest count; components made with the JAUS Tool
+        # Set send shorter lists (QueryServiceList without a subsystem), and mean them.
+        return Call("sized", (value, "0", str(self.upper), f'"{field}"'))
+
+    def checked(self, field: str) -> Call:
+        """Returns the expression that checks a count on the wire, which is in `size`."""
+        limits = ("size", str(self.upper), "len(buffer) - offset")
+        return Call("check_count", (*limits, str(self.element_size), f'"{field}"'))
+
+    @property
+    def count_size(self) -> int:
+        """Bytes of the count."""
+        return struct.calcsize(f"<{self.count_format}")
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.count_size
+
+    @property
+    def element_size(self) -> int:
+        """Fewest bytes of an element; an element of no bytes would make any count legal."""
+        return max(1, self.element.min_size)
+
+    @property
+    def range_text(self) -> str:
+        """Legal counts in words."""
+        shortest = f"{self.lower} .. " if self.lower else "up to "
+        return f"{shortest}{self.upper} elements"
+
+
+@dataclass(frozen=True)
+class ArrayValue:
+    """A list of a fixed number of elements, in wire order.
+
+    Attributes:
+        element: What is in it.
+        dimensions: Size of each dimension; the first varies slowest.
+        struct: Name of the constant for all elements, when they are numbers or fixed strings.
+    """
+
+    kind: ClassVar[str] = "array"
+    element: Fixed | Blob | PartValue | VariantValue
+    dimensions: tuple[int, ...]
+    struct: str = ""
+
+    def checked(self, value: str, field: str) -> Call:
+        """Returns the expression for the elements of a value that has as many as it must."""
+        return Call("exactly", (value, str(self.count), f'"{field}"'))
+
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        product = 1
+        for size in self.dimensions:
+            product *= size
+        return product
+
+    @property
+    def python_type(self) -> str:
+        """Type in Python."""
+        return f"list[{self.element.python_type}]"
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+        return self.count * self.element.min_size
+
+    @property
+    def range_text(self) -> str:
+        """Number of elements in words."""
+        return " x ".join(map(str, self.dimensions)) + " elements"

@@ -1,0 +1,162 @@
+"""Arithmetic expressions of attribute maps as Python expressions.
+
+Python is written from the tree of an expression, never from its text.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import python_literal
+from jausml.languages.expressions import (
+    COMPARISONS,
+    Call,
+    Conditional,
+    Expression,
+    Number,
+    Operation,
+    Variable,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+ARITHMETIC = "conversions.arithmetic"
+"""Module of the runtime that has the functions."""
+
+_FUNCTIONS = {
+    "sin": "sine",
+    "cos": "cosine",
+    "tan": "tangent",
+    "asin": "arc_sine",
+    "acos": "arc_cosine",
+    "atan": "arc_tangent",
+    "atan2": "direction",
+    "sqrt": "root",
+    "abs": "magnitude",
+    "min": "least",
+    "max": "greatest",
+    "floor": "round_down",
+    "ceil": "round_up",
+    "round": "round_off",
+    "sign": "sign",
+    "hypot": "length",
+    "fmod": "modulo",
+    "isfinite": "is_finite",
+}
+_CALLED_OPERATORS = {"/": "divide", "^": "power"}
+_TRUTHS = COMPARISONS | {"and", "or", "not"}
+# How tightly an operator of Python binds what stands beside it.
+_ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _NOT, _AND, _OR, _CHOICE = range(9)
+_BINDING = {"*": _PRODUCT, "+": _SUM, "-": _SUM, "and": _AND, "or": _OR}
+
+
+@dataclass(frozen=True)
+class PythonExpression:
+    """An expression in Python.
+
+    Attributes:
+        code: The expression, in one line.
+        functions: Functions of the module `arithmetic` of the runtime that it calls.
+    """
+
+    code: str
+    functions: frozenset[str]
+
+
+def python_expression(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
+    """Returns the Python expression that computes an expression, as a `float`.
+
+    Args:
+        expression: The expression.
+        sources: Python for each variable, by name: a name, an attribute, an item or a call.
+
+    Raises:
+        KeyError: A variable has no source.
+    """
+    writer = _Writer(sources)
+    code = writer.number(expression, _CHOICE)
+    return PythonExpression(code, frozenset(writer.functions))
+
+
+def python_condition(expression: Expression, sources: Mapping[str, str]) -> PythonExpression:
+    """Returns the Python expression that tells whether an expression differs from 0.
+
+    Args:
+        expression: The expression.
+        sources: Python for each variable, by name: a name, an attribute, an item or a call.
+
+    Raises:
+        KeyError: A variable has no source.
+    """
+    writer = _Writer(sources)
+    code = writer.truth(expression, _CHOICE)
+    return PythonExpression(code, frozenset(writer.functions))
+
+
+class _Writer:
+    """Writes with as few parentheses as Python needs."""
+
+    def __init__(self, sources: Mapping[str, str]) -> None:
+        self._sources = sources
+        self.functions: set[str] = set()
+
+    def number(self, expression: Expression, binding: int) -> str:
+        """Python for a number, in parentheses when it binds more loosely than asked for."""
+        if isinstance(expression, Number):
+            return self._literal(expression.value, binding)
+        if isinstance(expression, Variable):
+            return self._sources[expression.name]
+        if isinstance(expression, Conditional):
+            code = (
+                f"{self.number(expression.then, _OR)} if {self.truth(expression.condition, _OR)}"
+                f" else {self.number(expression.otherwise, _CHOICE)}"
+            )
+            return _within(code, _CHOICE, binding)
+        if isinstance(expression, Call):
+            call = self._call(_FUNCTIONS[expression.function], expression.arguments)
+            return f"float({call})" if expression.function == "isfinite" else call
+        if expression.sign in _TRUTHS:
+            return f"float({self.truth(expression, _CHOICE)})"
+        return self._operation(expression, binding)
+
+    def truth(self, expression: Expression, binding: int) -> str:
+        """Python for whether an expression differs from 0."""
+        if isinstance(expression, Call) and expression.function == "isfinite":
+            return self._call("is_finite", expression.arguments)
+        if not isinstance(expression, Operation) or expression.sign not in _TRUTHS:
+            return _within(f"{self.number(expression, _SUM)} != 0", _COMPARISON, binding)
+        sign, operands = expression.sign, expression.operands
+        if sign == "not":
+            return _within(f"not {self.truth(operands[0], _NOT)}", _NOT, binding)
+        if sign in COMPARISONS:
+            left, right = (self.number(operand, _SUM) for operand in operands)
+            return _within(f"{left} {sign} {right}", _COMPARISON, binding)
+        own = _BINDING[sign]
+        left, right = self.truth(operands[0], own), self.truth(operands[1], own - 1)
+        return _within(f"{left} {sign} {right}", own, binding)
+
+    def _operation(self, expression: Operation, binding: int) -> str:
+        sign, operands = expression.sign, expression.operands
+        if len(operands) == 1:
+            return _within(f"-{self.number(operands[0], _SIGNED)}", _SIGNED, binding)
+        if sign in _CALLED_OPERATORS:
+            return self._call(_CALLED_OPERATORS[sign], operands)
+        own = _BINDING[sign]
+        left, right = self.number(operands[0], own), self.number(operands[1], own - 1)
+        return _within(f"{left} {sign} {right}", own, binding)
+
+    def _call(self, function: str, arguments: Sequence[Expression]) -> str:
+        self.functions.add(function)
+        return f"{function}({', '.join(self.number(each, _CHOICE) for each in arguments)})"
+
+    def _literal(self, value: float, binding: int) -> str:
+        if not math.isfinite(value):
+            return f'float("{value}")'
+        return _within(python_literal(value), _SIGNED if value < 0 else _ATOM, binding)
+
+
+def _within(code: str, own: int, binding: int) -> str:
+    return f"({code})" if own > binding else code

@@ -1,0 +1,56 @@
+"""One package for each modelled ROS 2 node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generators.common.system import source_of, system_of
+from jausml.generators.python.package import (
+    PACKAGE_TEMPLATES,
+    package_tasks,
+    package_view,
+    program_tasks,
+)
+from jausml.generators.ros_node.views import NodeView
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.model.model import Model
+
+
+class RosNodeTarget:
+    """Base, skeleton, entry point and tests of each node."""
+
+    name = "ros_node"
+    description = "ROS 2 nodes with skeletons, one ament_python package each."
+    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
+
+    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
+        """Returns the files of every node."""
+        system, source = system_of(model), source_of(model)
+        nodes = [NodeView(node, system.name, source) for node in system.nodes]
+        packages = [
+            package_view(
+                system,
+                node.package,
+                element_id=node.element_id,
+                source=source,
+                description=node.description,
+                element=node.node,
+                dependencies=node.dependencies,
+                executables=((node.package, f"{node.package}.main"),),
+            )
+            for node in nodes
+        ]
+        return [
+            *package_tasks(packages),
+            *program_tasks(nodes, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
+            FileTask(
+                "test_node.py.j2", nodes, lambda node: f"{node.package}/test/test_{node.package}.py"
+            ),
+        ]
+
+
+TARGET = RosNodeTarget()

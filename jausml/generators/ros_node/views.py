@@ -1,0 +1,380 @@
+"""What the templates of a ROS 2 node package may ask."""
+
+from __future__ import annotations
+
+import functools
+import math
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.artifact import MethodContract, SkeletonContract
+from jausml.generation.literals import call_args, python_literal, python_string
+from jausml.generators.common.ros import (
+    LONGEST_DURATION,
+    Qos,
+    RosType,
+    import_lines,
+    local_names,
+    parameter_value,
+    qos,
+    ros_type,
+)
+from jausml.generators.python.names import Scope, class_name, package_name, snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+_LONG = 2**63
+_DESCRIPTION = 70
+"""Characters of a piece of a description, with room for escapes."""
+
+_OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
+"""Parameters that every rclpy node declares itself."""
+
+# Names of the base's module and of the skeleton's that no message type may hide.
+_BASE_NAMES = frozenset(
+    [
+        *("DurabilityPolicy", "Duration", "FloatingPointRange", "HistoryPolicy", "IntegerRange"),
+        *("LivelinessPolicy", "Node", "ParameterDescriptor", "QoSOverridingOptions", "QoSProfile"),
+        "ReliabilityPolicy",
+    ]
+)
+
+
+@dataclass(frozen=True)
+class EndpointView:
+    """A publisher, subscription, service server or service client.
+
+    Attributes:
+        name: End of its names in Python, e.g. `pose` of `on_pose` and `publisher_pose`.
+        ros_name: Topic or service.
+        type: Its type.
+        type_name: Name of the type in the module.
+        qos: Quality of service of a topic; that of services is rclpy's.
+        documentation: What the model says of it.
+    """
+
+    name: str
+    ros_name: str
+    type: RosType
+    type_name: str
+    qos: Qos
+    documentation: str
+
+    @property
+    def message_signature(self) -> str:
+        """First line of the method that handles messages."""
+        parameters = ("self", f"message: {self.type_name}")
+        return call_args(parameters, f"def on_{self.name}(", ") -> None:", 4)
+
+    @property
+    def request_signature(self) -> str:
+        """First line or lines of the method that answers requests."""
+        kind = self.type_name
+        parameters = ("self", f"request: {kind}.Request", f"response: {kind}.Response")
+        return call_args(parameters, f"def on_{self.name}(", f") -> {kind}.Response:", 4)
+
+    @property
+    def publish_signature(self) -> str:
+        """First line of the method that publishes."""
+        parameters = ("self", f"message: {self.type_name}")
+        return call_args(parameters, f"def publish_{self.name}(", ") -> None:", 4)
+
+
+@dataclass(frozen=True)
+class ParameterView:
+    """A parameter: default value as a Python literal and what its descriptor says.
+
+    Attributes:
+        name: End of the property that returns the value, e.g. `gain` of `parameter_gain`.
+        ros_name: Name in ROS.
+        default: Default value.
+        documentation: What the model says of it.
+        range_class: Class of the range; empty when there is none.
+        limits: Smallest and largest value.
+        read_only: Whether it cannot change after the start.
+    """
+
+    name: str
+    ros_name: str
+    default: bool | float | str
+    documentation: str
+    range_class: str
+    limits: tuple[float, float]
+    read_only: bool
+
+    @property
+    def python_type(self) -> str:
+        """Type of the value in Python."""
+        return type(self.default).__name__
+
+    @property
+    def default_expression(self) -> str:
+        """Default value as Python text."""
+        return python_literal(self.default)
+
+    @property
+    def summary(self) -> str:
+        """Name and documentation, for a docstring."""
+        return f"Value of the parameter '{self.ros_name}'.\n\n{self.documentation}"
+
+    @property
+    def range_expression(self) -> str:
+        """Constructor call of the range."""
+        low, high = (python_literal(limit) for limit in self.limits)
+        return f"{self.range_class}(from_value={low}, to_value={high})"
+
+    @property
+    def range_argument(self) -> str:
+        """Argument of the descriptor that takes the range."""
+        return snake_case(self.range_class)
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Text of the descriptor as string literals that follow each other."""
+        text = " ".join(self.documentation.split())
+        pieces = textwrap.wrap(text, _DESCRIPTION, drop_whitespace=False) or [""]
+        return tuple(python_string(piece) for piece in pieces)
+
+
+@dataclass(frozen=True)
+class NodeView:
+    """A modelled node.
+
+    Args:
+        node: The `ros.Node`.
+        system: Name of the system, which is the default of documentation.
+        source: Model file.
+    """
+
+    node: Any
+    system: str
+    source: str
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+        return f"node:{self.node.name}"
+
+    @property
+    def name(self) -> str:
+        """Node name."""
+        return str(self.node.name)
+
+    @property
+    def package(self) -> str:
+        """Package name, which is also the name of the skeleton's module."""
+        return package_name(self.name)
+
+    @property
+    def class_name(self) -> str:
+        """Class of the user's skeleton."""
+        return class_name(self.name)
+
+    @property
+    def base_name(self) -> str:
+        """Class that is generated anew each time."""
+        return f"{self.class_name}Base"
+
+    @property
+    def full_name(self) -> str:
+        """Node name with its namespace, e.g. `/robot/controller`."""
+        return "/".join(["", *filter(None, str(self.node.namespace or "").split("/")), self.name])
+
+    @property
+    def constructor_arguments(self) -> tuple[str, ...]:
+        """Arguments of rclpy's Node."""
+        name, namespace = python_string(self.name), self.node.namespace
+        return (name, f"namespace={python_string(namespace)}") if namespace else (name,)
+
+    @property
+    def description(self) -> str:
+        """What the model says that the node is for."""
+        return self.node.documentation or f"Node of the system {self.system}."
+
+    @property
+    def documentation(self) -> str:
+        """Summary and description, for docstrings."""
+        return f"ROS 2 node {self.name}.\n\n{self.description}"
+
+    @property
+    def frequency(self) -> float:
+        """Calls of `on_timer` each second; 0 means no timer."""
+        return float(self.node.frequency)
+
+    @property
+    def period(self) -> float:
+        """Seconds between two calls of `on_timer`."""
+        return min(1.0 / self.frequency, LONGEST_DURATION)
+
+    @property
+    def period_ns(self) -> int:
+        """Nanoseconds between two calls of `on_timer`, rounded as rclpy does."""
+        return int(self.period * 1e9)
+
+    @functools.cached_property
+    def publishers(self) -> tuple[EndpointView, ...]:
+        """Publishers in model order."""
+        return tuple(self._topic(each, "Publishes on") for each in self.node.publishers)
+
+    @functools.cached_property
+    def subscriptions(self) -> tuple[EndpointView, ...]:
+        """Subscriptions in model order."""
+        return tuple(self._topic(each, "Handles messages of") for each in self.node.subscriptions)
+
+    @functools.cached_property
+    def service_servers(self) -> tuple[EndpointView, ...]:
+        """Service servers in model order."""
+        return tuple(
+            self._service(each, "Answers requests of") for each in self.node.serviceServers
+        )
+
+    @functools.cached_property
+    def service_clients(self) -> tuple[EndpointView, ...]:
+        """Service clients in model order."""
+        return tuple(self._service(each, "Calls") for each in self.node.serviceClients)
+
+    @functools.cached_property
+    def parameters(self) -> tuple[ParameterView, ...]:
+        """Parameters in model order."""
+        names = _python_names(self.node.parameters)
+        return tuple(_parameter(each, names[each]) for each in self.node.parameters)
+
+    @property
+    def base_imports(self) -> tuple[str, ...]:
+        """Import lines of the base class."""
+        topics = (*self.publishers, *self.subscriptions)
+        names = {("rclpy.node", "Node"), *map(_import, self._endpoints)}
+        for topic in topics:
+            names.update(topic.qos.imports)
+        if topics:
+            names.add(("rclpy.qos_overriding_options", "QoSOverridingOptions"))
+        for parameter in self.declared_parameters:
+            names.add(("rcl_interfaces.msg", "ParameterDescriptor"))
+            if parameter.range_class:
+                names.add(("rcl_interfaces.msg", parameter.range_class))
+        return import_lines(names)
+
+    @property
+    def declared_parameters(self) -> tuple[ParameterView, ...]:
+        """Parameters that the base declares: rclpy has declared the others by then."""
+        return tuple(each for each in self.parameters if each.ros_name not in _OWN_PARAMETERS)
+
+    @property
+    def skeleton_imports(self) -> tuple[str, ...]:
+        """Import lines of the user's skeleton."""
+        return import_lines(map(_import, (*self.subscriptions, *self.service_servers)))
+
+    @property
+    def dependencies(self) -> tuple[str, ...]:
+        """ROS packages that the package needs at run time, sorted."""
+        names = {"rclpy", *(endpoint.type.package for endpoint in self._endpoints)}
+        if self.declared_parameters:
+            names.add("rcl_interfaces")
+        return tuple(sorted(names))
+
+    def contract(self) -> SkeletonContract:
+        """Returns what the base expects of the user's class."""
+        methods = [
+            MethodContract(
+                f"on_{topic.name}",
+                ("message",),
+                f"topic:{topic.ros_name}",
+                f"    {topic.message_signature}\n        super().on_{topic.name}(message)\n",
+            )
+            for topic in self.subscriptions
+        ]
+        methods += [
+            MethodContract(
+                f"on_{server.name}",
+                ("request", "response"),
+                f"service:{server.ros_name}",
+                f"    {server.request_signature}\n"
+                f"        return super().on_{server.name}(request, response)\n",
+            )
+            for server in self.service_servers
+        ]
+        if self.frequency:
+            methods.append(MethodContract("on_timer", (), "timer", _TIMER_STUB))
+        return SkeletonContract(self.class_name, self.base_name, tuple(methods), ("on_",))
+
+    @property
+    def _endpoints(self) -> tuple[EndpointView, ...]:
+        return (
+            *self.publishers,
+            *self.subscriptions,
+            *self.service_servers,
+            *self.service_clients,
+        )
+
+    @functools.cached_property
+    def _names(self) -> Mapping[Any, str]:
+        """Name of each endpoint in Python."""
+        node = self.node
+        timer = {"on_timer"} if self.frequency else set()
+        sending = _python_names((*node.publishers, *node.serviceClients))
+        return sending | _python_names((*node.subscriptions, *node.serviceServers), timer)
+
+    @functools.cached_property
+    def _type_names(self) -> Mapping[RosType, str]:
+        """Names of the types, the same in base and skeleton."""
+        return local_names(
+            (ros_type(endpoint.type) for endpoint in self._names),
+            _BASE_NAMES | {self.class_name, self.base_name},
+        )
+
+    def _topic(self, element: Any, summary: str) -> EndpointView:
+        summary = f"{summary} the topic '{element.topic}'."
+        return self._endpoint(element, element.topic, qos(element.qos), summary)
+
+    def _service(self, element: Any, summary: str) -> EndpointView:
+        summary = f"{summary} the service '{element.service}'."
+        return self._endpoint(element, element.service, Qos((), ()), summary)
+
+    def _endpoint(self, element: Any, ros_name: str, profile: Qos, summary: str) -> EndpointView:
+        kind = ros_type(element.type)
+        return EndpointView(
+            name=self._names[element],
+            ros_name=ros_name,
+            type=kind,
+            type_name=self._type_names[kind],
+            qos=profile,
+            documentation=f"{summary}\n\n{element.documentation or ''}",
+        )
+
+
+_TIMER_STUB = "    def on_timer(self) -> None:\n        super().on_timer()\n"
+
+
+def _import(endpoint: EndpointView) -> tuple[str, str]:
+    name, local = endpoint.type.name, endpoint.type_name
+    return endpoint.type.module, name if name == local else f"{name} as {local}"
+
+
+def _python_names(elements: Iterable[Any], taken: Iterable[str] = ()) -> dict[Any, str]:
+    """Returns the end of each element's names: behind a prefix no keyword and no builtin is hit."""
+    scope = Scope(frozenset(taken))
+    names = {each: scope.claim(snake_case(f"on_{each.name}")) for each in elements}
+    return {element: name.removeprefix("on_") for element, name in names.items()}
+
+
+def _parameter(parameter: Any, name: str) -> ParameterView:
+    default = parameter_value(parameter)
+    limits: tuple[float, float] = (parameter.minimum, parameter.maximum)
+    range_class = ""
+    if parameter.minimum < parameter.maximum:
+        range_class = {"integer": "IntegerRange", "double": "FloatingPointRange"}.get(
+            parameter.type.name, ""
+        )
+    if range_class == "IntegerRange":
+        limits = (max(math.ceil(limits[0]), -_LONG), min(math.floor(limits[1]), _LONG - 1))
+    return ParameterView(
+        name=name,
+        ros_name=parameter.name,
+        default=default,
+        documentation=parameter.documentation or "",
+        range_class=range_class,
+        limits=limits,
+        read_only=parameter.readOnly,
+    )

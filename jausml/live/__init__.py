@@ -1,0 +1,1 @@
+"""Live tools: interpreting codec, captures and listening, operating and checking components."""

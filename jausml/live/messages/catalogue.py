@@ -1,0 +1,407 @@
+"""The catalogue: every message of the shipped library and of the user's own models."""
+
+from __future__ import annotations
+
+import re
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages.codec import shown
+from jausml.live.messages.embedded import (
+    MAXIMUM_DEPTH,
+    DecodedMessage,
+    EmbeddedMessage,
+    decode_embedded,
+)
+from jausml.live.messages.entries import MessageEntry, ServiceEntry, read_code
+from jausml.live.messages.errors import (
+    AmbiguousMessageError,
+    CatalogueError,
+    CodecError,
+    DecodeError,
+    EncodeError,
+    MessageError,
+    UnknownMessageError,
+    UnknownServiceError,
+    similar,
+)
+from jausml.live.messages.scalars import check_names
+from jausml.metamodel import load_jaus_metamodel
+from jausml.metamodel.classes import jaus
+from jausml.model import library_root, read_models
+from jausml.model.diagnostics import Severity
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.model import Model, ReadResult
+    from jausml.model.notation import Notation
+
+_KEYS = ("message", "code", "service", "service_version", "fields")
+_CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
+
+
+def load_catalogue(
+    models: Sequence[str | os.PathLike[str]] = (),
+    *,
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+    notations: Sequence[Notation] = (),
+) -> Catalogue:
+    """Returns the catalogue of the shipped library and of further models.
+
+    That of the library alone is read once in a process. A service of these models takes the place
+    of the library's service of the same URN and version.
+
+    Args:
+        models: The user's models.
+        project_root: The folder that their references may not leave; see `read_models`.
+        allow_outside: True to let them leave it.
+        notations: What reads models that are no XMI.
+
+    Raises:
+        CatalogueError: A model cannot be read; the text has all errors with their places.
+    """
+    if not models:
+        return _library_catalogue()
+    result = read_models(
+        [*models, *_library_files()],
+        project_root=project_root,
+        allow_outside=allow_outside,
+        notations=notations,
+    )
+    return _catalogue_of(result)
+
+
+@cache
+def _library_catalogue() -> Catalogue:
+    # The library needs no other metamodel; all four would take twice as long to load.
+    return _catalogue_of(read_models(_library_files(), metamodels=load_jaus_metamodel()))
+
+
+def _library_files() -> list[Path]:
+    return sorted((library_root() / "jaus").glob("*.xmi"))
+
+
+def _catalogue_of(result: ReadResult) -> Catalogue:
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if errors:
+        raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
+    return Catalogue(result.model)
+
+
+class Catalogue:
+    """Services and messages by name and code.
+
+    Attributes:
+        services: The services by URN and version, the user's first.
+    """
+
+    def __init__(self, model: Model) -> None:
+        """Lists what a model defines; codecs are made when they are used.
+
+        Args:
+            model: A model that was read without errors.
+        """
+        self.services: dict[tuple[str, str], ServiceEntry] = {}
+        self._by_code: dict[int, list[tuple[Any, ServiceEntry]]] = {}
+        self._codes: dict[str, list[int]] = {}
+        self._entries: dict[int, tuple[MessageEntry, ...]] = {}
+        self._entry_of: dict[Any, MessageEntry] = {}
+        services: dict[Any, ServiceEntry] = {}
+        for definition in model.instances(jaus.Service):
+            entry = ServiceEntry(definition, self._entries_of)
+            key = (entry.urn, entry.version)
+            if key not in self.services:
+                self.services[key] = entry
+                self._list_messages(definition, entry)
+            services[definition] = self.services[key]
+        for definition, entry in services.items():
+            if definition.inherits is not None:
+                entry.inherits = services.get(definition.inherits)
+
+    def _list_messages(self, definition: Any, service: ServiceEntry) -> None:
+        for message in (*definition.inputs, *definition.outputs):
+            code = int(str(message.code), 16)
+            self._by_code.setdefault(code, []).append((message, service))
+            codes = self._codes.setdefault(str(message.name), [])
+            if code not in codes:
+                codes.append(code)
+
+    def _entries_of(self, definitions: Iterable[Any]) -> tuple[MessageEntry, ...]:
+        found = []
+        for definition in definitions:
+            self._with_code(int(str(definition.code), 16))
+            found.append(self._entry_of[definition])
+        return tuple(dict.fromkeys(found))
+
+    def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
+        """Returns the messages of a code: definitions that are equal become one."""
+        if code not in self._by_code:
+            return ()
+        if code not in self._entries:
+            by_identity: dict[object, MessageEntry] = {}
+            for definition, service in self._by_code[code]:
+                entry = MessageEntry(definition, self._encode_embedded)
+                try:
+                    identity: object = entry.identity
+                except MessageError:
+                    identity = definition  # using it will tell what is wrong
+                entry = by_identity.setdefault(identity, entry)
+                entry.services = tuple(dict.fromkeys((*entry.services, service)))
+                self._entry_of[definition] = entry
+            self._entries[code] = tuple(by_identity.values())
+        return self._entries[code]
+
+    @property
+    def messages(self) -> tuple[MessageEntry, ...]:
+        """All messages in the order of their codes."""
+        return tuple(entry for code in sorted(self._by_code) for entry in self._with_code(code))
+
+    def find_services(self, service: str) -> tuple[ServiceEntry, ...]:
+        """Returns the services of a name, in all versions unless one is given.
+
+        Args:
+            service: URN, the end of a URN or name, then `/VERSION` if one is meant.
+
+        Raises:
+            UnknownServiceError: There is none; the error suggests similar ones.
+        """
+        name, _, version = service.partition("/")
+        every = list(self.services.values())
+        named = [s for s in every if name in (s.urn, s.name)]
+        named = named or [s for s in every if name and s.urn.endswith(f":{name}")]
+        found = tuple(s for s in named if version in ("", s.version))
+        if found:
+            return found
+        if named:
+            versions = [f"{name}/{s.version}" for s in named]
+            raise UnknownServiceError(f"service {name} has no version {version}", versions)
+        known = {each for s in every for each in (s.urn, s.name)}
+        raise UnknownServiceError(f"no service '{shown(name)[1:-1]}'", similar(name, known))
+
+    def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
+        """Returns the messages of a code; several when it has several meanings.
+
+        Args:
+            code: The message code.
+            service: Service that defines or inherits the message; see `find_services`.
+
+        Raises:
+            UnknownServiceError: There is no such service.
+        """
+        entries = self._with_code(code)
+        if service is None:
+            return entries
+        return self._of_service(entries, service)
+
+    def _of_service(
+        self, entries: Sequence[MessageEntry], service: str
+    ) -> tuple[MessageEntry, ...]:
+        """Returns the entries that a service defines, else those that it inherits."""
+        found: list[MessageEntry] = []
+        for each in self.find_services(service):
+            for ancestor in each.lineage:
+                own = [entry for entry in entries if ancestor in entry.services]
+                found.extend(own)
+                if own:
+                    break
+        return tuple(dict.fromkeys(found))
+
+    def message(self, name_or_code: str | int, service: str | None = None) -> MessageEntry:
+        """Returns the one message of a name or code.
+
+        Args:
+            name_or_code: Name, code, or code in hexadecimal such as `4002` or `0x4002`.
+            service: Service that defines or inherits it; see `find_services`.
+
+        Raises:
+            UnknownMessageError: There is none; the error suggests similar ones.
+            UnknownServiceError: There is no such service.
+            AmbiguousMessageError: There are several; the error lists them.
+        """
+        found = self._named(name_or_code)
+        what = name_or_code if isinstance(name_or_code, str) else f"0x{name_or_code:04X}"
+        if not found:
+            raise UnknownMessageError(f"no message {shown(what)}", self._similar(what, service))
+        return self._only(what, found, service)
+
+    def _only(self, what: str, found: Sequence[MessageEntry], service: str | None) -> MessageEntry:
+        """Returns the one entry that a service leaves."""
+        left = found if service is None else self._of_service(found, service)
+        if not left:
+            choices = tuple(f"{s.label}" for entry in found for s in entry.services)
+            raise UnknownMessageError(f"{service} has no message {what}", choices[:3])
+        if len(left) > 1:
+            raise AmbiguousMessageError(what, _choices(left))
+        return left[0]
+
+    def _named(self, name_or_code: str | int) -> tuple[MessageEntry, ...]:
+        if isinstance(name_or_code, int):
+            return self._with_code(name_or_code)
+        codes = self._codes.get(name_or_code)
+        if codes is None:
+            is_code = _CODE.fullmatch(name_or_code)
+            return self._with_code(int(name_or_code, 16)) if is_code else ()
+        entries = [entry for code in codes for entry in self._with_code(code)]
+        return tuple(entry for entry in entries if entry.name == name_or_code)
+
+    def _similar(self, name: str, service: str | None) -> list[str]:
+        if service is None:
+            return similar(name, self._codes)
+        entries = [e for s in self.find_services(service) for a in s.lineage for e in a.messages]
+        return similar(name, {e.name for e in entries}) or similar(name, self._codes)
+
+    def decode(
+        self, payload: bytes, service: str | None = None, message: str | None = None
+    ) -> DecodedMessage:
+        """Returns the message of a payload, with the messages that stand in it.
+
+        Where a code has several meanings, that one is taken whose definition fits the bytes.
+
+        Args:
+            payload: Message code and body.
+            service: Service whose messages are meant where a code has several meanings; other
+                codes are those of the whole catalogue.
+            message: Name of the message that is meant where a code still has several meanings.
+
+        Raises:
+            DecodeError: The bytes are no message of their code.
+            UnknownMessageError: There is no message of the code.
+            UnknownServiceError: There is no such service.
+            AmbiguousMessageError: Several definitions fit; the error lists them.
+            DefinitionError: The only definition gives no codec.
+        """
+        return self._decode(payload, service, message, MAXIMUM_DEPTH)
+
+    def _decode(
+        self, payload: bytes, service: str | None, message: str | None, depth: int
+    ) -> DecodedMessage:
+        code = read_code(payload)
+        entries = self.find(code, service) or self._with_code(code)
+        if not entries:
+            raise self._unknown(code)
+        entries = tuple(entry for entry in entries if entry.name == message) or entries
+        fitting: list[tuple[MessageEntry, dict[str, Any]]] = []
+        error: CodecError = DecodeError("no definition fits")
+        for entry in entries:
+            try:
+                fitting.append((entry, entry.decode(payload)))
+            except CodecError as why:
+                error = why
+        if len(fitting) > 1:
+            what = f"message code 0x{code:04X}"
+            raise AmbiguousMessageError(what, _choices([entry for entry, _ in fitting]))
+        if not fitting:
+            raise error
+        entry, fields = fitting[0]
+        embedded: tuple[EmbeddedMessage, ...] = ()
+        if depth:
+            deeper = partial(self._decode, service=service, message=message, depth=depth - 1)
+            embedded = decode_embedded(entry, fields, deeper)
+        return DecodedMessage(entry, fields, self._service_of(entry, service), embedded)
+
+    def _service_of(self, entry: MessageEntry, service: str | None) -> ServiceEntry:
+        """Returns the service to name for a message: the meant one if it defines it."""
+        meant = self.find_services(service) if service is not None else ()
+        for each in meant:
+            for ancestor in each.lineage:
+                if ancestor in entry.services:
+                    return ancestor
+        return entry.services[0]
+
+    def _unknown(self, code: int) -> UnknownMessageError:
+        swapped = self._with_code(code >> 8 | (code & 0xFF) << 8)
+        hint = f"; with its bytes swapped it is {swapped[0].name}" if swapped else ""
+        return UnknownMessageError(f"no message has the code 0x{code:04X}{hint}")
+
+    def encode(self, message: Mapping[str, Any]) -> bytes:
+        """Returns the payload of a message in the shape of `DecodedMessage.to_json`.
+
+        Args:
+            message: An object with `message` (name) or `code`, and `fields`; a `service` and
+                `service_version` choose between several meanings.
+
+        Raises:
+            EncodeError: The object or a field is wrong.
+            UnknownMessageError: There is no such message.
+            UnknownServiceError: There is no such service.
+            AmbiguousMessageError: Several messages are meant.
+            DefinitionError: The definition gives no codec.
+        """
+        try:
+            return self._encode(message)
+        except RecursionError:
+            raise EncodeError("messages are nested too deep in it") from None
+
+    def _encode(self, message: Mapping[str, Any]) -> bytes:
+        entry = self._meant(message)
+        fields = message.get("fields", {})
+        if not isinstance(fields, dict):
+            raise EncodeError(f"{shown(fields)} is not an object of fields", "fields")
+        return entry.encode(fields)
+
+    def _meant(self, message: Mapping[str, Any]) -> MessageEntry:
+        name, code = message.get("message"), message.get("code")
+        if name is None and code is None:
+            raise EncodeError("the object has neither 'message' nor 'code'")
+        check_names(message, _KEYS, ())
+        service = _service_of(message)
+        for value, key in ((name, "message"), (code, "code")):
+            legal = isinstance(value, str) or (key == "code" and type(value) is int)
+            if value is not None and not legal:
+                raise EncodeError(f"{shown(value)} is no {key}", key)
+        if code is None:
+            return self.message(str(name), service)
+        if name is None:
+            return self.message(self._code_of(code), service)
+        found = self._named(name)
+        if not found:
+            return self.message(name, service)  # which raises with suggestions
+        number = self._code_of(code)
+        left = [entry for entry in found if entry.code == number]
+        if not left:
+            raise EncodeError(f"{name} has the code {found[0].code_text}, not {code}", "code")
+        return self._only(name, left, service)
+
+    @staticmethod
+    def _code_of(code: str | int) -> int:
+        if isinstance(code, int) and 0 <= code <= 0xFFFF:
+            return code
+        if isinstance(code, int) or not _CODE.fullmatch(code):
+            raise EncodeError(f"{shown(code)} is not a code of four hexadecimal digits", "code")
+        return int(code, 16)
+
+    def _encode_embedded(self, message: Any, /) -> bytes:
+        if not isinstance(message, dict):
+            raise EncodeError(f"{shown(message)} is not an object of a message")
+        try:
+            return self._encode(message)
+        except CodecError:
+            raise
+        except MessageError as error:
+            raise EncodeError(str(error)) from None
+
+
+def _service_of(message: Mapping[str, Any]) -> str | None:
+    service, version = message.get("service"), message.get("service_version")
+    for value, key in ((service, "service"), (version, "service_version")):
+        if value is not None and not isinstance(value, str):
+            raise EncodeError(f"{shown(value)} is not a string", key)
+    if version is not None and service is None:
+        raise EncodeError("says nothing without a service", "service_version")
+    if service is None or version is None or "/" in service:
+        return service
+    return f"{service}/{version}"
+
+
+def _choices(entries: Sequence[MessageEntry]) -> list[str]:
+    """Returns the names of entries, with some of their services."""
+    choices = []
+    for entry in entries:
+        labels = [service.label for service in entry.services]
+        rest = f" and {len(labels) - 2} more" if len(labels) > 2 else ""
+        choices.append(f"{entry.name} of {', '.join(labels[:2])}{rest}")
+    return choices

@@ -1,0 +1,203 @@
+"""Entries of the catalogue: services and messages."""
+
+from __future__ import annotations
+
+import struct
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages.compiling import compile_message
+from jausml.live.messages.errors import DecodeError, EncodeError
+from jausml.live.messages.shapes import may_hold, shape
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from jausml.live.messages.blobs import EncodeMessage
+    from jausml.live.messages.containers import Record
+
+_CODE = struct.Struct("<H")
+
+
+def read_code(payload: bytes) -> int:
+    """Returns the message code that a payload begins with.
+
+    Args:
+        payload: Message code and body.
+
+    Raises:
+        DecodeError: It is too short for a code.
+    """
+    if len(payload) < _CODE.size:
+        raise DecodeError(f"{len(payload)} bytes are too few for a message code")
+    code: int = _CODE.unpack_from(payload)[0]
+    return code
+
+
+class ServiceEntry:
+    """A service of the catalogue.
+
+    Attributes:
+        urn: Its URN, e.g. `urn:jaus:jss:core:Management`.
+        version: Its version, e.g. `1.1`.
+        name: Its name in the model.
+        set_name: Name of its service set.
+        set_version: Version of its service set.
+        inherits: The service that it extends, None when it extends none.
+    """
+
+    def __init__(
+        self, definition: Any, messages: Callable[[Any], tuple[MessageEntry, ...]]
+    ) -> None:
+        """Makes an entry.
+
+        Args:
+            definition: A Service of the model.
+            messages: Returns the entries of MessageDefs.
+        """
+        self.urn = str(definition.urn)
+        self.version = str(definition.version)
+        self.name = str(definition.name)
+        owner = definition.eContainer()
+        self.set_name = str(owner.name) if owner is not None else ""
+        self.set_version = str(owner.version) if owner is not None else ""
+        self.inherits: ServiceEntry | None = None
+        self._definition = definition
+        self._messages = messages
+
+    def __repr__(self) -> str:
+        return f"<ServiceEntry {self.label}>"
+
+    @property
+    def label(self) -> str:
+        """URN and version, e.g. `urn:jaus:jss:core:Management/1.1`."""
+        return f"{self.urn}/{self.version}"
+
+    @cached_property
+    def inputs(self) -> tuple[MessageEntry, ...]:
+        """The messages that it receives, without inherited ones."""
+        return self._messages(self._definition.inputs)
+
+    @cached_property
+    def outputs(self) -> tuple[MessageEntry, ...]:
+        """The messages that it sends, without inherited ones."""
+        return self._messages(self._definition.outputs)
+
+    @property
+    def messages(self) -> tuple[MessageEntry, ...]:
+        """Inputs and outputs, each message once."""
+        return tuple(dict.fromkeys((*self.inputs, *self.outputs)))
+
+    @property
+    def lineage(self) -> Iterator[ServiceEntry]:
+        """The service itself, the one that it extends, and so on."""
+        seen: list[ServiceEntry] = []
+        service: ServiceEntry | None = self
+        while service is not None and service not in seen:
+            seen.append(service)
+            yield service
+            service = service.inherits
+
+
+class MessageEntry:
+    """A message of the catalogue: one name, code and layout, defined by one or more services.
+
+    Attributes:
+        name: Its name, e.g. `ReportStatus`.
+        code: Its message code.
+        is_command: Whether it is a command, which only a controller may send (AS5710).
+        services: The services that define it.
+        definition: The first MessageDef of the model.
+    """
+
+    def __init__(self, definition: Any, encode_message: EncodeMessage) -> None:
+        """Makes an entry without services.
+
+        Args:
+            definition: A MessageDef of the model.
+            encode_message: Encodes messages that stand in this one.
+        """
+        self.name = str(definition.name)
+        self.code = int(str(definition.code), 16)
+        self.is_command = bool(definition.isCommand)
+        self.services: tuple[ServiceEntry, ...] = ()
+        self.definition = definition
+        self._encode_message = encode_message
+
+    def __repr__(self) -> str:
+        return f"<MessageEntry {self.name} {self.code_text}>"
+
+    @property
+    def code_text(self) -> str:
+        """The message code in four hexadecimal digits, e.g. `0x4002`."""
+        return f"0x{self.code:04X}"
+
+    @property
+    def label(self) -> str:
+        """Name and first service, e.g. `ReportStatus of urn:jaus:jss:core:Management/1.0`."""
+        return f"{self.name} of {self.services[0].label}" if self.services else self.name
+
+    @cached_property
+    def codec(self) -> Record:
+        """The codec of the body, made at the first use.
+
+        Raises:
+            DefinitionError: The definition gives no codec.
+        """
+        return compile_message(self.definition, self._encode_message)
+
+    @cached_property
+    def may_hold_messages(self) -> bool:
+        """Whether a field of the body can hold a message."""
+        return may_hold(self.codec)
+
+    @cached_property
+    def identity(self) -> tuple[Any, ...]:
+        """What two definitions of one message share.
+
+        Raises:
+            DefinitionError: The definition gives no codec.
+        """
+        return (self.name, self.code, shape(self.codec))
+
+    def decode(self, payload: bytes) -> dict[str, Any]:
+        """Returns the fields of the body.
+
+        Shapes: a record or sequence is an object of its members, with `_pv` when it has a presence
+        vector; a variant `{"_tag": n, OPTION: ...}`; a variable field `{"index", "value"}`; a
+        variable format field `{"format", "hex"}`; a variable length field `{"hex"}`; a bit field
+        an object of integers; arrays and lists are lists.
+
+        Args:
+            payload: Message code and body.
+
+        Raises:
+            DecodeError: The bytes are no such message.
+            DefinitionError: The definition gives no codec.
+        """
+        code = read_code(payload)
+        if code != self.code:
+            raise DecodeError(f"0x{code:04X} is not the code of {self.name}, {self.code_text}")
+        fields, end = self.codec.decode(payload, _CODE.size)
+        if end != len(payload):
+            # A longer body is of another definition: what was read of it cannot be trusted.
+            raise DecodeError(f"{len(payload) - end} bytes follow the body of {self.name}")
+        return fields
+
+    def encode(self, fields: dict[str, Any]) -> bytes:
+        """Returns message code and body.
+
+        Args:
+            fields: The fields in the shapes of `decode`. `_pv` may be left out; if it stands there
+                it must agree with the members that are there.
+
+        Raises:
+            EncodeError: A field is absent, unknown or not legal.
+            DefinitionError: The definition gives no codec.
+        """
+        out = bytearray(_CODE.pack(self.code))
+        try:
+            self.codec.encode(fields, out)
+        except struct.error as error:
+            raise EncodeError(str(error)) from None
+        return bytes(out)

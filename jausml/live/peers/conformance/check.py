@@ -1,0 +1,130 @@
+"""What a check is: a documented function that talks to the target, and how it may end."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.trace import Line
+
+
+class Verdict(Enum):
+    """How a check ended."""
+
+    PASS = "pass"  # noqa: S105 - a verdict, no password
+    FAIL = "fail"
+    SKIPPED = "skipped"
+    NOTE = "note"
+
+
+class CheckFailed(Exception):  # noqa: N818 - an outcome, not a fault of ours
+    """The target does not do what the standard says."""
+
+
+class CheckSkipped(Exception):  # noqa: N818 - an outcome, not a fault of ours
+    """The check does not apply to this target or this run."""
+
+
+Body = Callable[["Session"], None]
+"""Returns when all is well; raises CheckFailed or CheckSkipped otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check with a stable id.
+
+    Attributes:
+        id: Group and name, e.g. `access.equal-authority`; an id is never used for another check.
+        title: What the target shall do, in a few words.
+        source: Where the standard says so.
+        body: The function.
+        destructive: Whether the target cannot go on afterwards; such checks run last, if at all.
+    """
+
+    id: str
+    title: str
+    source: str
+    body: Body
+    destructive: bool = False
+
+    @property
+    def group(self) -> str:
+        """The part of the id before the first dot."""
+        return self.id.partition(".")[0]
+
+    @property
+    def explanation(self) -> str:
+        """What is sent and what must come back."""
+        return inspect.getdoc(self.body) or ""
+
+
+def check(
+    check_id: str, title: str, source: str, *, destructive: bool = False
+) -> Callable[[Body], Check]:
+    """Makes a check of a function, whose docstring is its explanation.
+
+    Args:
+        check_id: Group and name.
+        title: What the target shall do, in a few words.
+        source: Where the standard says so.
+        destructive: Whether the target cannot go on afterwards.
+    """
+
+    def make(body: Body) -> Check:
+        return Check(check_id, title, source, body, destructive)
+
+    return make
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The outcome of one check.
+
+    Attributes:
+        check: The check.
+        verdict: How it ended.
+        messages: Why it failed or was skipped, or the deviations that are tolerated.
+        evidence: What was sent and received meanwhile.
+        seconds: How long it took.
+        left_silent: Whether the target did not answer any more afterwards.
+    """
+
+    check: Check
+    verdict: Verdict
+    messages: tuple[str, ...] = ()
+    evidence: tuple[Line, ...] = ()
+    seconds: float = 0.0
+    left_silent: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ConformanceReport:
+    """The outcome of a run.
+
+    Attributes:
+        target: Dotted address of the component.
+        endpoint: Host and port where it was found.
+        services: Announced service identifiers with their versions.
+        results: One result for each check, in the order of the checks.
+        interrupted: Whether the run was ended before its last check.
+    """
+
+    target: str
+    endpoint: str
+    services: tuple[str, ...]
+    results: tuple[Result, ...] = field(default=())
+    interrupted: bool = False
+
+    def count(self, verdict: Verdict) -> int:
+        """Returns how many checks ended so."""
+        return sum(result.verdict is verdict for result in self.results)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing failed."""
+        return self.count(Verdict.FAIL) == 0

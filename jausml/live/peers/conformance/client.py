@@ -1,0 +1,330 @@
+"""One JAUS id that speaks to the target, message by message or byte by byte."""
+
+from __future__ import annotations
+
+import random
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from jausml.live.peers.conformance.check import CheckFailed
+from jausml.runtime.services import messages as core
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.wire.message import DecodeError, Message
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.live.peers.conformance.probe import Probe
+    from jausml.runtime.base.address import JausAddress
+
+M = TypeVar("M", bound=Message)
+
+UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
+"""Elements are deleted while control is held; in an emergency control cannot be released."""
+
+
+class Received(NamedTuple):
+    """One whole message of the target.
+
+    Attributes:
+        time: Monotonic time of its arrival in seconds.
+        packet: The message as it came; of several packets the first one.
+        payload: Message code and body, put together.
+    """
+
+    time: float
+    packet: Packet
+    payload: bytes
+
+    @property
+    def code(self) -> int:
+        """The message code."""
+        return int.from_bytes(self.payload[:2], "little")
+
+
+class Client:
+    """A component of ours that talks to the target.
+
+    What it leaves behind in the target (control, emergencies, elements, events) it can undo.
+
+    Attributes:
+        address: Its JAUS id.
+        inbox: Messages of the target that nobody has looked at yet.
+        acknowledgements: Acknowledgements and refusals (NAK) of the target.
+    """
+
+    def __init__(self, probe: Probe, address: JausAddress) -> None:
+        """Use `Probe.client` instead."""
+        self.address = address
+        self.inbox: list[Received] = []
+        self.acknowledgements: list[Packet] = []
+        self._probe = probe
+        # A former run may be remembered by the target's duplicate detection (AS5669A).
+        self._sequence = random.randrange(0x10000)
+        self._owes: dict[type[Message], bytes] = {}
+        self._events: set[int] = set()
+
+    # ---- sending ----------------------------------------------------------------------------
+
+    def number(self) -> int:
+        """Returns the next sequence number."""
+        self._sequence = (self._sequence + 1) & 0xFFFF
+        return self._sequence
+
+    def skip_to(self, number: int) -> None:
+        """Lets the next sequence number be `number`."""
+        self._sequence = (number - 1) & 0xFFFF
+
+    def packet(
+        self,
+        payload: bytes,
+        *,
+        acknowledge: AckNak = AckNak.NONE,
+        data_flags: DataFlags = DataFlags.SINGLE,
+        destination: JausAddress | None = None,
+        priority: Priority = Priority.STANDARD,
+    ) -> Packet:
+        """Returns the next packet to the target, unsent."""
+        return Packet(
+            destination or self._probe.target,
+            self.address,
+            payload,
+            self.number(),
+            priority,
+            Broadcast.NONE,
+            acknowledge,
+            data_flags,
+        )
+
+    def put(self, packet: Packet) -> None:
+        """Sends a packet."""
+        self._probe.put(packet)
+
+    def send(self, message: Message, priority: Priority = Priority.STANDARD) -> None:
+        """Sends a message and remembers what it leaves behind."""
+        self._remember(message)
+        self.put(self.packet(message.encode(), priority=priority))
+
+    def owe(self, kind: type[Message], payload: bytes) -> None:
+        """Remembers what undoes something in the target.
+
+        Args:
+            kind: One of the messages that undo: ReleaseControl, ClearEmergency, DeleteElement.
+            payload: The message.
+        """
+        self._owes[kind] = payload
+
+    def _remember(self, message: Message) -> None:
+        if isinstance(message, core.RequestControl):
+            self.owe(core.ReleaseControl, core.ReleaseControl().encode())
+        elif isinstance(message, core.SetEmergency):
+            self.owe(
+                core.ClearEmergency,
+                core.ClearEmergency(emergency_code=message.emergency_code).encode(),
+            )
+        elif isinstance(message, core.SetElement):
+            uids = [each.element_uid for each in message.element_list]
+            records = [core.DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids]
+            undo = core.DeleteElement(
+                request_id_rec=core.DeleteElement.RequestIDRec(request_id=0),
+                delete_element_list=records,
+            )
+            self.owe(core.DeleteElement, undo.encode())
+
+    # ---- receiving --------------------------------------------------------------------------
+
+    def clear(self) -> None:
+        """Forgets what has arrived."""
+        self.inbox.clear()
+        self.acknowledgements.clear()
+
+    def find(
+        self,
+        message_class: type[M],
+        where: Callable[[M], bool] | None = None,
+        within: float | None = None,
+    ) -> M | None:
+        """Returns the next such message, or None when none comes in time.
+
+        Args:
+            message_class: Codec of the message.
+            where: Says whether it is the one; all are when None.
+            within: Seconds to wait; the usual time of the run when None.
+
+        Raises:
+            CheckFailed: A message of this code does not decode.
+        """
+        found: list[M] = []
+
+        def look() -> bool:
+            for received in self.inbox:
+                if received.code == message_class.CODE:
+                    message = decoded(message_class, received.payload)
+                    if where is None or where(message):
+                        self.inbox.remove(received)
+                        found.append(message)
+                        return True
+            return False
+
+        self._probe.wait(look, self._probe.timeout if within is None else within)
+        return found[0] if found else None
+
+    def first_of(self, codes: tuple[int, ...]) -> Received | None:
+        """Returns the next message with one of the codes, or None when none comes in time."""
+
+        def here() -> list[Received]:
+            return [each for each in self.inbox if each.code in codes]
+
+        self._probe.wait(lambda: bool(here()), self._probe.timeout)
+        found = here()
+        if not found:
+            return None
+        self.inbox.remove(found[0])
+        return found[0]
+
+    def expect(
+        self,
+        message_class: type[M],
+        what: str,
+        where: Callable[[M], bool] | None = None,
+        within: float | None = None,
+    ) -> M:
+        """Returns the next such message.
+
+        Args:
+            message_class: Codec of the message.
+            what: What it answers, for the verdict.
+            where: Says whether it is the one; all are when None.
+            within: Seconds to wait; the usual time of the run when None.
+
+        Raises:
+            CheckFailed: None comes in time, or one does not decode.
+        """
+        message = self.find(message_class, where, within)
+        if message is None:
+            raise CheckFailed(f"no {message_class.NAME} came after {what}")
+        return message
+
+    def ask(self, query: Message, report_class: type[M], attempts: int = 3) -> M:
+        """Returns the report that answers a query; asks again when a datagram may be lost.
+
+        Raises:
+            CheckFailed: No report comes, or it does not decode.
+        """
+        report = self.asked(query, report_class, attempts)
+        if report is None:
+            raise CheckFailed(f"{query.NAME} is not answered with {report_class.NAME}")
+        return report
+
+    def asked(self, query: Message, report_class: type[M], attempts: int = 3) -> M | None:
+        """Returns the report that answers a query, or None without one."""
+        self.inbox[:] = [each for each in self.inbox if each.code != report_class.CODE]
+        for _ in range(attempts):
+            self.send(query)
+            report = self.find(report_class)
+            if report is not None:
+                return report
+        return None
+
+    def expect_none(
+        self, message_class: type[Message], why: str, within: float | None = None
+    ) -> None:
+        """Waits for the quiet time.
+
+        Args:
+            message_class: Codec of the message.
+            why: Why none is to come, for the verdict.
+            within: Seconds to wait; the quiet time of the run when None.
+
+        Raises:
+            CheckFailed: Such a message comes.
+        """
+        seconds = self._probe.quiet if within is None else within
+        if self.find(message_class, within=seconds) is not None:
+            raise CheckFailed(f"{message_class.NAME} came, but {why}")
+
+    def expect_silence(self, why: str) -> None:
+        """Waits for the quiet time.
+
+        Raises:
+            CheckFailed: Any message comes.
+        """
+        if self._probe.wait(lambda: bool(self.inbox), self._probe.quiet):
+            raise CheckFailed(f"message {self.inbox[0].code:04X} came, but {why}")
+
+    # ---- events -----------------------------------------------------------------------------
+
+    def create_event(
+        self, query: Message, *, rate: float = 0.0, request_id: int = 1
+    ) -> core.ConfirmEventRequest | core.RejectEventRequest:
+        """Asks for an event: periodic at a rate in Hz, or every change when the rate is 0.
+
+        Raises:
+            CheckFailed: The target does not answer.
+        """
+        kinds = core.CreateEvent.EventType
+        message = core.CreateEvent(
+            request_id=request_id,
+            event_type=kinds.PERIODIC_SC if rate else kinds.EVERY_CHANGE,
+            requested_periodic_rate=rate,
+            query_message=query.encode(),
+        )
+        self.send(message)
+        return self.event_answer(request_id, "CreateEvent")
+
+    def event_answer(
+        self, request_id: int, what: str
+    ) -> core.ConfirmEventRequest | core.RejectEventRequest:
+        """Returns the answer to a request of the Events service.
+
+        Raises:
+            CheckFailed: None comes.
+        """
+        codes = (core.ConfirmEventRequest.CODE, core.RejectEventRequest.CODE)
+        received = self.first_of(codes)
+        if received is None:
+            raise CheckFailed(f"{what} is neither confirmed nor rejected")
+        answer: core.ConfirmEventRequest | core.RejectEventRequest
+        if received.code == codes[0]:
+            answer = decoded(core.ConfirmEventRequest, received.payload)
+            self._events.add(answer.event_id)
+        else:
+            answer = decoded(core.RejectEventRequest, received.payload)
+        if answer.request_id != request_id:
+            raise CheckFailed(
+                f"the answer to {what} names request {answer.request_id} instead of {request_id}"
+            )
+        return answer
+
+    def cancelled(self, event_id: int) -> None:
+        """Says that an event is gone."""
+        self._events.discard(event_id)
+
+    # ---- cleaning ---------------------------------------------------------------------------
+
+    def cancel_events(self) -> None:
+        """Cancels the events that were confirmed."""
+        for event_id in sorted(self._events):
+            self.put(self.packet(core.CancelEvent(request_id=0, event_id=event_id).encode()))
+        self._events.clear()
+
+    def undo(self, kind: type[Message]) -> None:
+        """Sends a message that undoes something, if one is owed.
+
+        Args:
+            kind: The class given to `owe`.
+        """
+        if kind in self._owes:
+            self.put(self.packet(self._owes[kind]))
+            del self._owes[kind]  # last, for Ctrl-C may come between
+
+
+def decoded(message_class: type[M], payload: bytes) -> M:
+    """Returns the message that a payload holds.
+
+    Raises:
+        CheckFailed: It does not decode.
+    """
+    try:
+        return message_class.decode(payload)
+    except DecodeError as error:
+        raise CheckFailed(f"{message_class.NAME} does not decode: {error}") from error

@@ -1,0 +1,187 @@
+"""Checks of the codecs: every query of the announced services and its report (AS5684, encoding).
+
+Only queries are sent, never a command.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages import EncodeError, MessageError
+from jausml.live.messages.containers import PRESENCE
+from jausml.live.peers.conformance.check import Check, CheckFailed
+from jausml.live.peers.samples import PRESENCE_VECTOR, optional_bits, plain_query, presence_holder
+
+if TYPE_CHECKING:
+    from jausml.live.messages import MessageEntry, ServiceEntry
+    from jausml.live.peers.conformance.session import Session
+    from jausml.runtime.services.definitions import ServiceIdentity
+
+_MOST_BITS = 32
+_OF_WIDER_SCOPE = ("QueryConfiguration", "QuerySubsystemList")
+_ATTEMPTS = 2
+
+
+def requires(session: Session) -> str:
+    """Returns why the group cannot run, or nothing."""
+    return "" if session.services else "the target announces no services"
+
+
+def checks(session: Session) -> tuple[Check, ...]:
+    """Returns one check for each query of the announced services that we know."""
+    found: dict[str, Check] = {}
+    for identity in session.services:
+        service = session.known(identity)
+        made = [_unknown(session, identity)] if service is None else _of_service(service)
+        for each in made:
+            found.setdefault(each.id, each)
+    return tuple(found.values())
+
+
+def _of_service(service: ServiceEntry) -> list[Check]:
+    queries = [entry for entry in service.inputs if entry.name.startswith("Query")]
+    return [_check(service, query) for query in queries]
+
+
+def _unknown(session: Session, identity: ServiceIdentity) -> Check:
+    """Returns a check that says why nothing of a service is checked."""
+    version = f"{identity.major}.{identity.minor}"
+    versions = [each for urn, each in session.catalogue.services if urn == identity.urn]
+    known = f"known are the versions {', '.join(versions)}" if versions else "the library lacks it"
+
+    def skip(session: Session) -> None:
+        """The layouts of the service are not known, so that nothing of it is asked for."""
+        session.skip_unless(holds=False, reason=f"{known}; --model FILE adds a service")
+
+    return Check(
+        id=f"codecs.{identity.urn.rpartition(':')[2]}",
+        title=f"Answers the queries of {identity.urn} {version}",
+        source="AS5684 encoding",
+        body=skip,
+    )
+
+
+def _check(service: ServiceEntry, query: MessageEntry) -> Check:
+    return Check(
+        id=f"codecs.{service.name}.{query.name}",
+        title=f"Answers {query.name} with a report that decodes",
+        source=f"AS5684 encoding; {service.label}, message {query.code_text}",
+        body=partial(_answers, service=service, query=query),
+    )
+
+
+def _answers(session: Session, service: ServiceEntry, query: MessageEntry) -> None:
+    """Sends the query and decodes its report.
+
+    The report must have no bytes left over, presence vectors without unknown bits, and legal
+    values. If the query has a presence vector, all fields, none and each one alone are asked for;
+    the standard lets the report hold more or fewer fields, so that a deviation is only noted.
+    """
+    reports = _reports_of(service, query)
+    fields = plain_query(query)
+    holder = presence_holder(fields)
+    if holder is not None:
+        _judge_subsets(session, query, fields, holder, reports)
+        return
+    answer = _ask(session, query, fields, reports)
+    session.skip_unless(
+        answer is not None or query.name not in _OF_WIDER_SCOPE,
+        "not answered; only a Discovery service of the whole subsystem or node has to",
+    )
+    session.skip_unless(
+        answer is not None or not fields,
+        f"not answered with the fields {fields}; the target may have nothing for them",
+    )
+    _judge(session, query, answer, reports)
+
+
+def _judge_subsets(
+    session: Session,
+    query: MessageEntry,
+    fields: dict[str, Any],
+    holder: dict[str, Any],
+    reports: tuple[MessageEntry, ...],
+) -> None:
+    """Asks for all fields, for none and for each one alone."""
+    bits = optional_bits(reports)
+    holder[PRESENCE_VECTOR] = bits
+    everything = _judge(session, query, _ask(session, query, fields, reports), reports)
+    others: list[str] = []
+    for wish in (0, *(1 << index for index in range(_MOST_BITS) if bits >> index & 1)):
+        holder[PRESENCE_VECTOR] = wish
+        given = _judge(session, query, _ask(session, query, fields, reports), reports)
+        if given != wish & everything:
+            others.append(f"{wish:#x} gives {given:#x}")
+    if others:
+        session.note(
+            f"the presence vector of the query does not choose the fields of the report: of "
+            f"{everything:#x} that it can give, {', '.join(others[:4])}, ..."
+        )
+
+
+def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntry, ...]:
+    """Returns the reports that may answer a query: by name, else all outputs of the service."""
+    wanted = query.name.replace("Query", "Report", 1)
+    outputs = [entry for each in service.lineage for entry in each.outputs]
+    named = tuple(entry for entry in outputs if entry.name == wanted)
+    return named or tuple(outputs)
+
+
+def _ask(
+    session: Session,
+    query: MessageEntry,
+    fields: dict[str, Any],
+    reports: tuple[MessageEntry, ...],
+) -> bytes | None:
+    """Returns the payload of the report, or None when none comes."""
+    client = session.first
+    try:
+        payload = query.encode(fields)
+    except EncodeError:
+        session.skip_unless(holds=False, reason=f"no plain {query.name} could be made")
+        return None
+    codes = tuple(entry.code for entry in reports)
+    client.inbox.clear()
+    for _ in range(_ATTEMPTS):
+        client.put(client.packet(payload))
+        received = client.first_of(codes)
+        if received is not None:
+            return received.payload
+    return None
+
+
+def _judge(
+    session: Session,
+    query: MessageEntry,
+    answer: bytes | None,
+    reports: tuple[MessageEntry, ...],
+) -> int:
+    """Decodes a report and returns the presence vector of its first record that has one.
+
+    Raises:
+        CheckFailed: None came, it does not decode, or it holds illegal values.
+    """
+    if answer is None:
+        raise CheckFailed(f"{query.name} is not answered")
+    code = int.from_bytes(answer[:2], "little")
+    report = next(entry for entry in reports if entry.code == code)
+    try:
+        fields = report.decode(answer)
+    except MessageError as error:
+        raise CheckFailed(f"{report.name} does not decode: {error}") from error
+    try:
+        again = report.encode(fields)
+    except MessageError as error:
+        raise CheckFailed(f"{report.name} holds an illegal value: {error}") from error
+    if again != answer:
+        session.note(f"{report.name} is coded in an unusual way; we would send {again.hex()}")
+    return _presence_of(fields)
+
+
+def _presence_of(fields: Any) -> int:
+    if not isinstance(fields, dict):
+        return 0
+    if PRESENCE in fields:
+        return int(fields[PRESENCE])
+    return next((found for each in fields.values() if (found := _presence_of(each))), 0)

@@ -1,0 +1,235 @@
+"""The exchange with one target: finding it, sending to it, sorting what it sends."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.conformance.client import Client, Received
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.services import messages as core
+from jausml.runtime.transports.packets.packet import (
+    AckNak,
+    Broadcast,
+    DataFlags,
+    Packet,
+    parse_datagram,
+)
+from jausml.runtime.transports.packets.reassembly import Reassembly
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.live.peers.conformance.trace import Trace
+    from jausml.live.peers.wire import Arrival, Wire
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.base.settings import Endpoint
+
+ATTEMPTS_TO_FIND = 3
+_REASSEMBLY_TIMEOUT = 5.0
+_REASSEMBLY_LIMIT = 1 << 24
+_RECENT = 512
+
+
+def report_code(query_code: int) -> int:
+    """Returns the code of the report that answers a query (AS5710: 2xxx and 4xxx)."""
+    return query_code - 0x2000 + 0x4000
+
+
+class Probe:
+    """Several clients of ours and the one component that they test.
+
+    Attributes:
+        target: The component under test.
+        endpoint: Where it is; None until it was heard.
+        timeout: Seconds to wait for an answer.
+        quiet: Seconds of silence that stand for "nothing comes".
+        malformed: Datagrams of the target that cannot be read, each with the reason.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        target: JausAddress,
+        own: JausAddress,
+        trace: Trace,
+        *,
+        timeout: float,
+        quiet: float,
+        known: Endpoint | None = None,
+    ) -> None:
+        """Prepares an exchange; nothing is sent.
+
+        Args:
+            wire: Carries the datagrams.
+            target: The component under test.
+            own: JAUS id of the first client; the others have the ids after it.
+            trace: Takes the evidence.
+            timeout: Seconds to wait for an answer.
+            quiet: Seconds of silence that stand for "nothing comes".
+            known: Where the target is, if the user says so.
+        """
+        self.target = target
+        self.endpoint = known
+        self.timeout = timeout
+        self.quiet = quiet
+        self.malformed: list[str] = []
+        self._wire = wire
+        self._trace = trace
+        self._own = own
+        self._known = known
+        self._clients: dict[JausAddress, Client] = {}
+        self._bystanders: list[tuple[Endpoint, Packet]] = []
+        self._recent: list[tuple[JausAddress, JausAddress, int, bytes]] = []
+        self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, Counters())
+
+    def client(self, index: int) -> Client:
+        """Returns one of our clients."""
+        last = (self._own.component - 1 + index) % 254 + 1
+        address = type(self._own)(self._own.subsystem, self._own.node, last)
+        return self._clients.setdefault(address, Client(self, address))
+
+    # ---- sending ----------------------------------------------------------------------------
+
+    def put(self, packet: Packet) -> None:
+        """Sends a packet to the target."""
+        datagram = packet.encode()
+        self._trace.packet("sent", packet, datagram)
+        self._wire.put(datagram, self._place)
+
+    def put_raw(self, datagram: bytes, text: str) -> None:
+        """Sends any bytes to the target.
+
+        Args:
+            datagram: The bytes.
+            text: What they are, for the evidence.
+        """
+        self._trace.raw("sent", text, datagram)
+        self._wire.put(datagram, self._place)
+
+    def put_to_group(self, packet: Packet) -> None:
+        """Sends a packet to everybody who listens to the multicast group."""
+        packet = packet._replace(broadcast=Broadcast.GLOBAL)
+        datagram = packet.encode()
+        self._trace.packet("sent", packet, datagram)
+        self._wire.put(datagram, self._wire.group)
+
+    def put_at(self, packet: Packet, endpoint: Endpoint) -> None:
+        """Sends a packet to another component."""
+        datagram = packet.encode()
+        self._trace.packet("sent", packet, datagram)
+        self._wire.put(datagram, endpoint)
+
+    @property
+    def _place(self) -> Endpoint:
+        return self.endpoint or self._known or self._wire.well_known
+
+    # ---- finding the target -----------------------------------------------------------------
+
+    def find_target(self) -> bool:
+        """Looks for the target and returns whether it was heard.
+
+        Asks at the place that is known, at the JUDP port of this host and by multicast with the
+        target's own id, as stacks do that do not know where a component is.
+        """
+        client = self.client(0)
+        self.endpoint = None
+        queries = (core.QueryIdentification(query_type=4), core.QueryControl(), core.QueryStatus())
+        for _ in range(ATTEMPTS_TO_FIND):
+            for query in queries:
+                packet = client.packet(query.encode(), acknowledge=AckNak.REQUESTED)
+                self.put(packet)
+                if self._known is None:
+                    self.put_to_group(packet)
+            if self.wait(lambda: self.endpoint is not None, self.timeout):
+                return True
+        return False
+
+    def servers(self, everyone: JausAddress) -> dict[JausAddress, Endpoint]:
+        """Returns the Discovery servers that answer within the time of one query."""
+        self._bystanders.clear()
+        query = core.QueryIdentification(query_type=2).encode()
+        self.put_to_group(self.client(0).packet(query, destination=everyone))
+        self.wait(lambda: False, self.timeout)
+        return {packet.source: sender for sender, packet in self._bystanders}
+
+    def ask_bystander(self, server: JausAddress, endpoint: Endpoint, query: bytes) -> bytes | None:
+        """Returns the payload with which another component answers, or None."""
+        self._bystanders.clear()
+        code = report_code(int.from_bytes(query[:2], "little"))
+        self.put_at(self.client(0).packet(query, destination=server), endpoint)
+
+        def answers() -> list[bytes]:
+            payloads = [packet.payload for _, packet in self._bystanders]
+            return [each for each in payloads if int.from_bytes(each[:2], "little") == code]
+
+        self.wait(lambda: bool(answers()), self.timeout)
+        return answers()[0] if answers() else None
+
+    # ---- receiving --------------------------------------------------------------------------
+
+    def wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Receives until a condition holds, and returns whether it does in time."""
+        deadline = time.monotonic() + seconds
+        while not done():
+            arrival = self._wire.receive(deadline)
+            if arrival is None:
+                return done()
+            self._take(arrival)
+        return True
+
+    def _take(self, arrival: Arrival) -> None:
+        counters = Counters()
+        packets = parse_datagram(arrival.data, counters)
+        faults = counters.drops()
+        if faults and arrival.sender == self.endpoint:
+            reason = ", ".join(faults)
+            self.malformed.append(f"{reason}: {arrival.data[:64].hex()}")
+            self._trace.raw("received", f"unreadable ({reason})", arrival.data)
+        for packet in packets:
+            if packet.source == self.target:
+                self._from_target(arrival, packet)
+            elif packet.destination in self._clients:
+                self._bystanders.append((arrival.sender, packet))
+
+    def _from_target(self, arrival: Arrival, packet: Packet) -> None:
+        self.endpoint = arrival.sender
+        client = self._clients.get(packet.destination)
+        if client is None:
+            return
+        self._trace.packet("received", packet, arrival.data)
+        if packet.acknowledge >= AckNak.NAK:
+            client.acknowledgements.append(packet)
+            return
+        if packet.acknowledge is AckNak.REQUESTED:
+            self._acknowledge(packet)
+        if self._is_repetition(packet):
+            return
+        payload = packet.payload
+        if packet.data_flags is not DataFlags.SINGLE:
+            whole = self._reassembly.add(packet, arrival.time)
+            if whole is None:
+                return
+            payload = whole.payload
+        client.inbox.append(Received(arrival.time, packet, payload))
+
+    def _acknowledge(self, packet: Packet) -> None:
+        answer = Packet(
+            packet.source,
+            packet.destination,
+            b"",
+            packet.sequence,
+            packet.priority,
+            acknowledge=AckNak.ACK,
+        )
+        self.put(answer)
+
+    def _is_repetition(self, packet: Packet) -> bool:
+        """Whether the target sent this packet again because it missed our acknowledgement."""
+        if packet.acknowledge is not AckNak.REQUESTED:
+            return False
+        key = (packet.source, packet.destination, packet.sequence, packet.payload)
+        if key in self._recent:
+            return True
+        self._recent = [*self._recent[-_RECENT:], key]
+        return False

@@ -1,0 +1,122 @@
+"""Runs the checks against one target, and leaves it as it was found."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.conformance.check import (
+    Check,
+    CheckFailed,
+    CheckSkipped,
+    ConformanceReport,
+    Result,
+    Verdict,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.live.peers.conformance.groups import Group
+    from jausml.live.peers.conformance.session import Session
+
+_GONE = "the target does not answer any more"
+
+
+def run(
+    session: Session, groups: Sequence[Group], on_result: Callable[[Result], None]
+) -> ConformanceReport:
+    """Runs all checks of the groups.
+
+    Control, emergencies and events that are left are undone after each check, also when the run is
+    interrupted from the keyboard.
+
+    Args:
+        session: The target.
+        groups: What to check, in this order; destructive checks come after all others.
+        on_result: Told each result as it comes.
+
+    Returns:
+        The report; of an interrupted run what there is.
+    """
+    host, port = session.probe.endpoint or ("", 0)
+    report = ConformanceReport(
+        target=str(session.probe.target),
+        endpoint=f"{host}:{port}",
+        services=tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services),
+    )
+    results: list[Result] = []
+    interrupted = False
+    try:
+        for result in _results(session, groups):
+            results.append(result)
+            on_result(result)
+    except KeyboardInterrupt:
+        interrupted = True
+        session.tidy()
+    return replace(report, results=tuple(results), interrupted=interrupted)
+
+
+def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
+    last: list[tuple[Check, str]] = []
+    gone = False
+    for group in groups:
+        checks = group.checks(session)
+        obstacle = _GONE if gone else ""
+        if not gone and checks:
+            obstacle, failure = _obstacle(session, group, checks[0])
+            if failure is not None:
+                checks = checks[1:]
+                yield failure
+        for check in checks:
+            if check.destructive:
+                last.append((check, obstacle))
+                continue
+            result = _result(session, check, _GONE if gone else obstacle)
+            if result.left_silent:
+                gone = not _comes_back(session)
+            yield result
+    for check, obstacle in last:
+        allowed = session.limits.destructive
+        reason = obstacle or ("" if allowed else "ends the target; --destructive runs it")
+        yield _result(session, check, _GONE if gone else reason)
+
+
+def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result | None]:
+    """Returns why a group cannot run, and its first check as failed if the target is to blame."""
+    session.begin()
+    try:
+        return group.requires(session), None
+    except CheckSkipped as reason:
+        return str(reason), None
+    except CheckFailed as failure:
+        result = Result(first, Verdict.FAIL, (str(failure),), session.trace.lines)
+        return f"the group could not begin; see {first.id}", result
+
+
+def _result(session: Session, check: Check, obstacle: str) -> Result:
+    if obstacle:
+        return Result(check, Verdict.SKIPPED, (obstacle,))
+    session.begin()
+    begin = time.monotonic()
+    try:
+        check.body(session)
+    except CheckFailed as failure:
+        verdict, messages = Verdict.FAIL, (str(failure), *session.notes)
+    except CheckSkipped as reason:
+        verdict, messages = Verdict.SKIPPED, (str(reason),)
+    else:
+        verdict = Verdict.NOTE if session.notes else Verdict.PASS
+        messages = tuple(session.notes)
+    evidence = session.trace.lines
+    silent = not session.tidy() and not check.destructive
+    if silent and verdict is not Verdict.FAIL:
+        verdict, messages = Verdict.FAIL, (f"{_GONE} after this check",)
+        evidence = session.trace.lines
+    return Result(check, verdict, messages, evidence, time.monotonic() - begin, silent)
+
+
+def _comes_back(session: Session) -> bool:
+    """Whether the target answers after all; it may have been restarted."""
+    return session.probe.find_target() and session.answers()

@@ -1,0 +1,315 @@
+"""What a check has at hand: our clients, what the target announces, and its present state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+
+from jausml.live.peers.conformance.check import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.client import UNDO_ORDER
+from jausml.live.peers.services import controller_of
+from jausml.runtime.services import messages as core
+from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
+from jausml.runtime.wire.message import Message
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.messages import Catalogue, ServiceEntry
+    from jausml.live.peers.conformance.client import Client
+    from jausml.live.peers.conformance.probe import Probe
+    from jausml.live.peers.conformance.trace import Trace
+
+M = TypeVar("M", bound=Message)
+
+LATEST = (1, 1)
+"""Version of the core services that is assumed of a target that announces none (AS5710A)."""
+
+PINGS: tuple[tuple[Message, type[Message]], ...] = (
+    (core.QueryStatus(), core.ReportStatus),
+    (core.QueryControl(), core.ReportControl),
+    (core.QueryIdentification(query_type=4), core.ReportIdentification),
+    (core.QueryEventTimeout(), core.ReportEventTimeout),
+    (core.QueryHeartbeatPulse(), core.ReportHeartbeatPulse),
+)
+"""Queries without effect, of which most components answer one."""
+
+_BY_SERVICE: dict[str, tuple[Message, type[Message]]] = {
+    "Management": PINGS[0],
+    "AccessControl": PINGS[1],
+    "Discovery": PINGS[2],
+    "Events": (
+        core.QueryEvents(query_events_var=core.QueryEvents.AllEventsRec(all_events=0)),
+        core.ReportEvents,
+    ),
+    "Liveness": PINGS[4],
+    "Time": (core.QueryTime(presence_vector=3), core.ReportTime),
+    "ListManager": (core.QueryElementCount(), core.ReportElementCount),
+}
+
+_OTHER_NAMES = {
+    "Liveness": ("urn:jaus:jss:core:Liveliness",),
+    "ListManager": ("urn:jaus:jss:mobility:ListManager", "urn:jaus:jss:manipulator:ListManager"),
+}
+"""Identifiers under which older sets announce a core service."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How long and how far the checks may go.
+
+    Attributes:
+        longest_wait: Seconds that a check may wait for a time-out of the target.
+        slow: Whether checks may take minutes.
+        destructive: Whether the target may be shut down.
+    """
+
+    longest_wait: float = 10.0
+    slow: bool = False
+    destructive: bool = False
+
+
+@dataclass
+class Session:
+    """One run against one target.
+
+    Attributes:
+        probe: The exchange.
+        trace: The evidence.
+        limits: How far the checks may go.
+        catalogue: All messages that we know.
+        services: What the target announces; empty when nobody says.
+        ping: A query that the target answers in every state, and its report.
+        notes: Deviations that the present check tolerates.
+    """
+
+    probe: Probe
+    trace: Trace
+    limits: Limits
+    catalogue: Catalogue
+    services: Sequence[ServiceIdentity] = ()
+    ping: tuple[Message, type[Message]] = PINGS[0]
+    notes: list[str] = field(default_factory=list)
+    _answered: dict[str, bool] = field(default_factory=dict)
+    _default_authority: int | None = None
+
+    # ---- clients ----------------------------------------------------------------------------
+
+    @property
+    def first(self) -> Client:
+        """Our first client."""
+        return self.probe.client(0)
+
+    @property
+    def second(self) -> Client:
+        """Our second client."""
+        return self.probe.client(1)
+
+    @property
+    def third(self) -> Client:
+        """Our third client."""
+        return self.probe.client(2)
+
+    # ---- outcomes ---------------------------------------------------------------------------
+
+    def note(self, text: str) -> None:
+        """Records a deviation that peers tolerate."""
+        self.notes.append(text)
+
+    @staticmethod
+    def require(holds: bool, failure: str) -> None:  # noqa: FBT001
+        """Ends the check as failed unless a condition holds.
+
+        Raises:
+            CheckFailed: It does not.
+        """
+        if not holds:
+            raise CheckFailed(failure)
+
+    @staticmethod
+    def skip_unless(holds: bool, reason: str) -> None:  # noqa: FBT001
+        """Ends the check as skipped unless a condition holds.
+
+        Raises:
+            CheckSkipped: It does not.
+        """
+        if not holds:
+            raise CheckSkipped(reason)
+
+    # ---- what the target provides -----------------------------------------------------------
+
+    def provides(self, name: str) -> bool:
+        """Whether the target has a core service: announced, or answering when nothing is."""
+        if self.services:
+            return self._announced(name) is not None
+        if name not in self._answered:
+            query, report = _BY_SERVICE[name]
+            self._answered[name] = self.tried(query, report, attempts=2) is not None
+        return self._answered[name]
+
+    def tried(self, query: Message, report_class: type[M], attempts: int = 1) -> M | None:
+        """Returns the report that answers a query, or None when none comes that decodes."""
+        try:
+            return self.first.asked(query, report_class, attempts)
+        except CheckFailed:
+            return None
+
+    def version(self, name: str) -> tuple[int, int]:
+        """Returns the version of a core service, the latest one when none is announced."""
+        service = self._announced(name)
+        return LATEST if service is None else (service.major, service.minor)
+
+    def is_v1_0(self, name: str) -> bool:
+        """Whether a core service is the one of AS5710 before revision A."""
+        return self.version(name) < LATEST
+
+    def known_bases(self, service: ServiceIdentity) -> Sequence[ServiceIdentity]:
+        """Returns the services that a service inherits from, as far as we know it."""
+        entry = self.known(service)
+        lineage = [] if entry is None else list(entry.lineage)[1:]
+        return [ServiceIdentity(each.urn, *_version(each.version)) for each in lineage]
+
+    def known(self, service: ServiceIdentity) -> ServiceEntry | None:
+        """Returns what the catalogue says of a service in its announced version."""
+        return self.catalogue.services.get((service.urn, f"{service.major}.{service.minor}"))
+
+    def _announced(self, name: str) -> ServiceIdentity | None:
+        urns = (CORE + name, *_OTHER_NAMES.get(name, ()))
+        return next((each for each in self.services if each.urn in urns), None)
+
+    def answers(self) -> bool:
+        """Whether the target still answers a query."""
+        query, report = self.ping
+        try:
+            return self.third.asked(query, report) is not None
+        except CheckFailed:
+            return True  # with nonsense, but it does
+
+    def require_answers(self, after: str) -> None:
+        """Ends the check as failed unless the target still answers.
+
+        Raises:
+            CheckFailed: It does not.
+        """
+        self.require(self.answers(), f"the target does not answer any more after {after}")
+
+    # ---- control ----------------------------------------------------------------------------
+
+    @property
+    def default_authority(self) -> int:
+        """Lowest authority code that may control the target, as it reports it uncontrolled."""
+        if self._default_authority is None:
+            report = self.first.ask(core.QueryAuthority(), core.ReportAuthority)
+            self._default_authority = report.authority_code
+        return self._default_authority
+
+    @property
+    def low(self) -> int:
+        """An authority that suffices, with two higher ones above it."""
+        self.skip_unless(
+            self.default_authority <= 252,
+            f"the default authority {self.default_authority} leaves no room above it",
+        )
+        return max(self.default_authority, 100)
+
+    @property
+    def middle(self) -> int:
+        """An authority between `low` and `high`."""
+        return self.low + 1
+
+    @property
+    def high(self) -> int:
+        """The highest authority that the checks use."""
+        return self.low + 2
+
+    def control(self) -> core.ReportControl:
+        """Returns who controls the target."""
+        return self.third.ask(core.QueryControl(), core.ReportControl)
+
+    def controls(self, client: Client) -> bool:
+        """Whether a client of ours controls the target."""
+        report = self.control()
+        return controller_of(report) == str(client.address)
+
+    def take(self, client: Client, authority: int) -> None:
+        """Takes control as a step before what is to be checked.
+
+        Raises:
+            CheckSkipped: It is not granted.
+        """
+        client.send(core.RequestControl(authority_code=authority))
+        answer = client.find(core.ConfirmControl)
+        self.skip_unless(
+            answer is not None and answer.response_code == 0,
+            f"{client.address} cannot take control with authority {authority}; "
+            "see access.request and discovery",
+        )
+
+    # ---- management -------------------------------------------------------------------------
+
+    def status(self) -> Status:
+        """Returns the state of the target.
+
+        Raises:
+            CheckFailed: It is none of the standard's.
+        """
+        report = self.third.ask(core.QueryStatus(), core.ReportStatus)
+        try:
+            return Status(report.status)
+        except ValueError:
+            raise CheckFailed(f"ReportStatus says {report.status}, which is no state") from None
+
+    def reaches(self, status: Status) -> bool:
+        """Whether the target comes to a state within the time of an answer or two."""
+        for _ in range(3):
+            if self.status() is status:
+                return True
+            self.probe.wait(lambda: False, self.probe.quiet)
+        return False
+
+    def make_ready(self, client: Client) -> None:
+        """Takes control and resumes as a step before what is to be checked.
+
+        Raises:
+            CheckSkipped: The target does not come to Ready.
+        """
+        self.take(client, self.low)
+        client.send(core.Resume())
+        self.skip_unless(
+            self.reaches(Status.READY),
+            "the target does not come to Ready; see management.resume",
+        )
+
+    # ---- between checks ---------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Starts the next check with empty hands."""
+        self.notes.clear()
+        self.trace.restart()
+        for client in self._clients():
+            client.clear()
+
+    def tidy(self) -> bool:
+        """Undoes what the check left behind, and returns whether the target still answers."""
+        self.undo()
+        return self.answers()
+
+    def undo(self) -> None:
+        """Undoes what the check left behind."""
+        for client in self._clients():
+            client.cancel_events()
+        for kind in UNDO_ORDER:
+            for client in self._clients():
+                client.undo(kind)
+
+    def _clients(self) -> tuple[Client, Client, Client]:
+        return self.first, self.second, self.third
+
+
+def _version(text: str) -> tuple[int, int]:
+    major, _, minor = text.partition(".")
+    return int(major or 0), int(minor or 0)
+
+
+NOBODY = "0.0.0"
+"""The controller of an uncontrolled component (AS5710, ReportControl)."""

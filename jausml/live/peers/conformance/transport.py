@@ -1,0 +1,520 @@
+"""Checks of the transport: what the target makes of datagrams, good and bad (AS5669A)."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.conformance.check import CheckFailed, check
+from jausml.live.peers.conformance.session import PINGS
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.services.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.peers.conformance.client import Client
+    from jausml.live.peers.conformance.session import Session
+
+UNKNOWN_CODE = b"\xb7\x7a"
+"""A message code (7AB7) that no published service set uses."""
+
+_TRUNCATED_QUERIES = (b"\x00\x2b", b"\x11\x20", b"\xf0\x21", b"\x03\x2b\x01")
+"""QueryIdentification, QueryTime, QueryEvents and QueryServices without (all of) their bodies."""
+
+
+def requires(session: Session) -> str:
+    """Returns nothing: the group runs against each target that answers anything at all."""
+    names = ", ".join(query.NAME for query, _ in PINGS)
+    session.require(session.answers(), f"the target is there, but answers none of {names}")
+    return ""
+
+
+@check(
+    "transport.ack",
+    "Acknowledges a message that asks for it, once",
+    "AS5669A, ack/nak flags",
+)
+def acknowledges(session: Session) -> None:
+    """One acknowledgement from the target's own id comes for one message."""
+    _acknowledged(session, session.first)
+    session.probe.wait(lambda: False, session.probe.quiet)
+    count = 1 + len(session.first.acknowledgements)
+    session.require(count == 1, f"{count} acknowledgements came for one message")
+
+
+@check(
+    "transport.ack-empty",
+    "Acknowledges without payload",
+    "AS5669A, acknowledgement: data size 14",
+)
+def acknowledges_empty(session: Session) -> None:
+    """An acknowledgement is a header and a sequence number, 14 bytes in all."""
+    acknowledgement, _ = _acknowledged(session, session.first)
+    size = len(acknowledgement.payload)
+    session.require(not size, f"the acknowledgement has {size} bytes of payload")
+
+
+@check(
+    "transport.ack-sequence",
+    "Acknowledges under the sequence number of the message",
+    "AS5669A, acknowledgement: sequence number",
+)
+def acknowledges_sequence(session: Session) -> None:
+    """The sender could not know otherwise which message has arrived."""
+    acknowledgement, sent = _acknowledged(session, session.first)
+    session.require(
+        acknowledgement.sequence == sent.sequence,
+        f"message {sent.sequence} is acknowledged as {acknowledgement.sequence}",
+    )
+
+
+@check(
+    "transport.ack-flags",
+    "Acknowledges with the flags of an acknowledgement",
+    "AS5669A, flags of the general transport header",
+)
+def acknowledges_flags(session: Session) -> None:
+    """Ack/nak is 3, data flags are 0; broadcast 0 and the priority of the message are usual."""
+    acknowledgement, sent = _acknowledged(session, session.first)
+    session.require(acknowledgement.acknowledge is AckNak.ACK, "a NAK came")
+    session.require(
+        acknowledgement.data_flags is DataFlags.SINGLE,
+        f"the data flags of the acknowledgement are {acknowledgement.data_flags}",
+    )
+    if acknowledgement.broadcast is not Broadcast.NONE:
+        session.note(f"the acknowledgement has broadcast {acknowledgement.broadcast}")
+    if acknowledgement.priority is not sent.priority:
+        session.note(f"the acknowledgement has priority {acknowledgement.priority}")
+
+
+@check(
+    "transport.no-ack",
+    "Acknowledges nothing that does not ask for it",
+    "AS5669A, ack/nak flags",
+)
+def no_acknowledgement(session: Session) -> None:
+    """A message with ack/nak 0 is answered, but not acknowledged."""
+    session.require_answers("nothing special")
+    session.probe.wait(lambda: False, session.probe.quiet)
+    session.require(
+        not session.third.acknowledgements, "a message that asks for no acknowledgement got one"
+    )
+
+
+@check(
+    "transport.duplicate",
+    "Drops a message that comes twice",
+    "AS5669A, sequence numbers",
+)
+def duplicate(session: Session) -> None:
+    """The second datagram with the same source and sequence number is not answered."""
+    client = session.first
+    packet = client.packet(_ping(session))
+    client.put(packet)
+    _answers(session, client, "a query")
+    client.put(packet)
+    session.probe.wait(lambda: bool(client.inbox), session.probe.quiet)
+    session.require(not client.inbox, "a repeated datagram is answered again")
+
+
+@check(
+    "transport.duplicate-ack",
+    "Acknowledges a message that comes twice again",
+    "AS5669A, retransmission",
+)
+def duplicate_acknowledged(session: Session) -> None:
+    """The first acknowledgement may be lost; without a second one the sender would give up."""
+    _, sent = _acknowledged(session, session.first)
+    session.probe.wait(lambda: False, session.probe.quiet)
+    session.first.clear()
+    session.first.put(sent)
+    arrived = session.probe.wait(
+        lambda: bool(session.first.acknowledgements), session.probe.timeout
+    )
+    session.require(arrived, "a repeated message is not acknowledged again")
+
+
+@check(
+    "transport.two-messages",
+    "Reads two messages in one datagram",
+    "AS5669A, JUDP: one version byte and one or more messages",
+)
+def two_messages(session: Session) -> None:
+    """Both queries are answered; some stacks read only the first, so one may be lost."""
+    client = session.first
+    packets = [client.packet(_ping(session)) for _ in range(2)]
+    session.probe.put_raw(
+        packets[0].encode() + packets[1].encode()[1:], "two queries in one datagram"
+    )
+    session.probe.wait(lambda: len(client.inbox) > 1, session.probe.timeout)
+    session.require(bool(client.inbox), "two queries in one datagram are not answered")
+    if len(client.inbox) == 1:
+        session.note("only the first message of a datagram is read")
+
+
+@check(
+    "transport.trailing-bytes",
+    "Reads a message that garbage follows",
+    "AS5669A, JUDP; practice: Junior ignores the rest",
+)
+def trailing_bytes(session: Session) -> None:
+    """The query before the garbage may be answered; the target goes on in any case."""
+    client = session.first
+    packet = client.packet(_ping(session))
+    session.probe.put_raw(packet.encode() + b"\xde\xad\xbe", "a query and three bytes of garbage")
+    if not session.probe.wait(lambda: bool(client.inbox), session.probe.timeout):
+        session.note("a message that garbage follows is dropped")
+
+
+@check(
+    "transport.version",
+    "Drops a datagram of another version",
+    "AS5669A, JUDP: version 2",
+)
+def wrong_version(session: Session) -> None:
+    """A query under version 3 is not answered."""
+    datagram = session.first.packet(_ping(session)).encode()
+    _dropped(session, b"\x03" + datagram[1:], "a query under version 3")
+
+
+@check(
+    "transport.size-too-large",
+    "Drops a message whose size exceeds the datagram",
+    "AS5669A, data size",
+)
+def size_too_large(session: Session) -> None:
+    """The data size says 200 bytes more than there are."""
+    datagram = bytearray(session.first.packet(_ping(session)).encode())
+    datagram[2:4] = (len(datagram) + 199).to_bytes(2, "little")
+    _dropped(session, bytes(datagram), "a query with a data size beyond the datagram")
+
+
+@check(
+    "transport.size-too-small",
+    "Drops a message whose size is below the header",
+    "AS5669A, data size: at least 14",
+)
+def size_too_small(session: Session) -> None:
+    """The data size says 5."""
+    datagram = bytearray(session.first.packet(_ping(session)).encode())
+    datagram[2:4] = (5).to_bytes(2, "little")
+    _dropped(session, bytes(datagram), "a query with a data size of 5")
+
+
+@check(
+    "transport.short-datagrams",
+    "Survives datagrams that end too early",
+    "AS5669A, general transport header",
+)
+def short_datagrams(session: Session) -> None:
+    """A query cut after each of its bytes; the target goes on."""
+    datagram = session.first.packet(_ping(session)).encode()
+    for length in range(len(datagram)):
+        session.probe.put_raw(datagram[:length], f"{length} of {len(datagram)} bytes of a query")
+
+
+@check(
+    "transport.no-message-code",
+    "Survives a message without a message code",
+    "AS5669A, payload",
+)
+def no_message_code(session: Session) -> None:
+    """Payloads of no byte and of one byte; the target goes on."""
+    for payload in (b"", b"\x02"):
+        session.first.put(session.first.packet(payload))
+
+
+@check(
+    "transport.message-type",
+    "Ignores reserved message types",
+    "AS5669A, message type: 1 to 32 are reserved",
+)
+def message_type(session: Session) -> None:
+    """A query under message type 5 is no JAUS message."""
+    packet = session.first.packet(_ping(session))._replace(message_type=5)
+    session.first.put(packet)
+    if session.probe.wait(lambda: bool(session.first.inbox), session.probe.quiet):
+        session.note("a query under the reserved message type 5 is answered")
+
+
+@check(
+    "transport.header-compression",
+    "Survives header compression that it did not agree to",
+    "AS5669A, header compression flags",
+)
+def header_compression(session: Session) -> None:
+    """A message marked as compressed comes out of the blue; the target goes on."""
+    datagram = bytearray(session.first.packet(_ping(session)).encode())
+    datagram[1] = 0xC0
+    session.probe.put_raw(bytes(datagram), "a message marked as compressed")
+
+
+@check(
+    "transport.fragments",
+    "Puts a message of several packets together",
+    "AS5669A, data flags",
+)
+def fragments(session: Session) -> None:
+    """A request in three packets is answered like one in a single packet."""
+    _reassembles(session, (0, 1, 2), "a request in three packets")
+
+
+@check(
+    "transport.fragments-reversed",
+    "Puts packets together that come in reverse order",
+    "AS5669A, data flags, sequence numbers; practice: Junior",
+)
+def fragments_reversed(session: Session) -> None:
+    """UDP does not keep the order; not every stack sorts."""
+    _reassembles(session, (2, 1, 0), "a request in three packets in reverse", tolerated=True)
+
+
+@check(
+    "transport.fragments-wrap",
+    "Puts packets together over the wrap of sequence numbers",
+    "AS5669A, sequence numbers: 65535 is followed by 0",
+)
+def fragments_wrap(session: Session) -> None:
+    """The three packets have the numbers 65535, 0 and 1."""
+    session.first.skip_to(65535)
+    _reassembles(session, (0, 1, 2), "a request with the numbers 65535, 0, 1")
+
+
+@check(
+    "transport.fragment-missing",
+    "Survives a message whose packets do not all come",
+    "AS5669A, data flags",
+)
+def fragment_missing(session: Session) -> None:
+    """First and last packet come without the one between; nothing is answered."""
+    packets = _fragments(session, session.first)
+    for packet in (packets[0], packets[2]):
+        session.first.put(packet)
+    session.first.expect_silence("a packet of the request is missing")
+
+
+@check(
+    "transport.wildcard-destination",
+    "Takes messages to wildcard destinations whatever their broadcast flag",
+    "AS5669A, destination; practice: node managers leave the flag 0",
+)
+def wildcard_destination(session: Session) -> None:
+    """Queries to all of the target's node and to everybody, with broadcast 0, are answered."""
+    target = session.probe.target
+    for destination in (JausAddress(target.subsystem, target.node, 255), BROADCAST):
+        session.first.clear()
+        session.first.put(session.first.packet(_ping(session), destination=destination))
+        _answers(session, session.first, f"a query to {destination} with broadcast flag 0")
+
+
+@check(
+    "transport.wildcard-ack",
+    "Acknowledges a message to a wildcard under its own id",
+    "AS5669A, acknowledgement: source",
+)
+def wildcard_acknowledged(session: Session) -> None:
+    """The acknowledgement comes from the concrete id, once."""
+    session.first.put(
+        session.first.packet(_ping(session), destination=BROADCAST, acknowledge=AckNak.REQUESTED)
+    )
+    arrived = session.probe.wait(
+        lambda: bool(session.first.acknowledgements), session.probe.timeout
+    )
+    session.require(arrived, "a message to everybody that asks for it is not acknowledged")
+
+
+@check(
+    "transport.multicast",
+    "Takes multicast messages to its own id",
+    "AS5669A, JUDP; practice: stacks multicast what they do not know the place of",
+)
+def multicast(session: Session) -> None:
+    """A query to the target's own id, sent to the multicast group, is acknowledged and answered."""
+    client = session.first
+    session.probe.put_to_group(client.packet(_ping(session), acknowledge=AckNak.REQUESTED))
+    arrived = session.probe.wait(
+        lambda: bool(client.acknowledgements and client.inbox), session.probe.timeout
+    )
+    if not arrived:
+        what = "acknowledged but not answered" if client.acknowledgements else "not acknowledged"
+        session.note(f"a multicast query to its id is {what}: multicast may not reach the target")
+
+
+@check(
+    "transport.other-destination",
+    "Ignores messages to others",
+    "AS5669A, destination",
+)
+def other_destination(session: Session) -> None:
+    """A query to another id is neither answered nor acknowledged by the target."""
+    target = session.probe.target
+    other = JausAddress(target.subsystem, target.node, target.component % 254 + 1)
+    session.first.put(
+        session.first.packet(_ping(session), destination=other, acknowledge=AckNak.REQUESTED)
+    )
+    session.first.expect_silence(f"it was sent to {other}")
+    session.require(
+        not session.first.acknowledgements, f"a message to {other} is acknowledged by the target"
+    )
+
+
+@check(
+    "transport.stray-acks",
+    "Ignores acknowledgements that it does not wait for",
+    "AS5669A, ack/nak flags",
+)
+def stray_acknowledgements(session: Session) -> None:
+    """A stray ACK, a NAK and an ACK with payload are not answered."""
+    client = session.first
+    client.put(client.packet(b"", acknowledge=AckNak.ACK))
+    client.put(client.packet(b"", acknowledge=AckNak.NAK))
+    client.put(client.packet(_ping(session), acknowledge=AckNak.ACK))
+    client.expect_silence("acknowledgements are not answered")
+
+
+@check(
+    "transport.unknown-message",
+    "Ignores unknown messages",
+    "AS5710A, Transport; no transition for unknown messages",
+)
+def unknown_message(session: Session) -> None:
+    """A message code that no set uses is not answered, whatever follows it."""
+    for payload in (UNKNOWN_CODE, UNKNOWN_CODE + bytes(64)):
+        session.first.put(session.first.packet(payload))
+    session.first.expect_silence("no answer to an unknown message exists")
+
+
+@check(
+    "transport.truncated-bodies",
+    "Survives known messages without their bodies",
+    "AS5684, encoding; AS5710A, core messages",
+)
+def truncated_bodies(session: Session) -> None:
+    """Queries whose body is missing; the target may ignore them and goes on."""
+    for payload in _TRUNCATED_QUERIES:
+        session.first.put(session.first.packet(payload))
+
+
+@check(
+    "transport.sequence-numbers",
+    "Gives each message a new sequence number",
+    "AS5669A, sequence numbers: +1 for each packet of a source",
+)
+def sequence_numbers(session: Session) -> None:
+    """The numbers of five reports differ and rise; others may hear what lies between."""
+    client = session.first
+    query, report_class = session.ping
+    numbers = []
+    for _ in range(5):
+        client.send(query)
+        arrived = session.probe.wait(
+            lambda: any(each.code == report_class.CODE for each in client.inbox),
+            session.probe.timeout,
+        )
+        session.require(arrived, f"{query.NAME} is not answered")
+        numbers += [each.packet.sequence for each in client.inbox]
+        client.clear()
+    steps = [(after - before) & 0xFFFF for before, after in itertools.pairwise(numbers)]
+    session.require(
+        all(0 < step < 0x8000 for step in steps), f"the sequence numbers of reports are {numbers}"
+    )
+
+
+@check(
+    "transport.well-formed",
+    "Sends datagrams that can be read",
+    "AS5669A, general transport header",
+)
+def well_formed(session: Session) -> None:
+    """No datagram of the target so far was cut, of another version or followed by other bytes."""
+    malformed = session.probe.malformed
+    session.require(not malformed, f"{len(malformed)} unreadable datagrams: {malformed[:3]}")
+
+
+CHECKS = (
+    acknowledges,
+    acknowledges_empty,
+    acknowledges_sequence,
+    acknowledges_flags,
+    no_acknowledgement,
+    duplicate,
+    duplicate_acknowledged,
+    two_messages,
+    trailing_bytes,
+    wrong_version,
+    size_too_large,
+    size_too_small,
+    short_datagrams,
+    no_message_code,
+    message_type,
+    header_compression,
+    fragments,
+    fragments_reversed,
+    fragments_wrap,
+    fragment_missing,
+    wildcard_destination,
+    wildcard_acknowledged,
+    multicast,
+    other_destination,
+    stray_acknowledgements,
+    unknown_message,
+    truncated_bodies,
+    sequence_numbers,
+    well_formed,
+)
+
+
+def _ping(session: Session) -> bytes:
+    return session.ping[0].encode()
+
+
+def _answers(session: Session, client: Client, what: str) -> None:
+    arrived = session.probe.wait(lambda: bool(client.inbox), session.probe.timeout)
+    session.require(arrived, f"{what} is not answered")
+    del client.inbox[0]
+
+
+def _acknowledged(session: Session, client: Client) -> tuple[Packet, Packet]:
+    """Returns the acknowledgement of a query, and the query."""
+    sent = client.packet(_ping(session), acknowledge=AckNak.REQUESTED)
+    client.put(sent)
+    if not session.probe.wait(lambda: bool(client.acknowledgements), session.probe.timeout):
+        raise CheckFailed("a message that asks for it is not acknowledged")
+    return client.acknowledgements.pop(0), sent
+
+
+def _dropped(session: Session, datagram: bytes, what: str) -> None:
+    session.probe.put_raw(datagram, what)
+    session.first.expect_silence(f"{what} is to be dropped")
+
+
+def _fragments(session: Session, client: Client) -> Sequence[Packet]:
+    """Returns the packets of a request that is answered and leaves nothing behind."""
+    session.skip_unless(session.provides("Events"), "the target does not announce Events")
+    payload = CreateEvent(
+        request_id=7,
+        event_type=CreateEvent.EventType.EVERY_CHANGE,
+        requested_periodic_rate=0.0,
+        query_message=UNKNOWN_CODE,
+    ).encode()
+    flags = (DataFlags.FIRST, DataFlags.MIDDLE, DataFlags.LAST)
+    parts = (payload[:4], payload[4:8], payload[8:])
+    return [client.packet(part, data_flags=flag) for part, flag in zip(parts, flags, strict=True)]
+
+
+def _reassembles(
+    session: Session, order: tuple[int, ...], what: str, *, tolerated: bool = False
+) -> None:
+    packets = _fragments(session, session.first)
+    for index in order:
+        session.first.put(packets[index])
+    codes = (RejectEventRequest.CODE, ConfirmEventRequest.CODE)
+    arrived = session.probe.wait(
+        lambda: any(each.code in codes for each in session.first.inbox), session.probe.timeout
+    )
+    if not arrived and tolerated:
+        session.note(f"{what} is not answered")
+        return
+    session.require(arrived, f"{what} is not answered")

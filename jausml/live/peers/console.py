@@ -1,0 +1,309 @@
+"""The interactive session of an operator: a line is a command, and its outcome follows."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages import MessageError
+from jausml.live.messages.errors import did_you_mean, similar
+from jausml.live.peers.operator import NoAnswer, Refused
+from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.services.definitions import Status
+from jausml.runtime.services.messages import ClearEmergency, Resume, SetEmergency, Standby
+from jausml.runtime.transports.packets.packet import Priority
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.live.messages import MessageEntry
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.component.component import EventSubscription
+
+DEFAULT_AUTHORITY = 205
+"""Authority of an operator control unit, as other stacks choose it."""
+
+_STOP = 1
+
+
+class UsageError(Exception):
+    """A command cannot be understood."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of the session.
+
+    Attributes:
+        usage: Its arguments.
+        help: What it does.
+        run: Does it, given the rest of the line.
+    """
+
+    usage: str
+    help: str
+    run: Callable[[str], None]
+
+
+class Console:
+    """Carries out commands for one operator.
+
+    A command may name the component that it is for; without a name it is for the one named last.
+
+    Attributes:
+        failures: Commands that did not end well.
+    """
+
+    def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
+        """Starts a session without a target.
+
+        Args:
+            operator: Does the work.
+            emit: Takes each line for the user; also called on another thread.
+        """
+        self.failures = 0
+        self._operator = operator
+        self._emit = emit
+        self._target: JausAddress | None = None
+        self._emergencies: set[JausAddress] = set()
+        self._watches: dict[tuple[JausAddress, str], EventSubscription] = {}
+        self.commands = {
+            "discover": Command("[SECONDS]", "find subsystems and components", self._discover),
+            "target": Command("ID", "choose the component for what follows", self._choose),
+            "services": Command("[ID]", "list what it provides", self._services),
+            "status": Command("[ID]", "show its state and who controls it", self._status),
+            "query": Command("[ID] MESSAGE [JSON]", "ask for a report", self._query),
+            "watch": Command("[ID] MESSAGE [HZ]", "show a report live", self._watch),
+            "unwatch": Command("", "show no report live any more", self._unwatch),
+            "control": Command("[ID] [AUTHORITY]", "take control and keep it", self._control),
+            "resume": Command("[ID]", "bring it to Ready", self._resume),
+            "standby": Command("[ID]", "bring it to Standby", self._standby),
+            "send": Command("[ID] MESSAGE [JSON]", "send a message", self._send),
+            "release": Command("[ID]", "release control", self._release),
+            "emergency": Command("[ID]", "set an emergency", self._emergency),
+            "clear": Command("[ID]", "clear our emergency", self._clear),
+            "wait": Command("SECONDS", "wait while reports are shown", self._wait),
+            "help": Command("", "show this list", self._help),
+            "quit": Command("", "release, cancel and end", lambda _: None),
+        }
+
+    def run(self, lines: Iterable[str]) -> None:
+        """Carries out commands until `quit` or the last line; `#` starts a remark.
+
+        Args:
+            lines: Commands.
+        """
+        for line in lines:
+            word, _, rest = line.strip().partition(" ")
+            if word in ("quit", "exit"):
+                break
+            if word and not word.startswith("#"):
+                self.execute(word, rest.strip())
+        for target in sorted(self._emergencies):
+            self._emit(
+                f"note: our emergency of {target} lasts; 'clear' under the same --id ends it"
+            )
+
+    def execute(self, word: str, rest: str) -> None:
+        """Carries out one command; what goes wrong is told and counted.
+
+        Args:
+            word: The command.
+            rest: The rest of its line.
+        """
+        command = self.commands.get(word)
+        try:
+            if command is None:
+                raise UsageError(
+                    f"no command '{word}'{did_you_mean(similar(word, self.commands)) or ';'} "
+                    "'help' lists them"
+                )
+            command.run(rest)
+        except UsageError as error:
+            usage = f"; usage: {word} {command.usage}".rstrip() if command else ""
+            self._fail(f"{error}{usage}")
+        except (NoAnswer, Refused, MessageError, ValueError) as error:
+            self._fail(str(error))
+
+    def _fail(self, text: str) -> None:
+        self.failures += 1
+        self._emit(f"error: {text}")
+
+    # ---- looking ----------------------------------------------------------------------------
+
+    def _discover(self, rest: str) -> None:
+        found = self._operator.survey.take(_number(rest, 2.0))
+        for line in subsystem_lines(found):
+            self._emit(line)
+        if not found:
+            raise NoAnswer(f"nobody answers; {self._operator.hints}")
+
+    def _choose(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        self._emit(f"target {target}")
+
+    def _services(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        services = self._operator.services(target)
+        if not services:
+            raise NoAnswer(f"nobody lists the services of {target}; {self._operator.hints}")
+        for line in service_lines(services):
+            self._emit(line)
+
+    def _status(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        self._emit(f"{target} {status_line(*self._operator.status(target))}")
+
+    def _query(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        name, fields = _message(rest)
+        entry, answer = self._operator.query(target, name, fields)
+        self._emit(report_line(target, entry, answer))
+
+    def _watch(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        words = shlex.split(rest)
+        if not words:
+            raise UsageError("which report?")
+        rate = _number(words[1], 0.0) if len(words) > 1 else None
+
+        def show(entry: MessageEntry, fields: dict[str, Any]) -> None:
+            self._emit(report_line(target, entry, fields))
+
+        former = self._watches.pop((target, words[0]), None)
+        if former is not None:
+            former.cancel()
+        self._watches[target, words[0]] = self._operator.watch(target, words[0], rate, show)
+
+    def _unwatch(self, _rest: str) -> None:
+        for subscription in self._watches.values():
+            subscription.cancel()
+        self._watches.clear()
+
+    def _wait(self, rest: str) -> None:
+        if not rest:
+            raise UsageError("how many seconds?")
+        time.sleep(_number(rest, 0.0))
+
+    def _help(self, _rest: str) -> None:
+        for name, command in self.commands.items():
+            self._emit(f"{f'{name} {command.usage}'.rstrip():28} {command.help}")
+
+    # ---- commanding -------------------------------------------------------------------------
+
+    def _control(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        self._operator.control(target, int(_number(rest, DEFAULT_AUTHORITY)))
+        self._emit(f"{target} is controlled")
+
+    def resume(self, target: JausAddress) -> None:
+        """Brings a component that we control to Ready and says so.
+
+        Raises:
+            Refused: It does not come to Ready.
+        """
+        self._change(target, Resume(), Status.READY)
+
+    def release(self, target: JausAddress) -> None:
+        """Releases control and says whether the component confirms it."""
+        told = self._operator.release(target)
+        self._emit(f"{target} is released" if told else f"{target} confirms no release")
+
+    def _resume(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        self._require_control(target)
+        self.resume(target)
+
+    def _standby(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        self._require_control(target)
+        self._change(target, Standby(), Status.STANDBY)
+
+    def _change(self, target: JausAddress, command: Resume | Standby, wanted: Status) -> None:
+        state = self._operator.change(target, command, wanted)
+        self._emit(f"{target} is in {state.name}" if state else f"{target} has no Management")
+
+    def _send(self, rest: str) -> None:
+        target, rest = self._aim(rest)
+        name, fields = _message(rest)
+        entry = self._operator.find(target, name)
+        message = self._operator.message(entry, fields or {})
+        if entry.is_command and not self._operator.controls(target):
+            self._emit(f"note: {target} is not controlled by us; it may ignore {entry.name}")
+        self._operator.send(target, message)
+        self._emit(f"{entry.name} sent to {target}")
+
+    def _release(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        self.release(target)
+
+    def _emergency(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        message = SetEmergency(emergency_code=_STOP)
+        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
+        self._emergencies.add(target)
+        self._emit(f"{target} {status_line(*self._operator.status(target))}")
+
+    def _clear(self, rest: str) -> None:
+        target, _ = self._aim(rest)
+        message = ClearEmergency(emergency_code=_STOP)
+        self._operator.send(target, message, Priority.SAFETY_CRITICAL)
+        self._emergencies.discard(target)
+        self._emit(f"{target} {status_line(*self._operator.status(target))}")
+
+    # ---- words ------------------------------------------------------------------------------
+
+    def _aim(self, rest: str) -> tuple[JausAddress, str]:
+        """Returns the component that a line is for, and the rest of the line."""
+        word, _, after = rest.partition(" ")
+        if word[:1].isdigit() and word.count(".") == 2:
+            address = JausAddress.parse(word)
+            if not address.is_concrete:
+                raise UsageError(f"{word} does not name one component")
+            self._target = address
+            return address, after.strip()
+        if self._target is None:
+            raise UsageError("which component? name its id, e.g. 100.1.1")
+        return self._target, rest
+
+    def _require_control(self, target: JausAddress) -> None:
+        if not self._operator.controls(target):
+            raise UsageError(f"{target} is not controlled by us: 'control {target}' first")
+
+
+def parse_fields(text: str) -> dict[str, Any]:
+    """Returns the fields of a message from JSON.
+
+    Raises:
+        ValueError: The text is no JSON object.
+    """
+    try:
+        fields = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"the fields are no JSON: {error}") from error
+    if not isinstance(fields, dict):
+        raise ValueError('the fields must be a JSON object, e.g. {"AuthorityCode": 5}')
+    return fields
+
+
+def _message(rest: str) -> tuple[str, dict[str, Any] | None]:
+    name, _, text = rest.partition(" ")
+    if not name:
+        raise UsageError("which message?")
+    return name, parse_fields(text) if text.strip() else None
+
+
+def _number(text: str, default: float) -> float:
+    if not text:
+        return default
+    try:
+        number = float(text)
+    except ValueError:
+        raise UsageError(f"'{text}' is no number") from None
+    if not 0 <= number <= 86400:
+        raise UsageError(f"{text} is out of range")
+    return number

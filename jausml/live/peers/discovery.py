@@ -1,0 +1,152 @@
+"""Who is there: what Discovery services say of subsystems, components and services."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.services import services_of
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.services.definitions import Scope
+from jausml.runtime.services.discovery_messages import query_all_services
+from jausml.runtime.services.messages import (
+    QueryIdentification,
+    ReportIdentification,
+    ReportServices,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.runtime.component.component import JausComponent
+    from jausml.runtime.services.definitions import ServiceIdentity
+
+ROUND = 0.5
+"""Seconds between two rounds of questions; a datagram may be lost."""
+
+_TYPE_NAMES = {
+    10001: "vehicle",
+    20001: "OCU",
+    30001: "other subsystem",
+    40001: "node",
+    50001: "payload",
+    60001: "component",
+}
+
+
+@dataclass
+class KnownComponent:
+    """A component that was heard of.
+
+    Attributes:
+        address: Its JAUS id.
+        identification: Name that it reports of itself, empty when it was not heard.
+        type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
+        services: What it provides.
+    """
+
+    address: JausAddress
+    identification: str = ""
+    type: int = 0
+    services: tuple[ServiceIdentity, ...] = ()
+
+
+@dataclass
+class KnownSubsystem:
+    """A subsystem and its components.
+
+    Attributes:
+        number: Its number.
+        identification: Its name, empty when nobody answers for the subsystem.
+        type: Its type, 0 if unknown.
+        components: Its components by address.
+    """
+
+    number: int
+    identification: str = ""
+    type: int = 0
+    components: dict[JausAddress, KnownComponent] = field(default_factory=dict)
+
+
+def type_name(number: int) -> str:
+    """Returns the word for a type of ReportIdentification (AS5710)."""
+    return _TYPE_NAMES.get(number, f"type {number}" if number else "")
+
+
+class Survey:
+    """Collects the answers of Discovery services for one of our components."""
+
+    def __init__(self, component: JausComponent, peers: Sequence[JausAddress]) -> None:
+        """Listens from now on.
+
+        Args:
+            component: Our component.
+            peers: Components that are asked one by one as well, since multicast may miss them.
+        """
+        self._component = component
+        self._peers = tuple(peers)
+        self._subsystems: dict[int, KnownSubsystem] = {}
+        component.on_message(ReportIdentification, self._identified)
+        component.on_message(ReportServices, self._services)
+
+    def take(self, duration: float) -> tuple[KnownSubsystem, ...]:
+        """Asks everybody and returns who was heard of, ordered by number.
+
+        Args:
+            duration: Seconds to listen.
+        """
+        end = time.monotonic() + duration
+        while True:
+            self._ask()
+            left = end - time.monotonic()
+            time.sleep(max(0.0, min(left, max(ROUND, duration / 3))))
+            if time.monotonic() >= end:
+                return self.known()
+
+    def known(self) -> tuple[KnownSubsystem, ...]:
+        """Returns who was heard of so far, ordered by number."""
+        with self._component.loop.lock:
+            found = [self._subsystems[number] for number in sorted(self._subsystems)]
+            for subsystem in found:
+                subsystem.components = dict(sorted(subsystem.components.items()))
+            return tuple(found)
+
+    def services(self, address: JausAddress) -> tuple[ServiceIdentity, ...]:
+        """Returns what a component provides, as far as it was heard."""
+        subsystem = self._subsystems.get(address.subsystem)
+        component = subsystem.components.get(address) if subsystem else None
+        return component.services if component else ()
+
+    def ask(self, destination: JausAddress) -> None:
+        """Asks one component, or everybody of a wildcard, who it is and what it provides."""
+        for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
+            self._component.send(QueryIdentification(query_type=scope), destination)
+        self._component.send(query_all_services(), destination)
+
+    def _ask(self) -> None:
+        for destination in (BROADCAST, *self._peers):
+            self.ask(destination)
+
+    def _identified(self, report: ReportIdentification, sender: JausAddress) -> None:
+        if sender == self._component.address:
+            return
+        subsystem = self._subsystem(sender.subsystem)
+        if report.query_type == Scope.SUBSYSTEM:
+            subsystem.identification, subsystem.type = report.identification, report.type_
+            self._at(sender)
+        elif report.query_type == Scope.COMPONENT:
+            component = self._at(sender)
+            component.identification, component.type = report.identification, report.type_
+
+    def _services(self, report: ReportServices, sender: JausAddress) -> None:
+        for address, services in services_of(report, sender.subsystem).items():
+            if address != self._component.address and address.is_concrete:
+                self._at(address).services = services
+
+    def _subsystem(self, number: int) -> KnownSubsystem:
+        return self._subsystems.setdefault(number, KnownSubsystem(number))
+
+    def _at(self, address: JausAddress) -> KnownComponent:
+        components = self._subsystem(address.subsystem).components
+        return components.setdefault(address, KnownComponent(address))

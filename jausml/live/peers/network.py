@@ -1,0 +1,93 @@
+"""What a live tool needs to know of the network, from the words that a user types."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import JUDP_GROUP, JUDP_PORT, Endpoint, TransportSettings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+DEFAULT_ID = "65000.1.1"
+"""JAUS id of our tools. No byte of it is 0xFF, which Junior takes for a wildcard."""
+
+DEFAULT_INTERFACE = "127.0.0.1"
+DEFAULT_PORT = JUDP_PORT
+DEFAULT_GROUP = JUDP_GROUP
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """Who we are and where the others are.
+
+    Attributes:
+        own: Our JAUS id.
+        settings: Interface, port, multicast group and known peers.
+    """
+
+    own: JausAddress
+    settings: TransportSettings
+
+    def hints(self) -> str:
+        """Returns what to check when nobody answers."""
+        settings = self.settings
+        text = (
+            f"looked on interface {settings.interface}, port {settings.port}, multicast group "
+            f"{settings.multicast_group}. Check that the component runs, that --interface and "
+            "--port are those of its network, and that no firewall drops UDP or multicast; "
+            "--peer ID=HOST:PORT reaches a component without multicast"
+        )
+        if settings.interface == DEFAULT_INTERFACE:
+            text += ". The interface 127.0.0.1 reaches this host only"
+        return text
+
+
+def make_network(own: str, interface: str, port: int, group: str, peers: Iterable[str]) -> Network:
+    """Returns the network that the options describe.
+
+    Args:
+        own: Dotted JAUS id.
+        interface: IPv4 address of the interface.
+        port: UDP port of JUDP.
+        group: Multicast group.
+        peers: Known components as `ID=HOST:PORT`.
+
+    Raises:
+        ValueError: One of them cannot be.
+    """
+    settings = TransportSettings(
+        interface=interface,
+        port=port,
+        multicast_group=group,
+        address_book=dict(map(_peer, peers)),
+    )
+    return Network(component_address(own), settings)
+
+
+def component_address(text: str) -> JausAddress:
+    """Returns the address of one component.
+
+    Raises:
+        ValueError: The text is no JAUS id or names several components.
+    """
+    address = JausAddress.parse(text)
+    if not address.is_concrete:
+        raise ValueError(f"{text} does not name one component")
+    return address
+
+
+def silence_log() -> None:
+    """Keeps warnings of the runtime about foreign datagrams from the terminal."""
+    logging.getLogger("jausml").addHandler(logging.NullHandler())
+
+
+def _peer(text: str) -> tuple[JausAddress, Endpoint]:
+    address, _, place = text.partition("=")
+    host, _, port = place.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()):
+        raise ValueError(f"{text!r} is not ID=HOST:PORT, e.g. 100.1.2=192.168.0.7:3794")
+    return component_address(address), (host, int(port))

@@ -1,0 +1,240 @@
+"""Capture files: pcap and pcapng, read as a stream so that `tcpdump -w -` can be piped in.
+
+Formats: draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+from jausml.live.traffic.errors import CaptureError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_LARGEST_PART = 1 << 27
+_PCAP = {
+    b"\xd4\xc3\xb2\xa1": ("<", 1e-6),
+    b"\xa1\xb2\xc3\xd4": (">", 1e-6),
+    b"\x4d\x3c\xb2\xa1": ("<", 1e-9),
+    b"\xa1\xb2\x3c\x4d": (">", 1e-9),
+}
+_GZIP = b"\x1f\x8b"
+_SECTION_HEADER = 0x0A0D0D0A
+_INTERFACE = 1
+_OLD_PACKET = 2
+_SIMPLE_PACKET = 3
+_ENHANCED_PACKET = 6
+_BYTE_ORDERS = {b"\x4d\x3c\x2b\x1a": "<", b"\x1a\x2b\x3c\x4d": ">"}
+_OPTION_RESOLUTION = 9
+_OPTION_OFFSET = 14
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame of a capture.
+
+    Attributes:
+        number: Its number in the file, from 1 as Wireshark counts.
+        time: Seconds since 1970, None when the file does not tell.
+        link_type: What its bytes begin with (LINKTYPE_ of tcpdump.org).
+        data: The bytes that were captured.
+        is_cut: Whether the capture kept only its beginning.
+    """
+
+    number: int
+    time: float | None
+    link_type: int
+    data: bytes
+    is_cut: bool = False
+
+
+def read_frames(stream: BinaryIO) -> Iterator[Frame]:
+    """Yields the frames of a capture as they come.
+
+    Args:
+        stream: A pcap or pcapng file.
+
+    Raises:
+        CaptureError: It is something else, malformed, or ends within a frame; the frames before
+            that were yielded.
+    """
+    file = _File(stream)
+    magic = file.read(4, "the file header")
+    if magic in _PCAP:
+        yield from _pcap(file, *_PCAP[magic])
+    elif magic == _SECTION_HEADER.to_bytes(4, "big"):
+        yield from _Pcapng(file).frames()
+    elif magic.startswith(_GZIP):
+        raise CaptureError("the file is compressed: run gunzip on it first", 0)
+    else:
+        raise CaptureError(f"neither pcap nor pcapng: it begins with {magic.hex(' ')}", 0)
+
+
+def is_capture(beginning: bytes) -> bool:
+    """Tells whether a file begins as a capture does.
+
+    Args:
+        beginning: Its first four bytes.
+    """
+    return beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
+
+
+class _File:
+    """A file that is read from the beginning to the end.
+
+    Attributes:
+        offset: Bytes read so far.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self.offset = 0
+
+    def read(self, size: int, what: str, begin: int | None = None) -> bytes:
+        """Returns exactly as many bytes.
+
+        Args:
+            size: How many.
+            what: What they are, for the error.
+            begin: Where the part begins to which they belong.
+        """
+        start = self.offset if begin is None else begin
+        if size > _LARGEST_PART:
+            raise CaptureError(f"{what} cannot have {size} bytes", start)
+        data = self._read_fully(size)
+        if len(data) < size:
+            raise CaptureError(f"the file ends within {what}", start)
+        return data
+
+    def read_or_end(self, size: int, what: str) -> bytes | None:
+        """Returns exactly as many bytes, None at the end of the file."""
+        start = self.offset
+        data = self._read_fully(size)
+        if data and len(data) < size:
+            raise CaptureError(f"the file ends within {what}", start)
+        return data or None
+
+    def _read_fully(self, size: int) -> bytes:
+        data = self._stream.read(size)
+        while 0 < len(data) < size:  # a pipe gives what it has
+            more = self._stream.read(size - len(data))
+            if not more:
+                break
+            data += more
+        self.offset += len(data)
+        return data
+
+
+def _pcap(file: _File, order: str, resolution: float) -> Iterator[Frame]:
+    header = file.read(20, "the file header", 0)
+    (network,) = struct.unpack(f"{order}16xI", header)
+    link_type = network & 0xFFFF  # the upper half tells of check sums after the frames
+    record = struct.Struct(f"{order}IIII")
+    number = 0
+    while True:
+        begin = file.offset
+        number += 1
+        head = file.read_or_end(record.size, f"the header of frame {number}")
+        if head is None:
+            return
+        seconds, fraction, kept, length = record.unpack(head)
+        data = file.read(kept, f"frame {number}", begin)
+        yield Frame(number, seconds + fraction * resolution, link_type, data, kept < length)
+
+
+class _Pcapng:
+    """A pcapng file: blocks, in sections that each tell their byte order."""
+
+    def __init__(self, file: _File) -> None:
+        self._file = file
+        self._order = "<"
+        self._interfaces: list[tuple[int, int, float, int]] = []
+        self._number = 0
+
+    def frames(self) -> Iterator[Frame]:
+        begin = 0
+        head: bytes | None = _SECTION_HEADER.to_bytes(4, "big")
+        while head is not None:
+            kind = struct.unpack(f"{self._order}I", head)[0]
+            body = self._body(kind, begin)
+            frame = self._take(kind, body, begin)
+            if frame is not None:
+                yield frame
+            begin = self._file.offset
+            head = self._file.read_or_end(4, "the header of a block")
+
+    def _body(self, kind: int, begin: int) -> bytes:
+        """Returns what stands in a block between its two lengths."""
+        what = f"block 0x{kind:X}"
+        raw = self._file.read(4, what, begin)
+        start = b""
+        if kind == _SECTION_HEADER:
+            start = self._file.read(4, what, begin)
+            if start not in _BYTE_ORDERS:
+                raise CaptureError("the section header has no byte order", begin)
+            self._order = _BYTE_ORDERS[start]
+        (length,) = struct.unpack(f"{self._order}I", raw)
+        if length % 4 or length < 12 + len(start):
+            raise CaptureError(f"{what} has an impossible length of {length}", begin)
+        rest = self._file.read(length - 8 - len(start), what, begin)
+        if rest[-4:] != struct.pack(f"{self._order}I", length):
+            raise CaptureError(f"the two lengths of {what} differ", begin)
+        return start + rest[:-4]
+
+    def _take(self, kind: int, body: bytes, begin: int) -> Frame | None:
+        try:
+            if kind == _SECTION_HEADER:
+                self._interfaces = []
+            elif kind == _INTERFACE:
+                self._interfaces.append(self._interface(body))
+            elif kind in (_ENHANCED_PACKET, _OLD_PACKET):
+                return self._packet(kind, body, begin)
+            elif kind == _SIMPLE_PACKET:
+                return self._simple_packet(body, begin)
+        except struct.error:
+            raise CaptureError(f"block 0x{kind:X} is too short", begin) from None
+        return None
+
+    def _interface(self, body: bytes) -> tuple[int, int, float, int]:
+        """Returns link type, snap length, resolution and offset of the time in seconds."""
+        link_type, snap_length = struct.unpack_from(f"{self._order}H2xI", body)
+        resolution, offset, at = 1e-6, 0, 8
+        while at + 4 <= len(body):
+            code, length = struct.unpack_from(f"{self._order}HH", body, at)
+            value = body[at + 4 : at + 4 + length]
+            at += 4 + (length + 3 & ~3)
+            if code == _OPTION_RESOLUTION and length == 1:
+                exponent = value[0] & 0x7F
+                resolution = 2.0**-exponent if value[0] & 0x80 else 10.0**-exponent
+            elif code == _OPTION_OFFSET and length == 8:
+                (offset,) = struct.unpack(f"{self._order}q", value)
+        return link_type, snap_length, resolution, offset
+
+    def _packet(self, kind: int, body: bytes, begin: int) -> Frame:
+        layout = "IIIII" if kind == _ENHANCED_PACKET else "H2xIIII"
+        interface, high, low, kept, length = struct.unpack_from(f"{self._order}{layout}", body)
+        link_type, _, resolution, offset = self._interface_of(interface, begin)
+        time = (high << 32 | low) * resolution + offset
+        return self._frame(time, link_type, body[20:], kept, length, begin)
+
+    def _simple_packet(self, body: bytes, begin: int) -> Frame:
+        (length,) = struct.unpack_from(f"{self._order}I", body)
+        link_type, snap_length, _, _ = self._interface_of(0, begin)
+        kept = min(length, snap_length or length)
+        return self._frame(None, link_type, body[4:], kept, length, begin)
+
+    def _interface_of(self, number: int, begin: int) -> tuple[int, int, float, int]:
+        if number >= len(self._interfaces):
+            raise CaptureError(f"a frame is of interface {number}, which is not described", begin)
+        return self._interfaces[number]
+
+    def _frame(
+        self, time: float | None, link_type: int, data: bytes, kept: int, length: int, begin: int
+    ) -> Frame:
+        self._number += 1
+        if kept > len(data):
+            raise CaptureError(f"frame {self._number} is longer than its block", begin)
+        return Frame(self._number, time, link_type, data[:kept], kept < length)

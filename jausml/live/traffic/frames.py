@@ -1,0 +1,219 @@
+"""From frames to UDP datagrams: link layer, IPv4 and IPv6 with their fragments, UDP."""
+
+from __future__ import annotations
+
+import socket
+import struct
+from collections import Counter, OrderedDict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from jausml.live.traffic.captures import Frame
+
+_ETHERNET, _NULL, _LOOP, _LINUX_COOKED, _LINUX_COOKED_2 = 1, 0, 108, 113, 276
+_RAW_IP = (12, 14, 101, 228, 229)
+_IPV4, _IPV6 = 0x0800, 0x86DD
+_VLAN_TAGS = (0x8100, 0x88A8, 0x9100)
+_UDP = 17
+_IPV6_FRAGMENT = 44
+_IPV6_EXTENSIONS = (0, 43, 60)  # hop by hop, routing, destination options
+_MAXIMUM_PENDING = 64
+_LARGEST_DATAGRAM = 65535
+
+
+class Endpoint(NamedTuple):
+    """An IP address and a UDP port."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+@dataclass(frozen=True)
+class Datagram:
+    """A UDP datagram.
+
+    Attributes:
+        data: What it carries.
+        source: Where it came from, None when nobody told.
+        destination: Where it went, None when nobody told.
+        time: Seconds since 1970, None when nobody told.
+        number: Number of the frame or line that ended it, from 1.
+    """
+
+    data: bytes
+    source: Endpoint | None = None
+    destination: Endpoint | None = None
+    time: float | None = None
+    number: int | None = None
+
+
+class _Cut(Exception):  # noqa: N818 - it is no error of ours: the capture kept too few bytes
+    """A frame ends within a header or within the datagram."""
+
+
+@dataclass
+class _Fragments:
+    """The fragments of one IP packet."""
+
+    parts: dict[int, bytes] = field(default_factory=dict)
+    size: int | None = None
+
+    def whole(self) -> bytes | None:
+        """Returns the packet's content when all is there."""
+        if self.size is None:
+            return None
+        data = bytearray()
+        for offset in sorted(self.parts):
+            if offset > len(data):
+                return None
+            data[offset:] = self.parts[offset]
+        return bytes(data) if len(data) == self.size else None
+
+
+class UdpReader:
+    """Finds the UDP datagrams of a port in frames.
+
+    Attributes:
+        skipped: How many frames of the port could not be read, and of unknown links, by reason.
+    """
+
+    def __init__(self, port: int) -> None:
+        """Starts with no fragments.
+
+        Args:
+            port: UDP port that a datagram must come from or go to.
+        """
+        self.skipped: Counter[str] = Counter()
+        self._port = port
+        self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
+
+    def read(self, frame: Frame) -> Datagram | None:
+        """Returns the datagram that a frame holds or completes.
+
+        Args:
+            frame: A frame.
+        """
+        try:
+            packet = self._ip_packet(frame)
+            if packet is None:
+                return None
+            if packet[0] >> 4 == 4:
+                return self._ipv4(packet, frame)
+            return self._ipv6(packet, frame) if packet[0] >> 4 == 6 else None
+        except (_Cut, struct.error, IndexError):
+            self.skipped["frames that were cut" if frame.is_cut else "malformed frames"] += 1
+            return None
+
+    @property
+    def unfinished(self) -> int:
+        """IP packets whose fragments are not all there."""
+        return len(self._pending)
+
+    def _ip_packet(self, frame: Frame) -> bytes | None:
+        """Returns what follows the link layer when it is IP."""
+        data, link = frame.data, frame.link_type
+        if link in _RAW_IP:
+            return data or None
+        if link in (_NULL, _LOOP):
+            return data[4:] or None  # the address family; IP tells its version itself
+        if link == _ETHERNET:
+            at = 12
+        elif link == _LINUX_COOKED:
+            at = 14
+        elif link == _LINUX_COOKED_2:
+            at = 0
+        else:
+            self.skipped[f"frames of link type {link}, which is not supported"] += 1
+            return None
+        (protocol,) = struct.unpack_from(">H", data, at)
+        at = 20 if link == _LINUX_COOKED_2 else at + 2
+        while protocol in _VLAN_TAGS:
+            (protocol,) = struct.unpack_from(">H", data, at + 2)
+            at += 4
+        return data[at:] or None if protocol in (_IPV4, _IPV6) else None
+
+    def _ipv4(self, packet: bytes, frame: Frame) -> Datagram | None:
+        length, identity, fragment, protocol = struct.unpack_from(">2xHHHxB", packet)
+        if protocol != _UDP:
+            return None
+        hosts = packet[12:16], packet[16:20]
+        start = 4 * (packet[0] & 0xF)
+        # A length of 0 comes from network cards that cut packets themselves.
+        content = packet[start : length or None]
+        if len(hosts[1]) < 4 or start < 20 or len(packet) < length:
+            # The ports tell whether it concerns us, if they are there.
+            if fragment & 0x1FFF or not self._is_ours(content):
+                return None
+            raise _Cut
+        whole = self._joined(
+            (*hosts, identity), content, 8 * (fragment & 0x1FFF), last=not fragment & 0x2000
+        )
+        return self._udp(whole, socket.AF_INET, hosts, frame) if whole is not None else None
+
+    def _ipv6(self, packet: bytes, frame: Frame) -> Datagram | None:
+        length, following = struct.unpack_from(">4xHB", packet)
+        hosts = packet[8:24], packet[24:40]
+        content, at = packet[40 : 40 + length], 0
+        offset, identity, last = 0, 0, True
+        while following in _IPV6_EXTENSIONS or following == _IPV6_FRAGMENT:
+            if following == _IPV6_FRAGMENT:
+                following, bits, identity = struct.unpack_from(">BxHI", content, at)
+                offset, last = bits & 0xFFF8, not bits & 1
+                at += 8
+            else:
+                following, size = struct.unpack_from(">BB", content, at)
+                at += 8 * (size + 1)
+        if following != _UDP:
+            return None
+        if len(packet) < 40 + length:
+            if offset or not self._is_ours(content[at:]):
+                return None
+            raise _Cut
+        whole = self._joined((*hosts, identity), content[at:], offset, last=last)
+        return self._udp(whole, socket.AF_INET6, hosts, frame) if whole is not None else None
+
+    def _joined(
+        self, key: tuple[bytes, bytes, int], content: bytes, offset: int, *, last: bool
+    ) -> bytes | None:
+        """Returns the content of a packet once all its fragments are there."""
+        if last and not offset:
+            return content
+        fragments = self._pending.setdefault(key, _Fragments())
+        if offset + len(content) > _LARGEST_DATAGRAM:
+            del self._pending[key]
+            self.skipped["IP packets whose fragments are too long"] += 1
+            return None
+        fragments.parts[offset] = content
+        if last:
+            fragments.size = offset + len(content)
+        whole = fragments.whole()
+        if whole is not None:
+            del self._pending[key]
+        elif len(self._pending) > _MAXIMUM_PENDING:
+            self._pending.popitem(last=False)
+            self.skipped["IP packets with missing fragments"] += 1
+        return whole
+
+    def _is_ours(self, content: bytes) -> bool:
+        return len(content) >= 4 and self._port in struct.unpack_from(">HH", content)
+
+    def _udp(
+        self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: Frame
+    ) -> Datagram | None:
+        source, destination, length = struct.unpack_from(">HHH", content)
+        if self._port not in (source, destination):
+            return None
+        if length < 8 or length > len(content):
+            raise _Cut
+        names = [socket.inet_ntop(family, host) for host in hosts]
+        return Datagram(
+            content[8:length],
+            Endpoint(names[0], source),
+            Endpoint(names[1], destination),
+            frame.time,
+            frame.number,
+        )

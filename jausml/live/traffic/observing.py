@@ -1,0 +1,213 @@
+"""From JUDP datagrams to messages, as a bystander sees them (AS5669A)."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages import MessageError
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.transports.packets.packet import (
+    EMPTY_MESSAGE_SIZE,
+    JUDP_VERSION,
+    AckNak,
+    DataFlags,
+    parse_datagram,
+)
+from jausml.runtime.transports.packets.reassembly import Reassembly
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.live.messages import Catalogue, DecodedMessage
+    from jausml.live.traffic.frames import Datagram
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.transports.packets.packet import Packet
+
+_REASSEMBLY_TIMEOUT = 10.0
+_REASSEMBLY_LIMIT = 4 << 20
+_HOST_FRAMES = (b"\0F", b"\0P")  # runtime/shared_port.py
+_HEADER_COMPRESSION = (0, 2)  # bytes that it adds to a header
+_REASONS = {
+    "judp.version_1": "JUDP version 1 (AS5669) is not supported, AS5669A has version 2",
+    "judp.reference_architecture": "the JAUS Reference Architecture ('JAUS01.0') is not supported",
+    "judp.truncated": "the data size of a message is larger than the datagram",
+    "judp.bad_size": "the data size of a message is too small for its header",
+    "judp.bad_message_type": "the message type is reserved",
+    "judp.compressed": "the header is compressed, which is not supported",
+    "judp.trailing_bytes": "bytes follow the last message",
+}
+_FRAGMENTS = {
+    DataFlags.FIRST: "the first packet of a message of several",
+    DataFlags.MIDDLE: "a middle packet of a message of several",
+    DataFlags.LAST: "the last packet of a message of several, of which others are missing",
+}
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A message of the transport as it was seen, or a datagram that cannot be read.
+
+    Attributes:
+        datagram: The datagram in which it stood.
+        packet: Its header and payload, None when the datagram cannot be read.
+        data_size: What its header says: bytes of the header, the payload and the sequence number.
+        message: The JAUS message; that of several packets stands with the packet that completes it.
+        error: Why there is no message, empty when there is one or none is due.
+        is_fragment: Whether it is a packet of a message of several.
+    """
+
+    datagram: Datagram
+    packet: Packet | None = None
+    data_size: int = 0
+    message: DecodedMessage | None = None
+    error: str = ""
+    is_fragment: bool = False
+
+    @property
+    def is_problem(self) -> bool:
+        """Whether something cannot be read; a packet that waits for others is none."""
+        return bool(self.error) and not self.is_fragment
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns header, payload, and the decoded message or what is wrong."""
+        found: dict[str, Any] = {}
+        datagram, packet = self.datagram, self.packet
+        if datagram.source is not None:
+            found = {
+                "time": datagram.time,
+                "number": datagram.number,
+                "from": str(datagram.source),
+                "to": str(datagram.destination),
+            }
+        if packet is not None:
+            found.update(
+                version=JUDP_VERSION,
+                data_size=self.data_size,
+                priority=int(packet.priority),
+                broadcast=int(packet.broadcast),
+                ack_nak=int(packet.acknowledge),
+                data_flags=int(packet.data_flags),
+                destination=_parts(packet.destination),
+                source=_parts(packet.source),
+                sequence=packet.sequence,
+                payload=packet.payload.hex(),
+            )
+        if self.message is not None:
+            found["message"] = self.message.to_json()
+        if self.error:
+            found["error"] = self.error
+        return found
+
+
+def _parts(address: JausAddress) -> dict[str, int]:
+    return {
+        "subsystem": address.subsystem,
+        "node": address.node,
+        "component": address.component,
+    }
+
+
+class _Reasons(Counters):
+    """Keeps why a datagram, or a part of it, cannot be read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def count(
+        self,
+        name: str,
+        detail: str = "",
+        *,
+        error: BaseException | None = None,
+        level: int = logging.WARNING,
+    ) -> None:
+        """Keeps a reason instead of logging it."""
+        del detail, error, level
+        self.names.append(name)
+
+
+class Observer:
+    """Reads datagrams in their order and puts messages of several packets together.
+
+    Attributes:
+        host_frames: Datagrams on the network that pass between jausml processes of one host, which
+            share the port so; they are no JUDP.
+    """
+
+    def __init__(
+        self, catalogue: Catalogue, service: str | None = None, message: str | None = None
+    ) -> None:
+        """Starts with no packets.
+
+        Args:
+            catalogue: What messages there are.
+            service: Service whose messages are meant where a code has several meanings.
+            message: Name of the message that is meant where a code still has several meanings.
+        """
+        self.host_frames = 0
+        self._catalogue = catalogue
+        self._service = service
+        self._message = message
+        self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, _Reasons())
+
+    def observe(self, datagram: Datagram) -> Iterator[Observation]:
+        """Yields the messages of a datagram; one that cannot be read yields what is wrong.
+
+        Args:
+            datagram: The datagram.
+        """
+        if datagram.source is not None and datagram.data.startswith(_HOST_FRAMES):
+            self.host_frames += 1
+            return
+        now = datagram.time or 0.0
+        self._reassembly.expire(now)
+        reasons = _Reasons()
+        sizes = _data_sizes(datagram.data)
+        for packet in parse_datagram(datagram.data, reasons):
+            # Sizes of messages that cannot be read stand between those of the others.
+            least = EMPTY_MESSAGE_SIZE + len(packet.payload)
+            size = next((each for each in sizes if each - least in _HEADER_COMPRESSION), least)
+            yield self._observed(Observation(datagram, packet, size), packet, now)
+        for name in reasons.names:
+            yield Observation(datagram, error=_reason(name, datagram.data))
+
+    def _observed(self, seen: Observation, packet: Packet, now: float) -> Observation:
+        """Returns an observation with its message."""
+        if packet.acknowledge >= AckNak.NAK:
+            return seen
+        payload = packet.payload
+        is_fragment = packet.data_flags is not DataFlags.SINGLE
+        if is_fragment:
+            whole = self._reassembly.add(packet, now)
+            if whole is None:
+                return replace(seen, error=_FRAGMENTS[packet.data_flags], is_fragment=True)
+            payload = whole.payload
+        try:
+            message = self._catalogue.decode(payload, self._service, self._message)
+        except MessageError as error:
+            return replace(seen, error=str(error))
+        return replace(seen, message=message, is_fragment=is_fragment)
+
+
+def _data_sizes(data: bytes) -> Iterator[int]:
+    """Yields the data sizes of the messages of a datagram, as far as they lead."""
+    offset = 1
+    while offset + EMPTY_MESSAGE_SIZE <= len(data):
+        size = data[offset + 1] | data[offset + 2] << 8
+        if size < EMPTY_MESSAGE_SIZE:
+            return
+        yield size
+        offset += size
+
+
+def _reason(name: str, data: bytes) -> str:
+    if not data:
+        return "the datagram is empty"
+    if name == "judp.bad_version":
+        if data[0] == 0:
+            return "a frame between the jausml processes of one host, no JUDP"
+        return f"JUDP version {data[0]} is not supported"
+    return f"{_REASONS.get(name, name)} ({len(data)} bytes)"

@@ -1,0 +1,107 @@
+"""Collects findings while documents are read, and places them when all of them are there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Diagnostic, Location, Related
+from jausml.model.rules import READER_RULES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.model.diagnostics import Severity
+    from jausml.model.documents import Document
+    from jausml.model.model import Model
+    from jausml.model.rules import RuleInfo
+    from jausml.model.xmi.parsing import Node
+
+Attribute = tuple[str, str]
+"""Namespace URI and local name of an XML attribute."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something is written: a document, an element of it and perhaps its attribute."""
+
+    document: Document
+    node: Node
+    attribute: Attribute | None = None
+
+    @property
+    def location(self) -> Location:
+        """The place as path, line and column."""
+        return self.document.location(self.node, self.attribute)
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    rule: str
+    place: Place | Location
+    message: str
+    hint: str
+    related: tuple[Related, ...]
+
+
+class Problems:
+    """The findings of one run, and which features they concern.
+
+    A feature with a finding is not checked further: one cause is one error.
+
+    Args:
+        rules: The rules of notations besides XMI, by id.
+    """
+
+    def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
+        self._rules = {**READER_RULES, **rules}
+        self._drafts: list[_Draft] = []
+        self._spoilt: set[tuple[int, str]] = set()
+
+    def report(
+        self,
+        rule: str,
+        place: Place | Location,
+        message: str,
+        hint: str = "",
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        """Reports a finding; its severity is that of the rule."""
+        self._drafts.append(_Draft(rule, place, message, hint, related))
+
+    def spoil(self, obj: Any, feature: str) -> None:
+        """Notes that a feature of an element has a finding."""
+        self._spoilt.add((id(obj), feature))
+
+    def is_spoilt(self, obj: Any, feature: str) -> bool:
+        """Tells whether a feature of an element has a finding."""
+        return (id(obj), feature) in self._spoilt
+
+    def diagnostics(self, model: Model) -> list[Diagnostic]:
+        """Returns the findings, sorted by place."""
+        return sorted(
+            _finish(draft, self._rules[draft.rule].severity, model) for draft in self._drafts
+        )
+
+
+def _finish(draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
+    place = draft.place
+    obj = None if isinstance(place, Location) else _nearest(place.node)
+    return Diagnostic(
+        draft.rule,
+        severity,
+        place if isinstance(place, Location) else place.location,
+        draft.message,
+        draft.hint,
+        model.element_path(obj) if obj is not None else "",
+        model.fragment(obj) if obj is not None else "",
+        draft.related,
+    )
+
+
+def _nearest(node: Node | None) -> Any:
+    """Returns the model element of an XML element or of the nearest one around it."""
+    while node is not None and node.obj is None:
+        node = node.parent
+    return node.obj if node is not None else None

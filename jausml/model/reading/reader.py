@@ -1,0 +1,260 @@
+"""Reads models: files to pyecore objects and findings, all of them in one run."""
+
+from __future__ import annotations
+
+import gc
+import os
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.metamodel import Metamodels, load_metamodels
+from jausml.model.diagnostics import Diagnostic, Location, Severity
+from jausml.model.documents import Document
+from jausml.model.model import Model
+from jausml.model.names import NameFinder
+from jausml.model.reading.building import DocumentBuilder
+from jausml.model.reading.conformance import check_bounds
+from jausml.model.reading.problems import Place, Problems
+from jausml.model.reading.references import Resolution
+from jausml.model.reading.surroundings import Surroundings, in_order_of_import
+from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
+from jausml.model.xmi.parsing import Node, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.model.notation import Fault, Notation, Written
+    from jausml.model.reading.assigning import Reference
+
+
+@dataclass(frozen=True, slots=True)
+class ReadResult:
+    """What reading yields.
+
+    Attributes:
+        model: The elements that could be built, which is all of them when there are no errors.
+        diagnostics: The findings, sorted by file, line, column and rule.
+        project_root: The folder that hrefs could not leave.
+    """
+
+    model: Model
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    project_root: Path = field(default_factory=Path)
+
+    @property
+    def has_errors(self) -> bool:
+        """True when the model cannot be used."""
+        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+
+
+def read_models(
+    paths: Iterable[str | os.PathLike[str]],
+    *,
+    project_root: str | os.PathLike[str] | None = None,
+    allow_outside: bool = False,
+    projects: Mapping[str, str | os.PathLike[str]] | None = None,
+    metamodels: Metamodels | None = None,
+    notations: Sequence[Notation] = (),
+    contents: Mapping[Path, bytes] | None = None,
+) -> ReadResult:
+    """Reads model files and all that they refer to.
+
+    Every problem becomes a diagnostic with its place; nothing that a file holds raises.
+
+    Args:
+        paths: The files.
+        project_root: The folder that hrefs may not leave; see `find_project_root` for the default.
+        allow_outside: True to let hrefs leave it.
+        projects: Folders of Eclipse projects by name, for `platform:/resource/<name>/` hrefs.
+        metamodels: The metamodels, by default the shipped ones.
+        notations: What reads files that are no XMI, by the endings of their names.
+        contents: What an editor holds of files, by real path; it is read instead of what is stored.
+
+    Returns:
+        The model and the findings.
+    """
+    names = [os.fspath(path) for path in paths]
+    root = find_project_root(Path(each) for each in names)
+    if project_root is not None:
+        root = Path(project_root)
+    folders = {name: Path(folder) for name, folder in (projects or {}).items()}
+    uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
+    with _without_collector():
+        reading = _Reading(metamodels or load_metamodels(), uris, notations, contents or {})
+        model, diagnostics = reading.run(names)
+    return ReadResult(model, diagnostics, root)
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Keeps the cyclic collector from walking a model again and again while it grows."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+class _Reading:
+    """One run of the reader."""
+
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        uris: UriResolver,
+        notations: Sequence[Notation],
+        contents: Mapping[Path, bytes],
+    ) -> None:
+        self._metamodels = metamodels
+        self._notations = notations
+        self._contents = contents
+        self._uris = uris
+        self._documents: dict[Path, Document] = {}
+        self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
+        rules = {id_: rule for each in notations for id_, rule in each.rules.items()}
+        self._problems = Problems(rules)
+        self._model = Model([], metamodels)
+        self._references: list[Reference] = []
+        self._written: dict[Document, Written] = {}
+        self._names = NameFinder(self._model, self._open_library)
+
+    def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
+        for target in [self._uris.given(name) for name in names]:
+            self._given(target)
+        self._open_all()
+        self._declare()
+        resolution = Resolution(self._model, self._problems, self._open, self._names)
+        resolution.run(self._references)
+        for document, written in self._written.items():
+            self._report(document, written.check())
+        check_bounds(self._model, self._problems)
+        return self._model, self._problems.diagnostics(self._model)
+
+    def _open_all(self) -> None:
+        """Opens the documents that others import or refer to."""
+        imported = referred = 0
+        # Opening a document adds to both.
+        while imported < len(self._model.documents) or referred < len(self._references):
+            if imported < len(self._model.documents):
+                self._import(self._model.documents[imported])
+                imported += 1
+            else:
+                reference = self._references[referred]
+                referred += 1
+                if reference.uri:
+                    self._open(reference.uri, reference.place.document)
+
+    def _given(self, target: FileTarget) -> None:
+        if target.path in self._documents:
+            return
+        document = self._add(target, given=True)
+        fault = self._load(document)
+        if fault is not None:
+            self._problems.report("JML001", Location(document.display), fault)
+
+    def _open(self, uri: str, base: Document) -> Document | UriFault:
+        """Returns the document that a URI names, read at the first call."""
+        key = (uri, base.display)
+        target = self._targets.get(key)
+        if target is None:
+            target = self._targets[key] = self._uris.resolve(uri, base)
+        if isinstance(target, UriFault):
+            return target
+        document = self._documents.get(target.path)
+        if document is None:
+            document = self._add(target, given=False)
+            fault = self._load(document)
+            if fault is not None:
+                message = f"referenced file {target.display}: {fault}"
+                absent = UriFault("JML203", message)
+                self._targets[key] = absent
+                del self._documents[target.path]
+                self._model.documents.remove(document)
+                return absent
+        return document
+
+    def _add(self, target: FileTarget, *, given: bool) -> Document:
+        document = Document(target.path, target.display, is_library=target.is_library, given=given)
+        self._documents[target.path] = document
+        self._model.documents.append(document)
+        return document
+
+    def _load(self, document: Document) -> str | None:
+        """Reads and builds a document; returns why its file cannot be read, else None."""
+        try:
+            held = self._contents.get(document.path)
+            document.data = document.path.read_bytes() if held is None else held
+        except (OSError, ValueError) as error:
+            return getattr(error, "strerror", None) or str(error)
+        for notation in self._notations:
+            if document.path.name.endswith(notation.suffixes):
+                self._read_notation(document, notation)
+                return None
+        result = parse(document.data)
+        fault = result.fault
+        if result.root is None:
+            if fault is not None:
+                place = Location(document.display, fault.line, fault.column)
+                self._problems.report(fault.rule, place, fault.message, fault.hint)
+            return None
+        document.encoding = result.encoding
+        document.readable = True
+        self._builder(document).build(result.root)
+        return None
+
+    def _builder(self, document: Document) -> DocumentBuilder:
+        return DocumentBuilder(
+            self._metamodels, self._model, self._problems, self._references, document
+        )
+
+    def _read_notation(self, document: Document, notation: Notation) -> None:
+        written = notation.read(document.data, document.path, self._metamodels)
+        document.notation = notation
+        document.readable = True
+        self._written[document] = written
+        self._add_roots(document, written.roots, written.faults)
+
+    def _add_roots(
+        self, document: Document, nodes: Sequence[Node], faults: Sequence[Fault]
+    ) -> None:
+        document.root_nodes += nodes
+        self._builder(document).build_roots(nodes)
+        self._report(document, faults)
+
+    def _report(self, document: Document, faults: Sequence[Fault]) -> None:
+        for fault in faults:
+            # A node of its own places the finding; its parent tells the element.
+            node = Node("", [], {}, fault.owner, (fault.line, fault.column, 0))
+            place = Place(document, node)
+            self._problems.report(fault.rule, place, fault.message, fault.hint)
+            if fault.owner is not None and fault.feature:
+                self._problems.spoil(fault.owner.obj, fault.feature)
+
+    def _import(self, document: Document) -> None:
+        written = self._written.get(document)
+        for each in written.imports if written is not None else ():
+            opened = self._open(each.uri, document)
+            if isinstance(opened, UriFault):
+                place = Location(document.display, each.line, each.column)
+                self._problems.report(opened.rule, place, opened.message, opened.hint)
+            elif opened is not document and opened not in document.imports:
+                document.imports.append(opened)
+            lost = isinstance(opened, UriFault) or not opened.readable
+            document.lacks_imports = document.lacks_imports or lost
+
+    def _open_library(self, uri: str) -> Document | UriFault:
+        return self._open(uri, self._model.documents[0])
+
+    def _declare(self) -> None:
+        """Has notations declare what is used and known nowhere, imported documents first."""
+        for document in in_order_of_import(self._written):
+            if document not in self._written or document.lacks_imports:
+                continue  # what looks new may stand in the document that is missing
+            known = Surroundings(self._model, self._names, document)
+            nodes, faults = self._written[document].declare(known)
+            self._add_roots(document, nodes, faults)
+            self._names.forget(document)

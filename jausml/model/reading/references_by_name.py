@@ -1,0 +1,75 @@
+"""Resolves references by name, and reports names that mean nothing or too much."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.diagnostics import Related
+from jausml.model.names import NameFinder, qualified_name
+from jausml.model.reading.naming import target_class
+from jausml.model.values import show
+
+if TYPE_CHECKING:
+    from jausml.model.reading.assigning import Reference
+    from jausml.model.reading.problems import Problems
+
+_FEW = 6
+_FEW_SUGGESTIONS = 50
+
+
+class NameResolution:
+    """Finds the elements that references by name mean.
+
+    Args:
+        names: Where they are looked for.
+        problems: Where findings go.
+    """
+
+    def __init__(self, names: NameFinder, problems: Problems) -> None:
+        self._names = names
+        self._problems = problems
+        self._suggestions = 0
+
+    def target(self, reference: Reference) -> Any:
+        """Returns the element, None when a finding explains why there is none."""
+        document = reference.place.document
+        wanted = target_class(reference.feature)
+        found = self._names.find(reference.name, wanted, document, reference.owner)
+        if len(found) == 1:
+            return found[0]
+        if found:
+            self._report_ambiguous(reference, found)
+        elif not document.lacks_imports:
+            self._report_unknown(reference)
+        return None
+
+    def _report_ambiguous(self, reference: Reference, found: list[Any]) -> None:
+        names = [self._names.label(each) for each in found]
+        more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+        self._problems.report(
+            "JML216",
+            reference.place,
+            f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
+            self._names.how_to_choose(found),
+            tuple(self._related(each) for each in found[:_FEW]),
+        )
+
+    def _related(self, element: Any) -> Related:
+        return Related(self._names.location(element), qualified_name(element))
+
+    def _report_unknown(self, reference: Reference) -> None:
+        kind = reference.feature.type_name
+        message = f"unknown name {show(reference.name)}: there is no such {kind}"
+        self._problems.report("JML215", reference.place, message, self._hint(reference))
+
+    def _hint(self, reference: Reference) -> str:
+        """Returns what may be meant, for the first few: each costs a walk over all names."""
+        document = reference.place.document
+        for other in self._names.others(reference.name, document):
+            kind = self._names.kind(other)
+            return f"{show(reference.name)} is a {kind} ({self._names.location(other)})"
+        self._suggestions += 1
+        if self._suggestions > _FEW_SUGGESTIONS:
+            return ""
+        near = self._names.alike(reference.name, target_class(reference.feature), document)
+        return f"did you mean {' or '.join(map(show, near))}?" if near else ""

@@ -1,0 +1,1 @@
+"""XMI 2.0: documents to nodes, fragments, and elements back to documents."""

@@ -1,0 +1,1 @@
+"""Foundations of the runtime: addresses, counters, settings, the loop."""

@@ -1,0 +1,284 @@
+"""A bridge: one process that is a JAUS component and a ROS 2 node at the same time.
+
+A value crosses on the thread on which it arrived: from JAUS on the loop of the transport, from ROS
+on the thread that waits for ROS messages. Nothing is polled and nothing is handed over.
+
+    JAUS message ─► loop thread ─► translate ─► publish
+    ROS message  ─► ROS thread  ─► translate ─► encode ─► send
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ..base.settings import TransportSettings
+from ..component.component import (
+    COMPONENT_TYPE,
+    ComponentSettings,
+    Guard,
+    JausComponent,
+    ServiceIdentity,
+)
+from ..conversions import Time
+from ..services.definitions import MAX_EVENT_RATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..base.address import JausAddress
+    from ..base.loop import Loop
+    from ..transports.transport import Transport
+    from ..wire.message import Message
+    from .connection import AnyConnection, ConnectionStatus
+    from .topics import Topic
+
+
+class RosSide(Protocol):
+    """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
+
+    Messages are objects of the message classes. A side that carries serialized messages instead
+    differs from this in what `message_type` and the arguments of `deliver` and of the publishing
+    function stand for.
+    """
+
+    def now(self) -> Time:
+        """Time of the ROS clock."""
+
+    def parameter(
+        self, name: str, default: Any, description: str, limits: tuple[float, float] | None = None
+    ) -> Any:
+        """Declares a parameter and returns its value."""
+
+    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
+        """Makes a publisher and returns what publishes on it, callable from any thread."""
+
+    def subscribe(
+        self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
+    ) -> None:
+        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
+
+    def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
+        """Publishes one status for each connection."""
+
+
+@dataclass(frozen=True)
+class BridgeSettings:
+    """What the model says about a bridge, apart from its connections.
+
+    Attributes:
+        name: Name of the bridge, of its node and of its JAUS identification.
+        address: Address of the JAUS component.
+        description: What the bridge is for.
+        namespace: ROS namespace of the node; empty means the root.
+        frequency: Messages each second where the model states no rate. Diagnostics come at this
+            rate too, but not more often than once a second.
+        services: Services that the bridge provides, inherited ones included.
+        component_type: Type that Discovery reports (AS5710, ReportIdentification).
+        authority: Authority code that control is requested with, 0 to 255.
+        component: Behaviour of the JAUS component.
+        transport: Network settings of the host.
+    """
+
+    name: str
+    address: JausAddress
+    description: str = ""
+    namespace: str = ""
+    frequency: float = 1.0
+    services: tuple[ServiceIdentity, ...] = ()
+    component_type: int = COMPONENT_TYPE
+    authority: int = 127
+    component: ComponentSettings = field(default_factory=ComponentSettings)
+    transport: TransportSettings = field(default_factory=TransportSettings)
+
+
+@dataclass
+class ReportHolder:
+    """The present value of a report that topics feed; None before their first message."""
+
+    value: Message | None = None
+
+
+class Bridge:
+    """The common part of all bridges; a generated base derives from it and names connections.
+
+    Attributes:
+        settings: What the model says.
+        connections: What is carried across.
+        ros: The ROS side, while the bridge is open.
+        component: The JAUS side, while the bridge is open.
+    """
+
+    ros: RosSide
+    component: JausComponent
+
+    def __init__(self, settings: BridgeSettings) -> None:
+        """Prepares a bridge; nothing is opened.
+
+        Args:
+            settings: What the model says.
+        """
+        self.settings = settings
+        self.connections: list[AnyConnection] = []
+        self._is_open = False
+        self._publishers: dict[tuple[type[Any], str], Callable[[Any], None]] = {}
+        self._takers: dict[tuple[type[Any], str], list[Callable[[Any], None]]] = {}
+        self._reports: dict[type[Message], ReportHolder] = {}
+        self._commands: dict[type[Message], list[Callable[[Any, JausAddress], None]]] = {}
+        self._period = 1.0
+        self._next_diagnostics = 0.0
+
+    # ------------------------------------------------------------------ life
+
+    def open(self, ros: RosSide, transport: Transport) -> None:
+        """Makes publishers, subscriptions and events, then starts the JAUS component.
+
+        All of them are there before the first message, so that none is lost at the start.
+
+        Args:
+            ros: The ROS side; it starts to wait for messages afterwards.
+            transport: The JAUS side.
+        """
+        self.ros = ros
+        self.component = _BridgeComponent(self, transport)
+        frequency = ros.parameter(
+            "diagnostics_frequency",
+            min(self.settings.frequency, 1.0),
+            "Diagnostics published each second (Hz).",
+            (0.01, 100.0),
+        )
+        self._period = 1 / frequency
+        with transport.loop.lock:
+            for connection in self.connections:
+                connection.open(self)
+            self._is_open = True
+            self.component.start()
+            for connection in self.connections:
+                connection.watch()
+            self._next_diagnostics = self.loop.now() + self._period
+            self.loop.call_at(self._next_diagnostics, self._diagnose)
+
+    def close(self) -> None:
+        """Releases control and cancels events; the ROS side is closed afterwards."""
+        self.component.stop()
+        self._is_open = False
+
+    def on_not_ready(self) -> None:
+        """The bridge's own controller or Ready was lost: topics fed by commands become safe."""
+        for connection in self.connections:
+            connection.on_not_ready()
+
+    # ------------------------------------------------------------------ for translations
+
+    def now(self) -> Time:
+        """Time of the ROS clock, or of the system while the bridge is not open."""
+        return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
+
+    # ------------------------------------------------------------------ for connections
+
+    @property
+    def loop(self) -> Loop:
+        """The loop of the JAUS side."""
+        return self.component.loop
+
+    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
+        """Returns what publishes on a topic; connections to one topic share its publisher."""
+        key = (message_type, topic.name)
+        if key not in self._publishers:
+            self._publishers[key] = self.ros.publisher(message_type, topic)
+        return self._publishers[key]
+
+    def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
+        """Subscribes to a topic; connections from one topic share its subscription."""
+        key = (message_type, topic.name)
+        takers = self._takers.setdefault(key, [])
+        takers.append(take)
+        if len(takers) == 1:
+            self.ros.subscribe(message_type, topic, lambda message: _each(takers, message))
+
+    def accept(
+        self,
+        message: type[Message],
+        take: Callable[[Any, JausAddress], None],
+        when: Guard | Callable[[Any], Guard],
+    ) -> None:
+        """Takes messages that other components send to the bridge.
+
+        Args:
+            message: The message.
+            take: Takes each message and its sender.
+            when: Whom to obey, or a function that tells it from the message; a command has one
+                handler, which its connections share.
+        """
+        if when is Guard.ANY:
+            self.component.on_message(message, take)
+            return
+        takers = self._commands.setdefault(message, [])
+        takers.append(take)
+        if len(takers) == 1:
+            handler = lambda command, sender: _each(takers, command, sender)  # noqa: E731
+            self.component.handle(message, handler, when=when)
+
+    def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
+        """Offers a report; connections that feed one report share its value.
+
+        Args:
+            query: The query that asks for it.
+            report: The report.
+        """
+        if query not in self._reports:
+            holder = self._reports[query] = ReportHolder()
+            self.component.provide(query, report, lambda _query, _sender: holder.value)
+        return self._reports[query]
+
+    def rate_parameter(self, connection: str, rate: float) -> float:
+        """Returns the rate of a connection, which a parameter may change."""
+        value: float = self.ros.parameter(
+            f"{connection}.rate",
+            rate,
+            f"Messages of the connection {connection} each second (Hz).",
+            (0.02, MAX_EVENT_RATE),
+        )
+        return value
+
+    def silence_parameter(self, connection: str, seconds: float) -> float:
+        """Returns the silence timeout of a connection, which a parameter may change; 0 is never."""
+        value: float = self.ros.parameter(
+            f"{connection}.silence_timeout",
+            seconds,
+            f"Seconds without a message that count as silence of the source of {connection}.",
+            (0.0, 3600.0),
+        )
+        return value
+
+    # ------------------------------------------------------------------ diagnostics
+
+    def _diagnose(self) -> None:
+        self._next_diagnostics = max(self._next_diagnostics + self._period, self.loop.now())
+        self.loop.call_at(self._next_diagnostics, self._diagnose)
+        self.ros.publish_diagnostics([connection.status() for connection in self.connections])
+
+
+class _BridgeComponent(JausComponent):
+    """The JAUS side, which tells the bridge when it must not obey any more."""
+
+    def __init__(self, bridge: Bridge, transport: Transport) -> None:
+        settings = bridge.settings
+        super().__init__(
+            transport,
+            settings.address,
+            name=settings.name,
+            services=settings.services,
+            component_type=settings.component_type,
+            settings=settings.component,
+        )
+        self._bridge = bridge
+
+    def on_not_ready(self) -> None:
+        self._bridge.on_not_ready()
+
+
+def _each(takers: Sequence[Callable[..., None]], *arguments: object) -> None:
+    for take in takers:
+        take(*arguments)

@@ -1,0 +1,222 @@
+"""Connections that carry ROS topics to JAUS. They work on the thread that waits for ROS."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..component.component import ControlState, Guard
+from ..transports.packets.packet import Priority
+from .connection import NOT_READY, Connection
+from .joins import JoinedTopic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from typing import Concatenate
+
+    from ..base.address import JausAddress
+    from ..component.component import ControlSession
+    from ..wire.message import Message
+    from .bridge import Bridge, ReportHolder
+    from .joins import Join
+    from .topics import Topic
+
+SourceT = TypeVar("SourceT")
+TargetT = TypeVar("TargetT", bound="Message")
+
+
+class FromTopics(Connection[SourceT, TargetT]):
+    """What the connections from ROS topics have in common: the topics."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        type: type[SourceT],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        message: type[TargetT],
+        joins: Sequence[Join] = (),
+        silence_timeout: float = 0.0,
+        safe_value: Callable[[], TargetT] | None = None,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
+                their messages as keyword arguments.
+            type: ROS type of the topics.
+            topics: Topics that are subscribed to.
+            message: JAUS message that is made.
+            joins: Further topics whose latest message the translation needs.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
+            safe_value: Makes the message that is sent once when the topics are silent.
+        """
+        self._joined = tuple(map(JoinedTopic, joins))
+        # Connections without joins do not pay for them.
+        joining = partial(_translate_joined, translate, self._joined) if joins else translate
+        super().__init__(name, joining, silence_timeout=silence_timeout, safe_value=safe_value)
+        self._type = type
+        self._topics = tuple(topics)
+        self._message = message
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the subscriptions; no message is taken before the bridge runs."""
+        super().open(bridge)
+        for joined in self._joined:
+            joined.open(bridge)
+        for topic in self._topics:
+            bridge.subscribe(self._type, topic, self.take)
+
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """The joined topics and the age of their latest message."""
+        return [
+            (f"join {each.join.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
+            for each in self._joined
+        ]
+
+    def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:
+        level, message = super()._judge(rate, measured=measured, dropping=dropping)
+        stale = ", ".join(each.join.name for each in self._joined if each.is_stale)
+        if level != "stale" and stale:
+            return "warning", f"nothing fresh from {stale}"
+        return level, message
+
+
+def _translate_joined(
+    translate: Callable[..., TargetT | None], joined: Sequence[JoinedTopic], source: Any
+) -> TargetT | None:
+    return translate(source, **{each.join.name: each.fresh() for each in joined})
+
+
+class TopicsToMessage(FromTopics[SourceT, TargetT]):
+    """Sends a JAUS message for each ROS message.
+
+    Attributes:
+        peers: JAUS components that receive it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        peers: Sequence[JausAddress],
+        control: Guard = Guard.ANY,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS message, or None to pass nothing on.
+            peers: JAUS components that receive it.
+            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+                of them is acquired and kept, they are resumed for READY, and the message is sent
+                to a peer only while it obeys.
+            priority: Priority of the message (AS5669A).
+            acknowledge: Whether each peer shall acknowledge it.
+            options: The other parameters of `FromTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.peers = tuple(peers)
+        self._control = control
+        self._priority = priority
+        self._acknowledge = acknowledge
+        self._sessions: dict[JausAddress, ControlSession] = {}
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the subscriptions and starts to acquire control."""
+        super().open(bridge)
+        if self._control is Guard.ANY:
+            return
+        for peer in self.peers:
+            self._sessions[peer] = bridge.component.control(
+                peer,
+                authority=bridge.settings.authority,
+                resume=self._control is Guard.READY,
+                on_change=partial(self._control_changed, peer),
+            )
+
+    def deliver(self, target: TargetT) -> bool:
+        """Encodes once and sends to each peer that obeys; False when none does."""
+        return self._send(self.peers, target)
+
+    def _send(self, peers: Sequence[JausAddress], target: TargetT) -> bool:
+        payload = target.encode()
+        component = self._bridge.component
+        sent = False
+        with component.loop.lock:
+            for peer in peers:
+                session = self._sessions.get(peer)
+                if session is not None and not self._obeys(session.state):
+                    self.drop(NOT_READY, str(peer))
+                    continue
+                component.transport.send(
+                    component.address,
+                    peer,
+                    payload,
+                    priority=self._priority,
+                    acknowledge=self._acknowledge,
+                )
+                sent = True
+        return sent
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and the state of their control."""
+        states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
+        return [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
+
+    def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
+        # A peer that was away when the topics fell silent has missed the safe value.
+        if self._obeys(state) and self.is_silent:
+            self.send_safe_value(partial(self._send, [peer]))
+
+    def _obeys(self, state: ControlState) -> bool:
+        if state is ControlState.CONTROLLED:
+            return self._control is Guard.CONTROLLED
+        return state is ControlState.READY
+
+
+class TopicsToReport(FromTopics[SourceT, TargetT]):
+    """Serves the newest ROS message as a JAUS report, to queries and events alike."""
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
+        *,
+        query: type[Message],
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the JAUS report, or None to keep the one before.
+            query: The query that asks for the report.
+            options: The other parameters of `FromTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self._query = query
+        self._report: ReportHolder
+
+    def open(self, bridge: Bridge) -> None:
+        """Offers the report, then makes the subscriptions."""
+        super().open(bridge)
+        self._report = bridge.report(self._query, self._message)
+
+    def deliver(self, target: TargetT) -> bool:
+        """Makes the message the present report and tells subscribers of changes."""
+        target.encode()  # an unfit value is refused here, not at the next query
+        with self._bridge.loop.lock:
+            self._report.value = target
+            self._bridge.component.report_changed(self._message)
+        return True
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Reports go to whoever asks."""
+        return [("peer", "any")]

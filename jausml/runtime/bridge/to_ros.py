@@ -1,0 +1,243 @@
+"""Connections that carry JAUS messages to ROS topics. All of their work is done on the loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..component.component import Guard
+from .connection import Connection
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..base.address import JausAddress
+    from ..component.component import EventSubscription
+    from ..wire.message import Message
+    from .bridge import Bridge
+    from .topics import Topic
+
+SourceT = TypeVar("SourceT", bound="Message")
+TargetT = TypeVar("TargetT")
+
+
+class ToTopics(Connection[SourceT, TargetT]):
+    """What the connections to ROS topics have in common: the topics.
+
+    Attributes:
+        peers: JAUS components whose messages are taken.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        message: type[SourceT],
+        type: type[TargetT],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        peers: Sequence[JausAddress] = (),
+        silence_timeout: float = 0.0,
+        safe_value: Callable[[], TargetT] | None = None,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            message: JAUS message that is taken.
+            type: ROS type that is published.
+            topics: Where it is published.
+            peers: JAUS components at the other end.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
+            safe_value: Makes the message that is published once when the source is silent.
+        """
+        super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
+        self.peers = tuple(peers)
+        self._message = message
+        self._type = type
+        self._topics = tuple(topics)
+        self._publish: list[Callable[[TargetT], None]] = []
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the publishers, before any message can arrive."""
+        super().open(bridge)
+        self._publish = [bridge.publisher(self._type, topic) for topic in self._topics]
+
+    def deliver(self, target: TargetT) -> bool:
+        """Publishes on every topic."""
+        for publish in self._publish:
+            publish(target)
+        return True
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components whose messages are taken."""
+        return [(f"peer {peer}", "source") for peer in self.peers]
+
+
+class EventToTopics(ToTopics[SourceT, TargetT]):
+    """Receives a report as an AS5710 event and publishes it.
+
+    Attributes:
+        rate: Reports each second; None means one on every change.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        query: Message,
+        rate: float | None = None,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            query: The query whose answer is the report; it selects the fields.
+            rate: Reports each second; None means one on every change.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.rate = rate
+        self._query = query
+        self._events: list[EventSubscription] = []
+
+    @property
+    def declared_rate(self) -> float:
+        """The rate of the event, from all peers."""
+        return (self.rate or 0.0) * len(self.peers)
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the publishers, then asks each peer for the event."""
+        super().open(bridge)
+        if self.rate is not None:
+            self.rate = bridge.rate_parameter(self.name, self.rate)
+        self._events = [
+            bridge.component.subscribe(
+                peer, self._query, self._message, self._take_report, rate=self.rate
+            )
+            for peer in self.peers
+        ]
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components and whether they confirmed the event."""
+        return [
+            (f"peer {event.provider}", "confirmed" if event.active else "asked")
+            for event in self._events
+        ]
+
+    def _take_report(self, report: SourceT, _: JausAddress) -> None:
+        self.take(report)
+
+
+class QueryToTopics(ToTopics[SourceT, TargetT]):
+    """Asks for a report once each period and publishes the answer.
+
+    Attributes:
+        rate: Queries each second.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        query: Message,
+        rate: float,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            query: The query whose answer is the report; it selects the fields.
+            rate: Queries each second.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self.rate = rate
+        self._query = query
+        self._next = 0.0
+
+    @property
+    def declared_rate(self) -> float:
+        """The rate of the queries."""
+        return self.rate * len(self.peers)
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the publishers, then starts to ask."""
+        super().open(bridge)
+        self.rate = bridge.rate_parameter(self.name, self.rate)
+        self._next = bridge.loop.now()
+        bridge.loop.call_soon(self._ask)
+
+    def _ask(self) -> None:
+        loop = self._bridge.loop
+        # Absolute times, so that the rate does not drift; a late loop does not catch up.
+        self._next = max(self._next + 1 / self.rate, loop.now())
+        loop.call_at(self._next, self._ask)
+        for peer in self.peers:
+            # Repetition is the next period's; a late answer counts as an answer.
+            self._bridge.component.query(
+                peer,
+                self._query,
+                self._message,
+                self._take_report,
+                timeout=1 / self.rate,
+                retries=0,
+            )
+
+    def _take_report(self, report: SourceT, _: JausAddress) -> None:
+        self.take(report)
+
+
+class MessageToTopics(ToTopics[SourceT, TargetT]):
+    """Publishes each message of a kind that a JAUS component sends to the bridge.
+
+    Without peers, messages are taken from whoever sends them.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        translate: Callable[[SourceT], TargetT | None],
+        *,
+        when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
+        **options: Any,
+    ) -> None:
+        """Prepares the connection.
+
+        Args:
+            name: Name of the connection in the model.
+            translate: Makes the ROS message, or None to pass nothing on.
+            when: Whom to obey: commands pass only from the controller of the bridge. A function
+                tells it from the message.
+            options: The other parameters of `ToTopics`.
+        """
+        super().__init__(name, translate, **options)
+        self._when = when
+
+    def open(self, bridge: Bridge) -> None:
+        """Makes the publishers, then listens."""
+        super().open(bridge)
+        bridge.accept(self._message, self._take_from, self._when)
+
+    def on_not_ready(self) -> None:
+        """Nobody may command any more: the topics get the safe value at once."""
+        # A function is for messages that may be the command itself, which ends with Ready.
+        is_command = self._when is Guard.READY or not isinstance(self._when, Guard)
+        if is_command and not self.is_silent:
+            self.fall_silent()
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """The JAUS components whose messages are taken."""
+        return super().describe_peers() or [("peer", "any")]
+
+    def _take_from(self, message: SourceT, sender: JausAddress) -> None:
+        if self.peers and sender not in self.peers:
+            self.drop("unexpected_source", str(sender))
+            return
+        self.take(message)

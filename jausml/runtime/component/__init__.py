@@ -1,0 +1,1 @@
+"""Components: dispatch, life cycle, state machines and the process around them."""

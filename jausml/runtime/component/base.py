@@ -1,0 +1,383 @@
+"""The part of a component that serves others: dispatch, core services, life cycle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..services.access_control import AccessControlService
+from ..services.definitions import (
+    CORE,
+    VERSION_1_1,
+    ComponentSettings,
+    Guard,
+    ServiceIdentity,
+    Status,
+)
+from ..services.discovery import DiscoveryService
+from ..services.dispatch import Provision, Router
+from ..services.events import EventsService
+from ..services.list_manager import LIST_MANAGERS, ListManagerService
+from ..services.liveness import UNSOLICITED, LivenessService
+from ..services.management import ManagementService
+from ..services.time_service import TimeService
+from ..transports.packets.packet import Priority
+from ..wire.message import EncodeError, Message
+from ..wire.selection import asked_for
+from .hooks import ComponentHooks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from datetime import datetime
+
+    from ..base.address import JausAddress
+    from ..base.counters import Counters
+    from ..base.loop import Loop
+    from ..services.completion import Completion
+    from ..services.dispatch import Handler
+    from ..services.element_list import ElementList, ListElement
+    from ..transports.transport import ReceivedMessage, Transport
+
+COMPONENT_TYPE = 60001
+"""Type of a plain component (AS5710, ReportIdentification)."""
+
+M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message)
+R = TypeVar("R", bound=Message)
+
+
+class ComponentBase(ComponentHooks):
+    """A component that handles commands and answers queries; see ``JausComponent``."""
+
+    def __init__(
+        self,
+        transport: Transport,
+        address: JausAddress,
+        *,
+        name: str,
+        services: Sequence[ServiceIdentity],
+        component_type: int = COMPONENT_TYPE,
+        settings: ComponentSettings | None = None,
+    ) -> None:
+        """Describe a component; nothing is sent or received before ``start``.
+
+        Args:
+            transport: Carries the messages; it may serve several components.
+            address: Address of the component.
+            name: Identification that Discovery reports.
+            services: Every service of the component, inherited ones included.
+            component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
+                10001 vehicle, 20001 operator control unit, 60001 component.
+            settings: Behaviour; the defaults suit a component that is not a Discovery server.
+
+        Raises:
+            ValueError: The address does not name one component.
+        """
+        if not address.is_concrete:
+            raise ValueError(f"{address} does not name one component")
+        self.transport = transport
+        self.address = address
+        self.name = name
+        self.services = tuple(services)
+        self.component_type = component_type
+        self.settings = ComponentSettings() if settings is None else settings
+        # Sub-classes are user code: the prefix keeps their private attributes apart from these.
+        self._jaus_running = False
+        self._jaus_starters: list[Callable[[], None]] = []
+        self._jaus_enders: list[Callable[[], None]] = []
+        self._jaus_router = Router(transport.counters, self.allows)
+        self._jaus_versions = {
+            service.urn.removeprefix(CORE): (service.major, service.minor)
+            for service in self.services
+        }
+        provided = self._jaus_versions.keys()
+        self._jaus_events = EventsService(self, enabled="Events" in provided)
+        self._jaus_access = AccessControlService(self, enabled="AccessControl" in provided)
+        self._jaus_management = ManagementService(
+            self, self._jaus_access, enabled="Management" in provided
+        )
+        self._jaus_time = TimeService(self, enabled="Time" in provided)
+        self._jaus_list = ListManagerService(
+            self, enabled=any(service.urn in LIST_MANAGERS for service in self.services)
+        )
+        self._jaus_liveness = LivenessService(
+            self,
+            enabled=not provided.isdisjoint(("Liveness", "Liveliness")),  # v1.0 spells it both ways
+            unsolicited=UNSOLICITED in provided,
+        )
+        if "Discovery" in provided:
+            DiscoveryService(self)
+
+    # ---- messages of the component's own services -------------------------------------------
+
+    def handle(
+        self,
+        message_class: type[M],
+        handler: Callable[[M, JausAddress], Completion | None],
+        *,
+        when: Guard | Callable[[M], Guard] = Guard.ANY,
+    ) -> None:
+        """Call ``handler(message, sender)`` for each such input message.
+
+        Args:
+            message_class: Generated codec of the message.
+            handler: Acts on the message. It returns a new ``Completion`` when the command takes
+                time, for the client of a command event.
+            when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
+                no error reply. A function tells it from the message, e.g. to take the limits of
+                a SetVelocityCommand in Standby and its current command in Ready alone.
+
+        Raises:
+            ValueError: The message has a handler or a provider already.
+        """
+        with self.loop.lock:
+            self._jaus_router.set_handler(message_class, handler, when)
+
+    def provide(
+        self,
+        query_class: type[Q],
+        report_class: type[R],
+        provider: Callable[[Q, JausAddress], R | None],
+        *,
+        periodic: bool = True,
+        every_change: bool = True,
+    ) -> None:
+        """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
+
+        Args:
+            query_class: Generated codec of the query.
+            report_class: Generated codec of the report.
+            provider: Returns the present report; None means that there is none now, the query
+                then stays unanswered and no event is sent.
+            periodic: Whether clients may have the report at a rate.
+            every_change: Whether clients may have the report at every change; the component
+                then calls ``report_changed`` when it may have changed.
+
+        Raises:
+            ValueError: The query has a handler or a provider already.
+        """
+        with self.loop.lock:
+            provision = Provision(query_class, report_class, provider, periodic, every_change)
+            self._jaus_router.set_provision(provision, self._jaus_answer)
+
+    def report_changed(self, report_class: type[Message]) -> None:
+        """Send the report to every-change events whose report differs from the last one sent."""
+        with self.loop.lock:
+            self._jaus_events.report_changed(report_class)
+
+    def on_message(
+        self, message_class: type[M], callback: Callable[[M, JausAddress], None]
+    ) -> None:
+        """Call ``callback(message, sender)`` for each such message, asked for or not.
+
+        Any number of callbacks may listen to one message, next to its handler.
+        """
+        with self.loop.lock:
+            self._jaus_router.add_listener(message_class, callback)
+
+    def send(
+        self,
+        message: Message,
+        destination: JausAddress,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+    ) -> None:
+        """Send one message.
+
+        Args:
+            message: What to send.
+            destination: A component, or a wildcard address.
+            priority: Priority of the message (AS5669A).
+            acknowledge: Whether the receiver's transport shall acknowledge it.
+
+        Raises:
+            EncodeError: A value does not fit its field.
+        """
+        self.transport.send(
+            self.address,
+            destination,
+            message.encode(),
+            priority=priority,
+            acknowledge=acknowledge,
+        )
+
+    # ---- life cycle -------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Receive messages and initialise.
+
+        Raises:
+            RuntimeError: The component runs already.
+            ValueError: Another component of this process has the address.
+        """
+        with self.loop.lock:
+            if self._jaus_running:
+                raise RuntimeError(f"component {self.address} runs already")
+            self.transport.attach(self.address, self._jaus_receive)
+            self._jaus_running = True
+            self.core_state_changed()
+            self._jaus_management.initialize()
+            if not self._jaus_running:
+                return  # a hook has stopped it
+            starters, self._jaus_starters = self._jaus_starters, []
+            for starter in starters:
+                starter()
+            self._jaus_liveness.start()
+
+    def stop(self) -> None:
+        """Leave in good order; no effect when the component does not run.
+
+        Tells the controller that control is released and reports the status SHUTDOWN to whoever
+        watches it.
+        """
+        with self.loop.lock:
+            if self._jaus_running:
+                self._jaus_management.shut_down()
+                self._jaus_events.stop()
+                self._jaus_liveness.stop()
+                self._jaus_running = False
+                self.transport.detach(self.address)
+
+    def fail(self, reason: str) -> None:
+        """Enter Failure (AS5710, Management, internal event Failure).
+
+        Args:
+            reason: For the log.
+        """
+        with self.loop.lock:
+            self._jaus_management.fail(reason)
+
+    # ---- hook with a default ----------------------------------------------------------------
+
+    def supports_element(self, element: ListElement) -> bool:
+        """Return whether the component's list may hold an element (AS5710, ListManager).
+
+        By default these are the messages that the component's list drivers execute, e.g.
+        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        """
+        return self._jaus_list.is_of_driver(element)
+
+    # ---- state ------------------------------------------------------------------------------
+
+    @property
+    def loop(self) -> Loop:
+        """The loop on whose thread everything happens."""
+        return self.transport.loop
+
+    @property
+    def counters(self) -> Counters:
+        """Counts of what was dropped, ignored or failed."""
+        return self.transport.counters
+
+    @property
+    def running(self) -> bool:
+        """Whether the component is between ``start`` and ``stop``."""
+        return self._jaus_running
+
+    @property
+    def status(self) -> Status:
+        """Management state (AS5710, ReportStatus)."""
+        return self._jaus_management.status
+
+    @property
+    def controller(self) -> JausAddress | None:
+        """The component that controls this one."""
+        return self._jaus_access.controller
+
+    @property
+    def authority(self) -> int:
+        """Authority code of the controller, or the default authority without one."""
+        return self._jaus_access.authority
+
+    @property
+    def control_available(self) -> bool:
+        """Whether control may be requested: not in Init, Failure, Shutdown or Emergency."""
+        return self._jaus_access.available
+
+    @control_available.setter
+    def control_available(self, available: bool) -> None:
+        with self.loop.lock:
+            self._jaus_access.offered = available
+
+    @property
+    def current_time(self) -> datetime:
+        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        return self._jaus_time.now()
+
+    @property
+    def elements(self) -> ElementList:
+        """The list that the controller edits (AS5710, ListManager); not to be changed here."""
+        return self._jaus_list.elements
+
+    def allows(self, guard: Guard, sender: JausAddress) -> bool:
+        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        if guard is Guard.ANY:
+            return True
+        if sender != self._jaus_access.controller:
+            return False
+        return guard is Guard.CONTROLLED or self._jaus_management.status is Status.READY
+
+    # ---- for the services and clients of the component --------------------------------------
+
+    def when_started(self, action: Callable[[], None]) -> None:
+        """Run an action now, or at the start of a component that does not run yet."""
+        if self._jaus_running:
+            action()
+        else:
+            self._jaus_starters.append(action)
+
+    def when_shut_down(self, action: Callable[[], None]) -> None:
+        """Also run an action when the component enters Shutdown."""
+        self._jaus_enders.append(action)
+
+    def shut_down(self) -> None:
+        """Run the hook and the actions of Shutdown; called by the Management service."""
+        for action in (self.on_shutdown, *self._jaus_enders):
+            self.call(action)
+
+    def core_version(self, name: str) -> tuple[int, int]:
+        """Return the version of a core service that the component provides, 1.1 if of none."""
+        return self._jaus_versions.get(name, VERSION_1_1)
+
+    def call(self, function: Callable[..., Any], *arguments: object) -> Any:
+        """Call user code; an error is logged and counted, and None returned."""
+        return self._jaus_router.call(function, *arguments)
+
+    def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
+        """Call user code; tell whether it raised no error, and what it returned."""
+        return self._jaus_router.attempt(function, *arguments)
+
+    def permissions_changed(self) -> None:
+        """End the commands under way that are not allowed any more; called by the services."""
+        self._jaus_events.permissions_changed()
+
+    def command_handler(self, code: int) -> Handler | None:
+        """Return what acts on a message."""
+        return self._jaus_router.handler(code)
+
+    def provision(self, query_code: int) -> Provision[Any, Any] | None:
+        """Return what answers a query."""
+        return self._jaus_router.provision(query_code)
+
+    def report(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> bytes | None:
+        """Return the encoded report that answers a query now, or None without one."""
+        report = self._jaus_router.call(provision.provider, query, sender)
+        if report is None:
+            return None
+        try:
+            return bytes(asked_for(query, report).encode())
+        except EncodeError as error:
+            self.counters.count("component.report_not_encodable", str(error))
+            return None
+
+    def _jaus_receive(self, received: ReceivedMessage) -> None:
+        self._jaus_router.receive(received.payload, received.source)
+
+    def _jaus_answer(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> None:
+        payload = self.report(provision, query, sender)
+        if payload is not None:
+            self.transport.send(self.address, sender, payload)

@@ -1,0 +1,381 @@
+"""A JAUS component: what it provides to others and how it uses others."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+from ..clients.command_client import CommandClient, PendingCommand
+from ..clients.control_session import ControlClient, ControlSession, ControlState
+from ..clients.discovery_client import DiscoveryClient, FoundComponent
+from ..clients.event_subscription import EventClient, EventSubscription
+from ..clients.list_client import ListClient, ListRequest
+from ..clients.query import PendingQuery, QueryClient
+from ..services.completion import Completion
+from ..services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
+from ..services.element_list import ElementList, ListElement, chain
+from ..services.messages import ClearEmergency, SetEmergency
+from ..transports.packets.packet import Priority
+from ..wire.message import Message
+from .base import COMPONENT_TYPE, ComponentBase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from ..base.address import JausAddress
+    from ..transports.transport import Transport
+
+__all__ = [
+    "COMPONENT_TYPE",
+    "Completion",
+    "ComponentSettings",
+    "ControlSession",
+    "ControlState",
+    "ElementList",
+    "EventSubscription",
+    "FoundComponent",
+    "Guard",
+    "JausComponent",
+    "ListElement",
+    "ListRequest",
+    "PendingCommand",
+    "PendingQuery",
+    "Scope",
+    "ServiceIdentity",
+    "Status",
+    "chain",
+]
+
+R = TypeVar("R", bound=Message)
+
+
+class JausComponent(ComponentBase):
+    """One JAUS component of this process.
+
+    The core services among ``services`` are provided: Events, AccessControl, Management, Time,
+    Liveness, Discovery and ListManager, as their versions say; every other message is handled by
+    what ``handle`` and ``provide`` are given. All methods may be called from any thread.
+    Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run on
+    the loop's thread, or on the thread that calls ``start``, ``stop``, ``fail`` or
+    ``report_changed``. When one raises, the error is logged and counted as
+    ``component.handler_failed``.
+
+    A generated component derives from this class, calls ``handle``, ``provide``, ``subscribe``
+    and ``control`` in its constructor, and overrides the ``on_...`` hooks.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        address: JausAddress,
+        *,
+        name: str,
+        services: Sequence[ServiceIdentity],
+        component_type: int = COMPONENT_TYPE,
+        settings: ComponentSettings | None = None,
+    ) -> None:
+        """Describe a component; nothing is sent or received before ``start``.
+
+        Args:
+            transport: Carries the messages; it may serve several components.
+            address: Address of the component.
+            name: Identification that Discovery reports.
+            services: Every service of the component, inherited ones included.
+            component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
+                10001 vehicle, 20001 operator control unit, 60001 component.
+            settings: Behaviour; the defaults suit a component that is not a Discovery server.
+
+        Raises:
+            ValueError: The address does not name one component.
+        """
+        super().__init__(
+            transport,
+            address,
+            name=name,
+            services=services,
+            component_type=component_type,
+            settings=settings,
+        )
+        self._jaus_event_client = EventClient(self)
+        self._jaus_control_client = ControlClient(self)
+        self._jaus_query_client = QueryClient(self)
+        self._jaus_discovery_client = DiscoveryClient(self)
+        self._jaus_command_client = CommandClient(self)
+        self._jaus_list_client = ListClient(self, self._jaus_query_client)
+
+    def subscribe(
+        self,
+        provider: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+        *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[], None] | None = None,
+    ) -> EventSubscription:
+        """Receive a report of another component over an AS5710 event.
+
+        The event is created as soon as the provider answers, renewed, and created anew when the
+        provider was restarted. Subscriptions of this component to the same provider and query
+        share one event: periodic at the highest rate asked for, or every change when nobody
+        asks for a rate. A later subscriber gets the last report at once.
+
+        Args:
+            provider: The component that provides the report.
+            query: Asks for the report; its presence vector selects the fields.
+            report_class: Generated codec of the report.
+            on_report: Takes each report and the provider's address.
+            rate: Reports each second, above 0 and up to 1092; None means every change.
+            silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
+            on_silence: Called once each time the provider falls silent.
+
+        Returns:
+            A handle to cancel the subscription with.
+
+        Raises:
+            EncodeError: A value of the query does not fit its field.
+            ValueError: The rate is out of range or the provider is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_event_client.subscribe(
+                provider, query, report_class, on_report, rate, silence_timeout, on_silence
+            )
+
+    def control(
+        self,
+        target: JausAddress,
+        *,
+        authority: int,
+        resume: bool = True,
+        on_change: Callable[[ControlState], None] | None = None,
+    ) -> ControlSession:
+        """Acquire and keep control of another component (AS5710, AccessControl).
+
+        Sessions of this component with the same target share one exchange, with the highest
+        authority asked for.
+
+        Args:
+            target: The component to control.
+            authority: Authority code to request control with, 0 to 255.
+            resume: Whether to take the target from Standby to Ready whenever it is found there.
+            on_change: Called with each new state.
+
+        Returns:
+            A handle to read the state from and to release control with.
+
+        Raises:
+            ValueError: The authority is out of range or the target is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_control_client.control(target, authority, resume, on_change)
+
+    def query(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+        *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> PendingQuery:
+        """Ask another component for a report once.
+
+        Args:
+            target: The component to ask.
+            query: Asks for the report.
+            report_class: Generated codec of the report.
+            on_report: Takes the report and the sender's address.
+            on_failure: Called when every attempt stayed unanswered.
+            timeout: Seconds to wait for the report before the query is repeated.
+            retries: Repetitions of an unanswered query.
+
+        Returns:
+            A handle to cancel the query with.
+
+        Raises:
+            EncodeError: A value of the query does not fit its field.
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_query_client.ask(
+                target, query, report_class, on_report, on_failure, timeout, retries
+            )
+
+    def command(
+        self,
+        target: JausAddress,
+        command: Message,
+        *,
+        on_done: Callable[[bool], None] | None = None,
+        on_refused: Callable[[int | None, str], None] | None = None,
+        max_duration: int = 60,
+        timeout: float = 3.0,
+    ) -> PendingCommand:
+        """Send a command and learn when it is done (AS5710 v1.1, CreateCommandEvent).
+
+        Components of core v1.0 do not know command events; they answer nothing, and the command
+        is not executed.
+
+        Args:
+            target: The component to command; it must be controlled if the command needs that.
+            command: What to do.
+            on_done: Told whether the command was done; False also when it took too long.
+            on_refused: Told the code of RejectEventRequest and its text; the code is None when
+                the target did not answer.
+            max_duration: Seconds that the command may take.
+            timeout: Seconds to wait for the confirmation.
+
+        Returns:
+            A handle to cancel the wait with.
+
+        Raises:
+            EncodeError: A value of the command does not fit its field.
+            ValueError: The target is not one component, or the duration is out of range.
+        """
+        with self.loop.lock:
+            return self._jaus_command_client.command(
+                target, command, on_done, on_refused, max_duration, timeout
+            )
+
+    def set_list(
+        self,
+        target: JausAddress,
+        elements: Iterable[ListElement],
+        *,
+        on_done: Callable[[], None] | None = None,
+        on_refused: Callable[[int | None], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> ListRequest:
+        """Replace the list of another component, which must be controlled (AS5710, SetElement).
+
+        Args:
+            target: The component that keeps the list.
+            elements: The list, in order; see ``chain``.
+            on_done: Called when the whole list is confirmed.
+            on_refused: Told the code of RejectElementRequest, or None when the target did not
+                answer; the list may then be set in part.
+            timeout: Seconds to wait for each answer before the request is repeated.
+            retries: Repetitions of an unanswered request.
+
+        Returns:
+            A handle to cancel with.
+
+        Raises:
+            EncodeError: An element does not fit its field.
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_list_client.set_list(
+                target, elements, on_done, on_refused, timeout, retries
+            )
+
+    def delete_elements(
+        self,
+        target: JausAddress,
+        uids: Sequence[int],
+        *,
+        on_done: Callable[[], None] | None = None,
+        on_refused: Callable[[int | None], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> ListRequest:
+        """Delete elements of another component's list, which must be controlled.
+
+        Args:
+            target: The component that keeps the list.
+            uids: The elements, at most 255; 65535 means all.
+            on_done: Called when they are deleted.
+            on_refused: Told the code of RejectElementRequest, or None without an answer.
+            timeout: Seconds to wait for each answer before the request is repeated.
+            retries: Repetitions of an unanswered request.
+
+        Returns:
+            A handle to cancel with.
+
+        Raises:
+            EncodeError: There are too many elements, or a UID is out of range.
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            return self._jaus_list_client.delete(
+                target, uids, on_done, on_refused, timeout, retries
+            )
+
+    def read_list(
+        self,
+        target: JausAddress,
+        on_list: Callable[[tuple[ListElement, ...]], None],
+        *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> None:
+        """Read the list of another component; control is not needed.
+
+        Args:
+            target: The component that keeps the list.
+            on_list: Takes the elements in order.
+            on_failure: Called when a query stayed unanswered, for example because the list was
+                changed meanwhile.
+            timeout: Seconds to wait for each report before the query is repeated.
+            retries: Repetitions of an unanswered query.
+
+        Raises:
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            self._jaus_list_client.read(target, on_list, on_failure, timeout, retries)
+
+    def set_emergency(self, target: JausAddress) -> None:
+        """Stop another component; no control is needed (AS5710, SetEmergency)."""
+        self.send(SetEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
+
+    def clear_emergency(self, target: JausAddress) -> None:
+        """Take back the emergency that this component has set (AS5710, ClearEmergency)."""
+        self.send(ClearEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
+
+    def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
+        """Report each component that provides a service, once for each component found.
+
+        Args:
+            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
+            on_found: Takes the component.
+        """
+        with self.loop.lock:
+            self._jaus_discovery_client.discover(urn, on_found)
+
+    @property
+    def discovery_server(self) -> JausAddress | None:
+        """Where the component is registered: the Discovery service of its subsystem, if known."""
+        return self._jaus_discovery_client.server
+
+    def start(self) -> None:
+        """Receive messages, initialise, and begin subscriptions and sessions.
+
+        Raises:
+            RuntimeError: The component runs already.
+            ValueError: Another component of this process has the address.
+        """
+        with self.loop.lock:
+            super().start()
+            if self._jaus_running:
+                self._jaus_discovery_client.start()
+
+    def stop(self) -> None:
+        """Leave in good order; no effect when the component does not run.
+
+        Releases control that is held, cancels subscriptions, tells the controller that control
+        is released and reports the status SHUTDOWN to whoever watches it.
+        """
+        with self.loop.lock:
+            if self._jaus_running:
+                self._jaus_query_client.stop()
+                self._jaus_command_client.stop()
+                self._jaus_list_client.stop()
+                self._jaus_discovery_client.stop()
+                self._jaus_control_client.stop()
+                self._jaus_event_client.stop()
+                super().stop()

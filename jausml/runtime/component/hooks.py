@@ -1,0 +1,54 @@
+"""What a component calls on its own sub-class: the hooks that a user overrides."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..base.address import JausAddress
+
+
+class ComponentHooks:
+    """Hooks of a component; they do nothing unless they are overridden, and must not block."""
+
+    def on_initialize(self) -> None:
+        """Prepare or reset the component: at the start and after Reset; Standby follows."""
+
+    def on_ready(self) -> None:
+        """The controller resumed the component: commands are obeyed from now on."""
+
+    def on_not_ready(self) -> None:
+        """The component left Ready, for whatever reason: stop all motion."""
+
+    def on_controller_changed(self, controller: JausAddress | None) -> None:
+        """Another component controls this one, or none does (None)."""
+
+    def on_emergency(self, active: bool) -> None:  # noqa: FBT001
+        """An emergency was set, or the last one was cleared."""
+
+    def on_shutdown(self) -> None:
+        """The component entered Shutdown, by its controller's command or by ``stop``."""
+
+    def on_set_time(self, time: datetime) -> None:
+        """The controller has set the component's clock (AS5710, Time, SetTime).
+
+        Args:
+            time: What it was set to, in UTC. The host's clock is left as it is.
+        """
+
+    def host_time(self) -> datetime:
+        """Return the time in UTC that the component's clock runs by; the host's unless overridden.
+
+        Override it for a component that lives in simulated time.
+        """
+        return datetime.now(timezone.utc)
+
+    def on_list_changed(self) -> None:
+        """The controller has changed ``elements`` (AS5710, ListManager)."""
+
+    def core_state_changed(self) -> None:
+        """The status changed, or who controls the component; for modelled state machines."""
+
+    def core_event(self, name: str) -> None:
+        """An internal event of a core service happened; for modelled state machines."""

@@ -1,0 +1,251 @@
+"""A component whose protocol behaviour follows modelled state machines (AS5684)."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..services.access_control import Reject
+from ..services.definitions import Guard, Status
+from ..services.dispatch import Provision
+from ..wire.message import EncodeError, Message
+from .component import JausComponent
+from .state_machine import Action, Condition, State, StateMachine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..base.address import JausAddress
+
+M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message)
+R = TypeVar("R", bound=Message)
+
+_NOT_CONTROLLED = "Receiving.Ready.NotControlled"
+_CONTROLLED = "Receiving.Ready.Controlled"
+_NOT_AVAILABLE = {
+    Status.INITIALIZE: f"{_NOT_CONTROLLED}.NotAvailable.Init",
+    Status.FAILURE: f"{_NOT_CONTROLLED}.NotAvailable.Failure",
+    Status.SHUTDOWN: f"{_NOT_CONTROLLED}.NotAvailable.Shutdown",
+}
+_STANDBY = f"{_CONTROLLED}.Available.Standby"
+_RELEASED = f"{_NOT_CONTROLLED}.Available.Standby"
+
+
+def _path(status: Status, *, controlled: bool) -> str:
+    if status in _NOT_AVAILABLE:
+        return _NOT_AVAILABLE[status]
+    if status is Status.READY:
+        return f"{_CONTROLLED}.Available.Ready"
+    outer = _CONTROLLED if controlled else _NOT_CONTROLLED
+    if status is Status.EMERGENCY:
+        return f"{outer}.NotAvailable.Emergency"
+    return f"{outer}.Available.Standby"
+
+
+CORE_STATES = {
+    (status, controlled): _path(status, controlled=controlled)
+    for status in Status
+    for controlled in (False, True)
+}
+"""Paths of states of ReceiveFSM by Management state and control (AS5710, Management)."""
+
+
+class ModelledComponent(JausComponent):
+    """A component with state machines.
+
+    A generated component derives from this class when one of its services has a machine. It adds
+    the machines in its constructor and ties messages to them. Messages and internal events that no
+    transition takes are ignored, as AS5684 demands, and counted as ``component.no_transition``.
+    Guards, actions, entries and exits hold ``loop.lock`` and must not block. When one raises, the
+    error is logged and counted as ``component.handler_failed``; a guard that raises does not hold.
+    """
+
+    _jaus_machines: tuple[StateMachine, ...] = ()
+    _jaus_core_state = ""
+    # Actions that have answered the message at work: of former machines, and of the present one.
+    _jaus_answered: frozenset[Action] = frozenset()
+    _jaus_answers: frozenset[Action] = frozenset()
+
+    def add_machine(
+        self, name: str, states: Sequence[State], *, extends_core: bool = False
+    ) -> StateMachine:
+        """Run a state machine from the start of the component on.
+
+        Args:
+            name: Name in the model.
+            states: The states.
+            extends_core: Whether it extends ReceiveFSM: its outer states are those of the core
+                services and change with them.
+        """
+        machine = StateMachine(name, states, self, extends_core=extends_core)
+        self._jaus_machines = (*self._jaus_machines, machine)
+        return machine
+
+    def handle_by_machines(
+        self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
+    ) -> None:
+        """Let the machines take an input message.
+
+        Args:
+            message_class: Generated codec of the message.
+            when: Whom to obey, before any guard of the machine; a function tells it from the
+                message.
+
+        Raises:
+            ValueError: The message is handled already.
+        """
+        self.handle(message_class, self._jaus_take, when=when)
+
+    def provide_by_machines(
+        self,
+        query_class: type[Q],
+        report_class: type[R],
+        *makers: Callable[[Q, JausAddress], R | None],
+    ) -> None:
+        """Let the machines answer a query, and serve events on it.
+
+        An event sends the report that the transition of the present state would send; the
+        transition itself is taken for a query alone.
+
+        Args:
+            query_class: Generated codec of the query.
+            report_class: Generated codec of the report.
+            *makers: The actions that make the report.
+
+        Raises:
+            ValueError: The query is handled already.
+        """
+        provider = partial(self._jaus_report, makers)
+        provision = Provision(query_class, report_class, provider)
+        with self.loop.lock:
+            self._jaus_router.set_provision(
+                provision, lambda _provision, query, sender: self._jaus_take(query, sender)
+            )
+
+    def raise_event(self, name: str) -> None:
+        """Let the machines take an internal event; callable from any thread.
+
+        An event that an action raises is taken when the transition is complete.
+
+        Args:
+            name: Name of the event in the model.
+        """
+        with self.loop.lock:
+            taken = [machine.raise_event(name) for machine in self._jaus_machines]
+            if not any(taken):
+                self.counters.add("component.no_transition")
+
+    # ---- guards of the core services --------------------------------------------------------
+
+    def is_controlling_client(
+        self, _message: Message | None = None, sender: JausAddress | None = None
+    ) -> bool:
+        """Whether the sender of the message controls the component (isControllingClient)."""
+        return sender is not None and sender == self.controller
+
+    def is_control_available(
+        self, _message: Message | None = None, _sender: JausAddress | None = None
+    ) -> bool:
+        """Whether control may be requested now (isControlAvailable)."""
+        return self.control_available
+
+    def is_id_stored(
+        self, _message: Message | None = None, sender: JausAddress | None = None
+    ) -> bool:
+        """Whether the sender has set an emergency that is not cleared (isIDStored)."""
+        return sender in self._jaus_access.emergency_clients
+
+    # ---- what machines ask ------------------------------------------------------------------
+
+    def core_state(self) -> str:
+        """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready."""
+        return CORE_STATES[self.status, self.controller is not None]
+
+    def request_core_state(self, path: str) -> None:
+        """Enter the core state of a path, when a component may do so by itself.
+
+        Those are Standby, Failure and Shutdown; Standby without a controller lets go of it.
+        Requests for others are counted as ``component.core_state_refused``.
+
+        Args:
+            path: A core state, or a state inside one.
+        """
+        if path == _STANDBY or path.startswith(f"{_STANDBY}."):
+            self._jaus_management.stand_by()
+        elif path.startswith(_RELEASED) and self.status in (Status.STANDBY, Status.READY):
+            self._jaus_access.drop(Reject.CONTROL_RELEASED)
+        elif path.startswith(_NOT_AVAILABLE[Status.FAILURE]):
+            self._jaus_management.fail(f"a state machine enters {path}")
+        elif path.startswith(_NOT_AVAILABLE[Status.SHUTDOWN]):
+            self._jaus_management.shut_down()
+        else:
+            self.ignored("component.core_state_refused", path)
+
+    def core_event(self, name: str) -> None:
+        """Let machines that extend the core services take one of their internal events."""
+        for machine in self._jaus_machines:
+            machine.raise_event(name)
+
+    def core_state_changed(self) -> None:
+        """Follow the core services; called by them after each change."""
+        former, self._jaus_core_state = self._jaus_core_state, self.core_state()
+        if former == self._jaus_core_state:
+            return
+        if not former or self.status is Status.INITIALIZE:
+            for machine in self._jaus_machines:
+                machine.start()
+            return
+        if self.status is Status.FAILURE:
+            self.core_event("Failure")
+        elif former == _NOT_AVAILABLE[Status.INITIALIZE]:
+            self.core_event("Initialized")
+        for machine in self._jaus_machines:
+            machine.follow()
+
+    def run_condition(self, condition: Condition, arguments: tuple[Any, ...]) -> bool:
+        """Evaluate a guard; one that raises does not hold."""
+        return bool(self.call(condition, *arguments))
+
+    def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
+        """Run an action and send the message that it returns."""
+        message = self.call(action, *arguments)
+        if message is None or (arguments and action in self._jaus_answered):
+            return
+        self._jaus_answers |= {action}
+        receiver = arguments[1] if arguments else self.controller
+        if receiver is None:
+            self.ignored("component.no_receiver", f"{message.NAME} of an event has no controller")
+            return
+        try:
+            self.send(message, receiver)
+        except EncodeError as error:
+            self.ignored("component.report_not_encodable", str(error))
+
+    def ignored(self, reason: str, detail: str) -> None:
+        """Count what could not be done."""
+        self.counters.count(reason, detail)
+
+    def _jaus_take(self, message: Message, sender: JausAddress) -> None:
+        """Let each machine take a message; what several would answer alike is answered once."""
+        is_taken = False
+        self._jaus_answers = frozenset()
+        for machine in self._jaus_machines:
+            self._jaus_answered = self._jaus_answers
+            is_taken = machine.receive(message, sender) or is_taken
+        self._jaus_answered = frozenset()
+        if not is_taken:
+            self.counters.add("component.no_transition")
+
+    def _jaus_report(
+        self,
+        makers: tuple[Callable[[Any, JausAddress], R | None], ...],
+        query: Message,
+        sender: JausAddress,
+    ) -> R | None:
+        for machine in self._jaus_machines:
+            chosen = machine.chosen(query, sender)
+            for action in chosen.do if chosen is not None else ():
+                if action in makers:
+                    return makers[makers.index(action)](query, sender)
+        return None

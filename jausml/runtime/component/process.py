@@ -1,0 +1,213 @@
+"""A process of JAUS components: command line, log, signals, clean shutdown, exit code."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+from contextlib import contextmanager
+from dataclasses import replace
+from queue import SimpleQueue
+from typing import TYPE_CHECKING
+
+from ..base.address import JausAddress
+from ..base.loop import Loop
+from ..base.settings import TransportSettings, add_arguments, from_arguments
+from ..transports.selecting import NetworkTransport, create_transport
+from .component import ComponentSettings, JausComponent, Scope
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from types import FrameType
+
+    from ..transports.transport import Transport
+
+    Factory = Callable[[Transport, JausAddress, ComponentSettings], JausComponent]
+
+LOGGER = logging.getLogger("jausml")
+
+LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+LOG_LEVELS = ("debug", "info", "warning", "error")
+
+EXIT_OK = 0
+EXIT_FAILED = 1
+
+
+def run(
+    factory: Factory,
+    argv: Sequence[str] | None = None,
+    *,
+    name: str,
+    description: str,
+    address: JausAddress,
+    transport: TransportSettings | None = None,
+    settings: ComponentSettings | None = None,
+) -> int:
+    """Run one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
+
+    Args:
+        factory: Makes the component; the class itself, as a rule.
+        argv: Command line without the program's name; the process's own when None.
+        name: Name of the program.
+        description: What it does, for ``--help``.
+        address: Modelled address, which ``--jaus-id`` overrides.
+        transport: Modelled transport settings, which options override.
+        settings: Modelled behaviour of the component.
+
+    Returns:
+        The exit code: 0 after a clean shutdown, 1 when the component could not start.
+
+    Raises:
+        SystemExit: The command line is wrong (code 2) or asks for help (code 0).
+    """
+    parser = argparse.ArgumentParser(prog=name, description=description)
+    add_component_arguments(parser, address)
+    add_arguments(parser, transport)
+    arguments = parser.parse_args(argv)
+    configure_log(arguments.log_level)
+    behaviour = component_settings(arguments, settings)
+    try:
+        transport_settings = from_arguments(arguments, transport)
+    except ValueError as error:
+        parser.error(str(error))
+    stop = StopRequest()
+    try:
+        with stop.on_signals(), running_transport(transport_settings) as network:
+            component = factory(network, arguments.jaus_id, behaviour)
+            component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
+            component.start()
+            LOGGER.info("%s runs as %s", name, arguments.jaus_id)
+            try:
+                reason = stop.wait()
+                LOGGER.info("%s ends: %s", name, reason)
+            finally:
+                component.stop()
+    except OSError as error:
+        LOGGER.error("%s cannot use the network: %s", name, error)
+        return EXIT_FAILED
+    except Exception:
+        LOGGER.exception("%s failed", name)
+        return EXIT_FAILED
+    return EXIT_OK
+
+
+def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:
+    """Add the options of a component that are not the transport's.
+
+    Args:
+        parser: Command line of a component or bridge.
+        address: Modelled address.
+    """
+    group = parser.add_argument_group("JAUS component")
+    group.add_argument(
+        "--jaus-id",
+        type=_address,
+        default=address,
+        metavar="ID",
+        help="address subsystem.node.component (default %(default)s)",
+    )
+    group.add_argument(
+        "--discovery-scope",
+        choices=[scope.name.lower() for scope in Scope],
+        help="what the component's Discovery service answers for",
+    )
+    group.add_argument(
+        "--log-level", choices=LOG_LEVELS, default="info", help="default %(default)s"
+    )
+
+
+def component_settings(
+    arguments: argparse.Namespace, defaults: ComponentSettings | None = None
+) -> ComponentSettings:
+    """Return the settings that the options of ``add_component_arguments`` describe.
+
+    Args:
+        arguments: Parsed command line.
+        defaults: Modelled settings.
+    """
+    known = ComponentSettings() if defaults is None else defaults
+    if arguments.discovery_scope is None:
+        return known
+    return replace(known, discovery_scope=Scope[arguments.discovery_scope.upper()])
+
+
+def configure_log(level: str) -> None:
+    """Log to standard error.
+
+    Args:
+        level: One of ``LOG_LEVELS``.
+    """
+    logging.basicConfig(format=LOG_FORMAT, level=level.upper())
+
+
+@contextmanager
+def running_transport(settings: TransportSettings) -> Iterator[NetworkTransport]:
+    """Open a transport on a loop of its own for the duration of a block.
+
+    Raises:
+        OSError: The network cannot be used as the settings say.
+    """
+    with Loop() as loop:
+        transport = create_transport(settings, loop)
+        transport.open()
+        try:
+            loop.start()
+            yield transport
+        finally:
+            transport.close()
+            log_counts("drops", transport.counters.drops())
+
+
+def log_counts(label: str, counts: Mapping[str, int]) -> None:
+    """Log names and numbers on one line, as the last word of a process on what it did.
+
+    Args:
+        label: What is counted.
+        counts: Numbers by name.
+    """
+    pairs = " ".join(f"{name}={number}" for name, number in counts.items())
+    LOGGER.info("%s: %s", label, pairs or "none")
+
+
+class StopRequest:
+    """Ends the wait of the main thread; may be requested by signals and by any thread."""
+
+    def __init__(self) -> None:
+        """Start without a request."""
+        # Unlike Event.set, SimpleQueue.put may be called in a signal handler that interrupts
+        # the very thread that waits.
+        self._requests: SimpleQueue[str] = SimpleQueue()
+
+    def request(self, reason: str) -> None:
+        """End the wait."""
+        self._requests.put(reason)
+
+    def wait(self) -> str:
+        """Wait for a request and return its reason."""
+        return self._requests.get()
+
+    @contextmanager
+    def on_signals(self) -> Iterator[None]:
+        """Let SIGINT and SIGTERM request the stop during a block."""
+
+        def handle(number: int, _frame: FrameType | None) -> None:
+            self.request(signal.Signals(number).name)
+
+        numbers = (signal.SIGINT, signal.SIGTERM)
+        former = {number: signal.signal(number, handle) for number in numbers}
+        try:
+            yield
+        finally:
+            for number, handler in former.items():
+                signal.signal(number, handler)
+
+
+def _address(text: str) -> JausAddress:
+    try:
+        address = JausAddress.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    if not address.is_concrete:
+        raise argparse.ArgumentTypeError(f"{text} does not name one component")
+    return address

@@ -1,0 +1,108 @@
+"""Conversions of numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+from .types import ConversionError
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Mapping
+
+Key = TypeVar("Key", bound="Hashable")
+Value = TypeVar("Value")
+
+
+def negate(value: float) -> float:
+    """The value with the opposite sign."""
+    return -value
+
+
+def scale(value: float, factor: float) -> float:
+    """The value times `factor`."""
+    return value * factor
+
+
+def linear(value: float, factor: float, offset: float) -> float:
+    """The value times `factor` plus `offset`."""
+    return value * factor + offset
+
+
+def clamp(value: float, minimum: float, maximum: float) -> float:
+    """The value limited to minimum .. maximum; not a number stays so."""
+    if value < minimum:
+        return minimum
+    if value > maximum:
+        return maximum
+    return value
+
+
+def deadband(value: float, width: float) -> float:
+    """Zero when the magnitude is below `width`, else the value."""
+    return 0.0 if abs(value) < width else value
+
+
+def square(value: float) -> float:
+    """The value squared."""
+    return value * value
+
+
+def degrees_to_radians(value: float) -> float:
+    """Degrees to radians."""
+    return math.radians(value)
+
+
+def radians_to_degrees(value: float) -> float:
+    """Radians to degrees."""
+    return math.degrees(value)
+
+
+def square_root(value: float) -> float:
+    """The square root: variance to root mean square; not a number where the value is negative."""
+    return math.sqrt(value) if value >= 0.0 else math.nan
+
+
+def covariance_to_rms(x: float, y: float, z: float) -> float:
+    """The variances along three axes to one root mean square for each of the axes.
+
+    Three zeros are not a number, and neither are variances of which one is negative: ROS marks
+    unknown ones so (sensor_msgs/Imu).
+    """
+    variances = (x, y, z)
+    if not any(variances) or not all(variance >= 0.0 for variance in variances):
+        return math.nan
+    return math.sqrt(sum(variances) / 3)
+
+
+def value_to_percent(value: float, maximum: float) -> float:
+    """The value in percent of `maximum`.
+
+    Raises:
+        ConversionError: The maximum is zero.
+    """
+    if maximum == 0.0:
+        raise ConversionError("nothing is a percentage of zero")
+    return value / maximum * 100.0
+
+
+def percent_to_value(value: float, maximum: float) -> float:
+    """Percent of `maximum` to the value."""
+    return value / 100.0 * maximum
+
+
+def with_units(value: float) -> float:
+    """The value itself, whose units the model states."""
+    return value
+
+
+def look_up(value: Key, table: Mapping[Key, Value]) -> Value:
+    """The counterpart of a value in a table.
+
+    Raises:
+        ConversionError: The table lacks the value.
+    """
+    try:
+        return table[value]
+    except KeyError:
+        raise ConversionError(f"{value!r} is not in the table") from None

@@ -1,0 +1,152 @@
+"""Conversions of angles and orientations.
+
+Axes: JAUS has x forward or north, y right or east, z down, and angles that turn right-handed about
+them (AS6009, CommandClass). ROS has x forward, y left, z up on a body and x east, y north, z up on
+the earth (REP 103). Angles are radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .numbers import clamp
+from .types import Angles, Quaternion
+
+if TYPE_CHECKING:
+    from .types import QuaternionLike
+
+# Closer to vertical than this, roll and yaw turn about the same axis.
+_VERTICAL = 1.0 - 1e-12
+
+
+def wrap_angle(value: float) -> float:
+    """The same direction in [-pi, pi]; an infinite angle has none, and is not a number then."""
+    return math.nan if math.isinf(value) else math.remainder(value, math.tau)
+
+
+def ned_heading_to_enu_yaw(value: float) -> float:
+    """Heading clockwise from north to yaw counter-clockwise from east, in [-pi, pi]."""
+    return wrap_angle(math.pi / 2 - value)
+
+
+def enu_yaw_to_ned_heading(value: float) -> float:
+    """Yaw counter-clockwise from east to heading clockwise from north, in [-pi, pi]."""
+    return wrap_angle(math.pi / 2 - value)
+
+
+def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Roll, pitch and yaw about forward-right-down axes to the orientation in forward-left-up."""
+    return _from_angles(roll, -pitch, -yaw)
+
+
+def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
+    """Yaw about the down axis alone to the orientation in forward-left-up."""
+    return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
+
+
+def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
+    """Orientation in forward-left-up to roll about forward-right-down axes, in [-pi, pi].
+
+    A quaternion of length zero is no orientation: the result is not a number.
+    """
+    x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
+    sine = _sine_of_pitch(x, y, z, w)
+    if math.isnan(sine):
+        return math.nan
+    if abs(sine) > _VERTICAL:
+        return 0.0
+    return math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
+
+
+def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
+    """Orientation in forward-left-up to pitch about forward-right-down axes, in [-pi/2, pi/2].
+
+    A quaternion of length zero is no orientation: the result is not a number.
+    """
+    sine = _sine_of_pitch(orientation.x, -orientation.y, -orientation.z, orientation.w)
+    return math.asin(clamp(sine, -1.0, 1.0))
+
+
+def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
+    """Orientation in forward-left-up to yaw about forward-right-down axes, in [-pi, pi].
+
+    A quaternion of length zero is no orientation: the result is not a number.
+    """
+    x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
+    sine = _sine_of_pitch(x, y, z, w)
+    if math.isnan(sine):
+        return math.nan
+    if abs(sine) > _VERTICAL:
+        # Roll is taken as zero there, so that the three angles still give the orientation.
+        return math.atan2(-2 * (x * y - w * z), w * w - x * x + y * y - z * z)
+    return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
+    """Orientation in forward-left-up to roll, pitch and yaw about forward-right-down axes.
+
+    A quaternion of length zero is no orientation: the results are not numbers.
+    """
+    return Angles(
+        flu_quaternion_to_frd_roll(orientation),
+        flu_quaternion_to_frd_pitch(orientation),
+        flu_quaternion_to_frd_yaw(orientation),
+    )
+
+
+def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Quaternion:
+    """Roll, pitch and heading in north-east-down to the orientation in east-north-up.
+
+    The angles are those of a forward-right-down body in north-east-down, the orientation that of
+    the same body, as forward-left-up, in east-north-up.
+    """
+    return _from_angles(roll, -pitch, math.pi / 2 - heading)
+
+
+def ned_heading_to_enu_quaternion(heading: float) -> Quaternion:
+    """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
+    half_yaw = (math.pi / 2 - heading) / 2
+    return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
+
+
+def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
+    """Orientation in east-north-up to roll, pitch and heading in north-east-down.
+
+    The orientation is that of a forward-left-up body, the angles those of the same body, as
+    forward-right-down. A quaternion of length zero gives what are no numbers.
+    """
+    return Angles(
+        flu_quaternion_to_frd_roll(orientation),
+        flu_quaternion_to_frd_pitch(orientation),
+        enu_quaternion_to_ned_heading(orientation),
+    )
+
+
+def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
+    """Orientation of a body in east-north-up to its heading clockwise from north, in [-pi, pi].
+
+    A quaternion of length zero is no orientation: the result is not a number.
+    """
+    # A yaw of zero points east there, which is a heading of a quarter turn.
+    return wrap_angle(math.pi / 2 + flu_quaternion_to_frd_yaw(orientation))
+
+
+def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """The rotation about x by roll, then about y by pitch, then about z by yaw."""
+    sr, cr = math.sin(roll / 2), math.cos(roll / 2)
+    sp, cp = math.sin(pitch / 2), math.cos(pitch / 2)
+    sy, cy = math.sin(yaw / 2), math.cos(yaw / 2)
+    return Quaternion(
+        x=sr * cp * cy - cr * sp * sy,
+        y=cr * sp * cy + sr * cp * sy,
+        z=cr * cp * sy - sr * sp * cy,
+        w=cr * cp * cy + sr * sp * sy,
+    )
+
+
+def _sine_of_pitch(x: float, y: float, z: float, w: float) -> float:
+    squared_length = x * x + y * y + z * z + w * w
+    if squared_length == 0.0:
+        return math.nan
+    return 2 * (w * y - z * x) / squared_length

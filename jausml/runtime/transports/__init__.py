@@ -1,0 +1,1 @@
+"""Transports: how messages reach other processes (AS5669A)."""

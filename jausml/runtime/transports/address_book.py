@@ -1,0 +1,133 @@
+"""Where components are: learnt from every datagram, or configured."""
+
+from __future__ import annotations
+
+import math
+import socket
+import sys
+from collections import OrderedDict
+from enum import Enum, auto
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..base.address import JausAddress
+    from ..base.counters import Counters
+    from ..base.settings import Endpoint
+
+_MAX_LEARNT = 1024
+_LONG_AGO = -sys.float_info.max
+_SEARCH_INTERVAL = 1.0
+
+
+class Doubt(Enum):
+    """What a sender does about the age of an address."""
+
+    NONE = auto()
+    """Nothing: the component was heard lately, or was asked a moment ago."""
+    ASK = auto()
+    """Ask for an acknowledgement, which tells whether the address is still right."""
+    SEARCH = auto()
+    """Look for the component by multicast as well: it did not answer."""
+
+
+class _Entry:
+    __slots__ = ("asked", "endpoint", "heard")
+
+    def __init__(self, endpoint: Endpoint, heard: float) -> None:
+        self.endpoint = endpoint
+        self.heard = heard
+        self.asked = -math.inf
+
+
+class AddressBook:
+    """UDP endpoints of components (AS5669A: the address of the newest datagram counts).
+
+    A learnt endpoint replaces a configured one, since it is where the component is now. An
+    endpoint from which nothing came for ``lifetime`` seconds is kept but doubted, so that a
+    component that restarted on another port or host is found again.
+    """
+
+    def __init__(self, lifetime: float, counters: Counters) -> None:
+        """Start empty.
+
+        Args:
+            lifetime: Seconds of silence after which an endpoint is doubted.
+            counters: Where changed endpoints are counted.
+        """
+        self._lifetime = lifetime
+        self._counters = counters
+        self._configured: dict[JausAddress, _Entry] = {}
+        self._learnt: OrderedDict[JausAddress, _Entry] = OrderedDict()
+
+    def __len__(self) -> int:
+        """Return how many components were learnt."""
+        return len(self._learnt)
+
+    def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
+        """Add configured endpoints; host names are resolved here, once.
+
+        A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out: the
+        component can still be found by multicast.
+        """
+        for address, endpoint in resolve(entries, self._counters).items():
+            self._configured[address] = _Entry(endpoint, -math.inf)
+
+    def find(self, address: JausAddress) -> Endpoint | None:
+        """Return the endpoint of a component, if known."""
+        entry = self._learnt.get(address) or self._configured.get(address)
+        return None if entry is None else entry.endpoint
+
+    def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> None:
+        """Note that a component was heard from an endpoint."""
+        entry = self._learnt.get(address)
+        if entry is None:
+            if len(self._learnt) >= _MAX_LEARNT:
+                forgotten, _ = self._learnt.popitem(last=False)
+                self._counters.count("judp.address_book_full", f"forgot {forgotten}")
+            entry = self._learnt[address] = _Entry(self.find(address) or endpoint, now)
+        else:
+            self._learnt.move_to_end(address)
+            entry.heard = now
+        if entry.endpoint != endpoint:
+            self._counters.count(
+                "judp.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
+            )
+            entry.endpoint = endpoint
+
+    def suspect(self, address: JausAddress) -> None:
+        """Doubt an endpoint at once, because the component failed to acknowledge."""
+        entry = self._learnt.get(address) or self._configured.get(address)
+        if entry is not None:
+            entry.heard = -math.inf
+            entry.asked = max(entry.asked, _LONG_AGO)
+
+    def doubt(self, address: JausAddress, now: float) -> Doubt:
+        """Return what to do about the age of a known endpoint when sending to it."""
+        entry = self._learnt.get(address) or self._configured.get(address)
+        if entry is None or now - entry.heard < self._lifetime:
+            return Doubt.NONE
+        if entry.asked <= entry.heard:
+            entry.asked = now
+            return Doubt.ASK
+        if now - entry.asked < _SEARCH_INTERVAL:
+            return Doubt.NONE
+        entry.asked = now
+        return Doubt.SEARCH
+
+
+def resolve(
+    entries: Mapping[JausAddress, Endpoint], counters: Counters
+) -> dict[JausAddress, Endpoint]:
+    """Return entries with IPv4 addresses for host names.
+
+    A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out.
+    """
+    resolved: dict[JausAddress, Endpoint] = {}
+    for address, (host, port) in entries.items():
+        try:
+            resolved[address] = (socket.gethostbyname(host), port)
+        except OSError as error:
+            counters.count("judp.unresolved_host", f"{address} at {host}: {error}")
+    return resolved

@@ -1,0 +1,291 @@
+"""One component as a client of a node manager (Junior's local protocol)."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+from collections import deque
+from enum import Enum, auto
+from typing import TYPE_CHECKING
+
+from ..packets.messenger import Messenger
+from ..packets.packet import Broadcast, Packet, parse_datagram
+from ..port_holder import is_alive
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from ...base.address import JausAddress
+    from ...base.loop import Loop, Timer
+    from ...base.settings import TransportSettings
+
+_LARGEST_DATAGRAM = 65535
+_DATAGRAMS_PER_WAKE_UP = 32
+_MAX_WAITING = 256
+_BUSY_PAUSE_S = 0.002
+_CONNECT_INTERVAL_S = 0.025
+_CONNECT_ATTEMPTS = 4
+_FIRST_PAUSE_S = 0.1
+_LONGEST_PAUSE_S = 5.0
+
+# JAUS-DEVIATION: clients and node managers speak AS5669 version 1 among themselves, of which
+# AS5669A knows nothing, to attach (Junior; fkie does the same).
+_CONNECT, _ACCEPT, _CANCEL = 1, 2, 3
+_MANAGER_SOURCE = 0
+_HEAD = struct.Struct("<BHH")
+_BODY = struct.Struct("<BBHIIHH")
+_COMMAND_SIZE = _HEAD.size + _BODY.size
+_SIZE_AFTER_HEAD = 16
+_STANDARD_PRIORITY = 6
+_MESSAGE_VERSION = 2
+
+
+class _State(Enum):
+    CLOSED = auto()
+    ATTACHING = auto()
+    ATTACHED = auto()
+    WAITING = auto()
+
+
+class NodeManagerClient:
+    """A local socket, the handshake with the manager, and the messages of one component."""
+
+    def __init__(
+        self,
+        settings: TransportSettings,
+        loop: Loop,
+        folder: Path,
+        manager: str,
+        address: JausAddress,
+    ) -> None:
+        """Prepare a client; ``open`` attaches it.
+
+        Args:
+            settings: Time-outs and limits of messages.
+            loop: Its thread receives; its counters are used.
+            folder: Folder of the local sockets.
+            manager: Name of the manager's socket.
+            address: The component.
+        """
+        self.address = address
+        self._loop = loop
+        self._counters = loop.counters
+        self._manager = folder / manager
+        self._path = folder / str(address.packed)
+        self._lock = threading.Lock()
+        self._state = _State.CLOSED
+        self._socket: socket.socket | None = None
+        self._identity = 0
+        self._waiting: deque[bytes] = deque()
+        self._attempts = 0
+        self._pause = _FIRST_PAUSE_S
+        self._timer: Timer | None = None
+        self._retry: Timer | None = None
+        self.messenger: Messenger[str] = Messenger(
+            settings,
+            loop,
+            transmit=self._transmit,
+            answer=lambda packet, _origin: self._put(packet.encode()),
+            suspect=lambda _destination: None,
+        )
+
+    @property
+    def is_attached(self) -> bool:
+        """Whether the manager accepted the component."""
+        return self._state is _State.ATTACHED
+
+    def open(self) -> None:
+        """Create the socket and ask the manager for acceptance.
+
+        Raises:
+            OSError: The socket cannot be created, or another process has it.
+        """
+        if is_alive(self._path):
+            raise OSError(f"{self._path}: another process runs component {self.address}")
+        self._path.unlink(missing_ok=True)
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._socket.settimeout(0)
+        try:
+            self._socket.bind(str(self._path))
+        except OSError as error:
+            self._socket.close()
+            self._socket = None
+            raise OSError(error.errno, f"{self._path}: {error.strerror}") from error
+        self._loop.register(self._socket, self._read)
+        self._attach()
+
+    def close(self) -> None:
+        """Take leave of the manager and remove the socket."""
+        with self._lock:
+            was_attached = self.is_attached
+            self._send_waiting()
+            self._state = _State.CLOSED
+            self._waiting.clear()
+        self._cancel_timer()
+        if self._socket is not None:
+            if was_attached:
+                self._command(_CANCEL)
+            self._loop.unregister(self._socket)
+            with self._lock:
+                self._socket.close()
+                self._socket = None
+            self._path.unlink(missing_ok=True)
+        self.messenger.close()
+
+    def check(self) -> None:
+        """Attach again when the manager ended, or another one took its place."""
+        if self.is_attached and not (
+            is_alive(self._manager) and _identity(self._manager) == self._identity
+        ):
+            self._on_lost("it ended or restarted")
+
+    # ---- attaching --------------------------------------------------------------------------
+
+    def _attach(self) -> None:
+        self._attempts = 0
+        self._state = _State.ATTACHING
+        self._ask()
+
+    def _ask(self) -> None:
+        self._timer = None
+        if self._attempts == _CONNECT_ATTEMPTS:
+            self._give_up()
+            return
+        self._attempts += 1
+        self._identity = _identity(self._manager)
+        self._command(_CONNECT)
+        self._timer = self._loop.call_later(_CONNECT_INTERVAL_S, self._ask)
+
+    def _give_up(self) -> None:
+        with self._lock:
+            self._state = _State.WAITING
+            lost = len(self._waiting)
+            self._waiting.clear()
+        self._counters.count(
+            "node_manager.no_answer",
+            f"nobody accepts {self.address} at {self._manager}; {lost} messages are lost; "
+            "is the node manager running?",
+        )
+        self._timer = self._loop.call_later(self._pause, self._attach)
+        self._pause = min(self._pause * 2, _LONGEST_PAUSE_S)
+
+    def _on_lost(self, reason: str) -> None:
+        self._counters.count("node_manager.lost", f"{self._manager} for {self.address}: {reason}")
+        self._cancel_timer()
+        self._attach()
+
+    def _on_command(self, code: int) -> None:
+        if code == _ACCEPT and self._state in (_State.ATTACHING, _State.WAITING):
+            self._cancel_timer()
+            self._pause = _FIRST_PAUSE_S
+            with self._lock:
+                self._state = _State.ATTACHED
+            self._flush()
+        elif code == _ACCEPT:
+            self._counters.add("node_manager.accepted_again")
+        elif code == _CANCEL and self.is_attached:
+            self._on_lost("it cancelled the connection")
+        else:
+            self._counters.count("node_manager.bad_command", f"code {code}")
+
+    def _command(self, code: int) -> None:
+        body = _BODY.pack(_STANDARD_PRIORITY, _MESSAGE_VERSION, code, 0, self.address.packed, 0, 0)
+        # The size alone is big-endian.
+        size = int.from_bytes(_SIZE_AFTER_HEAD.to_bytes(2, "big"), "little")
+        with self._lock:
+            self._sendto(_HEAD.pack(1, 0, size) + body)
+
+    def _cancel_timer(self) -> None:
+        for timer in (self._timer, self._retry):
+            if timer is not None:
+                timer.cancel()
+        self._timer = self._retry = None
+
+    # ---- sending ----------------------------------------------------------------------------
+
+    def _transmit(self, packet: Packet) -> bool:
+        if packet.destination.is_wildcard:
+            packet = packet._replace(broadcast=Broadcast.GLOBAL)
+        return self._put(packet.encode())
+
+    def _put(self, datagram: bytes) -> bool:
+        """Send a datagram, or let it wait while the manager is busy or about to accept us."""
+        with self._lock:
+            if self._state in (_State.CLOSED, _State.WAITING):
+                name = "node_manager.not_attached"
+            elif len(self._waiting) >= _MAX_WAITING:
+                name = "node_manager.queue_full"
+            else:
+                is_first = not self._waiting
+                self._waiting.append(datagram)
+                if is_first and self.is_attached:
+                    self._send_waiting()
+                return True
+        self._counters.count(name, f"a message of {self.address} is lost")
+        return False
+
+    def _flush(self) -> None:
+        self._retry = None
+        with self._lock:
+            self._send_waiting()
+
+    def _send_waiting(self) -> None:
+        while self._waiting and self.is_attached:
+            if not self._sendto(self._waiting[0]):
+                self._retry = self._loop.call_later(_BUSY_PAUSE_S, self._flush)
+                return
+            self._waiting.popleft()
+
+    def _sendto(self, datagram: bytes) -> bool:
+        """Send to the manager; return False when it is busy."""
+        if self._socket is None:
+            return True
+        try:
+            self._socket.sendto(datagram, str(self._manager))
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            self._counters.count("node_manager.send_failed", f"{self._manager}: {error}")
+            if self.is_attached:
+                self._loop.call_soon(self.check)
+            return True
+        self._counters.add("judp.sent")
+        return True
+
+    # ---- receiving --------------------------------------------------------------------------
+
+    def _read(self) -> None:
+        for _ in range(_DATAGRAMS_PER_WAKE_UP):
+            if self._socket is None:
+                return
+            try:
+                data = self._socket.recv(_LARGEST_DATAGRAM)
+            except BlockingIOError:
+                return
+            except OSError as error:
+                self._counters.count("judp.receive_failed", str(error))
+                return
+            self._counters.add("judp.received")
+            self._on_datagram(data)
+
+    def _on_datagram(self, data: bytes) -> None:
+        if data[:1] == b"\x01" and len(data) >= _COMMAND_SIZE:
+            _, _, code, _, source, _, _ = _BODY.unpack_from(data, _HEAD.size)
+            if source == _MANAGER_SOURCE:
+                self._on_command(code)
+                return
+        inbox, origin = self.messenger.inbox, self._manager.name
+        for packet in parse_datagram(data, self._counters):
+            if inbox.refuses(packet, origin):
+                continue
+            if not inbox.take(packet, origin, self._loop.now()):
+                self._counters.add("judp.not_for_us")
+
+
+def _identity(path: Path) -> int:
+    """Return what tells two sockets of one name apart; 0 without one."""
+    try:
+        return path.stat().st_ino
+    except OSError:
+        return 0

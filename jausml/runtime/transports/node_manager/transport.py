@@ -1,0 +1,136 @@
+"""JAUS through the node manager of the host, which owns the port (Junior's local protocol)."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..packets.packet import Priority
+from ..port_holder import MANAGER
+from ..transport import report
+from .client import NodeManagerClient
+
+if TYPE_CHECKING:
+    from ...base.address import JausAddress
+    from ...base.counters import Counters
+    from ...base.loop import Loop, Timer
+    from ...base.settings import TransportSettings
+    from ..transport import OnResult, Receive
+
+_WATCH_INTERVAL_S = 1.0
+
+
+class NodeManagerTransport:
+    """Components of this process as clients of the node manager of their host.
+
+    The manager has the network: it finds peers, sends and receives for its clients, and passes
+    messages on between them. Each component is a client of its own, which acknowledges and
+    repeats by itself. A manager that ends or restarts is noticed, and the components attach
+    again, less and less often while there is none.
+    """
+
+    def __init__(self, settings: TransportSettings, loop: Loop) -> None:
+        """Prepare a transport; ``open`` begins to look for the manager.
+
+        Args:
+            settings: Folder of the local sockets, time-outs and limits.
+            loop: Loop on which messages are received; its counters are used.
+        """
+        self.loop = loop
+        self.counters: Counters = loop.counters
+        self._settings = settings
+        self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
+        self._clients: dict[JausAddress, NodeManagerClient] = {}
+        self._watch: Timer | None = None
+        self._is_open = False
+
+    def open(self) -> None:
+        """Attach the components; those that come later are attached when they come.
+
+        Raises:
+            OSError: The folder of the local sockets cannot be used, or a component of the same
+                address is attached by another process.
+        """
+        if not self._folder.is_dir():
+            raise OSError(f"there is no folder {self._folder} for the node manager's sockets")
+        with self.loop.lock:
+            self._is_open = True
+            self._plan_watch()
+            try:
+                for client in self._clients.values():
+                    client.open()
+            except OSError:
+                self.close()
+                raise
+
+    def close(self) -> None:
+        """Take leave of the manager; messages that wait are reported as lost."""
+        with self.loop.lock:
+            self._is_open = False
+            if self._watch is not None:
+                self._watch.cancel()
+                self._watch = None
+            for client in self._clients.values():
+                client.close()
+
+    def is_attached(self, address: JausAddress) -> bool:
+        """Return whether the manager accepted a component."""
+        client = self._clients.get(address)
+        return client is not None and client.is_attached
+
+    def attach(self, address: JausAddress, receive: Receive) -> None:
+        """Receive messages for a component of this process from now on.
+
+        Raises:
+            ValueError: The address is not one component, or is attached already.
+            OSError: Another process has attached a component of this address.
+        """
+        with self.loop.lock:
+            if address in self._clients:
+                raise ValueError(f"{address} is attached already")
+            client = NodeManagerClient(self._settings, self.loop, self._folder, MANAGER, address)
+            client.messenger.inbox.attach(address, receive)
+            if self._is_open:
+                client.open()
+            # Copied, not changed: send() reads it on other threads without a lock.
+            self._clients = {**self._clients, address: client}
+
+    def detach(self, address: JausAddress) -> None:
+        """Stop to receive messages for a component; no effect when it is unknown."""
+        with self.loop.lock:
+            client = self._clients.get(address)
+            self._clients = {
+                known: each for known, each in self._clients.items() if known != address
+            }
+            if client is not None:
+                client.close()
+
+    def send(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        on_result: OnResult | None = None,
+    ) -> None:
+        """Send one message of an attached component; see ``Transport.send``."""
+        client = self._clients.get(source)
+        if client is None:
+            self.counters.count("node_manager.not_attached", f"a message of {source} is lost")
+            report(self.loop, on_result, success=False)
+            return
+        client.messenger.send(
+            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
+        )
+
+    def _plan_watch(self) -> None:
+        self._watch = self.loop.call_later(_WATCH_INTERVAL_S, self._look_after)
+
+    def _look_after(self) -> None:
+        """Notice a manager that ended or restarted even when nobody sends."""
+        for client in self._clients.values():
+            client.check()
+        self._plan_watch()

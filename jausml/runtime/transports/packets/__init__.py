@@ -1,0 +1,1 @@
+"""The message layer that all transports share: packets, fragments, acknowledgements."""

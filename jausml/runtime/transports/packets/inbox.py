@@ -1,0 +1,208 @@
+"""From packets to the components of this process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from ..transport import MESSAGE_CODE_SIZE, ReceivedMessage
+from .duplicates import DuplicateWindow
+from .flagless import FlaglessMessages
+from .packet import AckNak, DataFlags, Packet
+from .reassembly import Reassembly
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...base.address import JausAddress
+    from ...base.loop import Loop, Timer
+    from ...base.settings import TransportSettings
+    from ..transport import Receive
+
+    Receivers = list[tuple[JausAddress, Receive]]
+
+Origin = TypeVar("Origin")
+"""Where a packet came from and answers to it go: an endpoint, a connection, a socket."""
+
+
+class Inbox(Generic[Origin]):
+    """Receives for the components of one process, over whatever transport (AS5669A).
+
+    Every packet that it takes ends in exactly one way: delivered; kept as a fragment; an
+    acknowledgement; or dropped and counted.
+    """
+
+    def __init__(
+        self,
+        settings: TransportSettings,
+        loop: Loop,
+        acknowledged: Callable[[Packet], bool],
+        answer: Callable[[Packet, Origin], object],
+    ) -> None:
+        """Start with no components.
+
+        Args:
+            settings: Limits of duplicate detection and reassembly.
+            loop: Its lock, clock and counters are used.
+            acknowledged: Takes an acknowledgement; returns whether a packet waited for it.
+            answer: Sends a packet back to where one came from.
+        """
+        self._loop = loop
+        self._counters = loop.counters
+        self._timeout = settings.reassembly_timeout
+        self._acknowledged = acknowledged
+        self._answer = answer
+        self._duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
+        self._reassembly = Reassembly(
+            settings.reassembly_timeout, settings.reassembly_limit, loop.counters
+        )
+        self._flagless = FlaglessMessages(settings.reassembly_timeout)
+        self._expiry: Timer | None = None
+        self.receivers: dict[JausAddress, Receive] = {}
+        """Components of this process; replaced when it changes, so any thread may read it."""
+
+    @property
+    def remembered(self) -> int:
+        """Sequence numbers kept to detect duplicates."""
+        return len(self._duplicates)
+
+    @property
+    def incomplete(self) -> int:
+        """Bytes held for incomplete messages, with bookkeeping."""
+        return self._reassembly.size
+
+    @property
+    def fragments(self) -> int:
+        """Fragments held for incomplete messages."""
+        return len(self._reassembly)
+
+    def attach(self, address: JausAddress, receive: Receive) -> None:
+        """Receive messages for a component from now on.
+
+        Raises:
+            ValueError: The address is not one component, or is attached already.
+        """
+        if not address.is_concrete:
+            raise ValueError(f"{address} does not name one component")
+        if address in self.receivers:
+            raise ValueError(f"{address} is attached already")
+        self.receivers = {**self.receivers, address: receive}
+
+    def detach(self, address: JausAddress) -> None:
+        """Stop to receive messages for a component; no effect when it is unknown."""
+        self.receivers = {
+            known: receive for known, receive in self.receivers.items() if known != address
+        }
+
+    def close(self) -> None:
+        """Stop to watch for incomplete messages."""
+        if self._expiry is not None:
+            self._expiry.cancel()
+            self._expiry = None
+
+    def refuses(self, packet: Packet, origin: Origin) -> bool:
+        """Return whether the source of a packet cannot be true; it is counted then."""
+        source = packet.source
+        if source.is_concrete and source not in self.receivers:
+            return False
+        name = "judp.own_source" if source.is_concrete else "judp.bad_source"
+        self._counters.count(name, f"{source} at {origin}")
+        return True
+
+    def take(self, packet: Packet, origin: Origin, now: float) -> bool:
+        """Take a packet of another process; return False when it is for nobody here.
+
+        Args:
+            packet: A packet whose source is not refused.
+            origin: Where acknowledgements go.
+            now: Time in seconds.
+        """
+        receivers = self.receivers_of(packet)
+        if not receivers:
+            return False
+        if packet.acknowledge >= AckNak.NAK:
+            self._on_acknowledgement(packet, receivers, origin, now)
+        elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
+            self._counters.count("judp.no_message_code", f"{packet.source} at {origin}")
+        else:
+            if packet.acknowledge:
+                self._acknowledge(packet, receivers, origin)
+            self._accept(packet, receivers, now)
+        return True
+
+    def receivers_of(self, packet: Packet) -> Receivers:
+        """Return the components of this process that a packet is meant for."""
+        destination, source = packet.destination, packet.source
+        receive = self.receivers.get(destination)
+        if receive is not None:
+            return [(destination, receive)]
+        if not destination.is_wildcard:
+            return []
+        return [
+            (address, receive)
+            for address, receive in self.receivers.items()
+            if destination.matches(address) and address != source
+        ]
+
+    def deliver(self, packet: Packet, receivers: Receivers) -> None:
+        """Hand a whole message to components."""
+        message = ReceivedMessage(
+            packet.source, packet.destination, packet.payload, packet.priority, packet.sequence
+        )
+        for address, receive in receivers:
+            try:
+                receive(message)
+            except Exception as error:  # one component must not silence the others
+                self._counters.count("judp.receiver_failed", f"{address}: {error!r}", error=error)
+
+    def _accept(self, packet: Packet, receivers: Receivers, now: float) -> None:
+        if self._duplicates.is_duplicate(packet.source, packet.sequence, now):
+            self._counters.add("judp.duplicate")
+            return
+        if packet.data_flags:
+            whole = self._reassembly.add(packet, now)
+            self._plan_expiry()
+            if whole is None:
+                return
+            packet = whole
+        self.deliver(packet, receivers)
+
+    def _acknowledge(self, packet: Packet, receivers: Receivers, origin: Origin) -> None:
+        for address, _ in receivers:
+            answer = Packet(packet.source, address, b"", packet.sequence, packet.priority)
+            self._answer(answer._replace(acknowledge=AckNak.ACK), origin)
+
+    def _on_acknowledgement(
+        self, packet: Packet, receivers: Receivers, origin: Origin, now: float
+    ) -> None:
+        if packet.acknowledge is AckNak.NAK:
+            self._counters.add("judp.nak")  # nobody sends it; the repetition goes on
+        elif packet.payload:
+            self._on_marked_payload(packet, receivers, origin, now)
+        elif self._acknowledged(packet):
+            self._counters.add("judp.acknowledgement")
+        else:
+            self._counters.add("judp.unmatched_acknowledgement")
+
+    def _on_marked_payload(
+        self, packet: Packet, receivers: Receivers, origin: Origin, now: float
+    ) -> None:
+        """Take what is marked as an acknowledgement and yet must be a message of Junior."""
+        message = None
+        if len(packet.payload) >= MESSAGE_CODE_SIZE:
+            message = self._flagless.whole(packet, now)
+        self._counters.count(
+            "judp.bad_acknowledgement" if message is None else "judp.flagless",
+            f"{packet.source} at {origin} sends a payload marked as acknowledgement; "
+            "if it is Junior, it must send with a priority above 0",
+        )
+        if message is not None:
+            self._accept(message, receivers, now)
+
+    def _plan_expiry(self) -> None:
+        if self._reassembly.size and self._expiry is None:
+            self._expiry = self._loop.call_later(self._timeout / 2, self._expire_fragments)
+
+    def _expire_fragments(self) -> None:
+        self._expiry = None
+        self._reassembly.expire(self._loop.now())
+        self._plan_expiry()

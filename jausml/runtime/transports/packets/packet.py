@@ -1,0 +1,246 @@
+"""The AS5669A general transport header: packets to and from JUDP datagrams."""
+
+from __future__ import annotations
+
+import struct
+from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...base.address import JausAddress, address_of
+
+if TYPE_CHECKING:
+    from ...base.counters import Counters
+
+JUDP_VERSION = 2
+"""First byte of every datagram (AS5669A)."""
+
+EMPTY_MESSAGE_SIZE = 14
+"""Bytes of a message without payload: header 12, sequence number 2."""
+
+MAX_PAYLOAD = 65507 - 1 - EMPTY_MESSAGE_SIZE
+"""Payload bytes of the largest message that one UDP datagram carries."""
+
+
+class Priority(IntEnum):
+    """Priority of a message (AS5669A, flags bits 0-1)."""
+
+    LOW = 0
+    STANDARD = 1
+    HIGH = 2
+    SAFETY_CRITICAL = 3
+
+
+class Broadcast(IntEnum):
+    """Reach of a message (AS5669A, flags bits 2-3).
+
+    Receivers decide by the destination: peers exist that leave NONE on a wildcard destination.
+    """
+
+    NONE = 0
+    LOCAL = 1
+    GLOBAL = 2
+    RESERVED = 3
+
+
+class AckNak(IntEnum):
+    """Acknowledgement asked for or given (AS5669A, flags bits 4-5)."""
+
+    NONE = 0
+    REQUESTED = 1
+    NAK = 2
+    ACK = 3
+
+
+class DataFlags(IntEnum):
+    """Place of a packet in a message of several packets (AS5669A, flags bits 6-7)."""
+
+    SINGLE = 0
+    FIRST = 1
+    MIDDLE = 2
+    LAST = 3
+
+
+class Packet(NamedTuple):
+    """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement.
+
+    Attributes:
+        destination: Component or wildcard it goes to.
+        source: Component that sends it.
+        payload: Message code and body, a part of them, or nothing in an acknowledgement.
+        sequence: Number of the packet among those of its source, modulo 65536.
+        priority: Priority of the message.
+        broadcast: Reach of the message.
+        acknowledge: Acknowledgement asked for or given.
+        data_flags: Place in a message of several packets.
+        message_type: 0 for a JAUS message; others are reserved.
+    """
+
+    destination: JausAddress
+    source: JausAddress
+    payload: bytes = b""
+    sequence: int = 0
+    priority: Priority = Priority.STANDARD
+    broadcast: Broadcast = Broadcast.NONE
+    acknowledge: AckNak = AckNak.NONE
+    data_flags: DataFlags = DataFlags.SINGLE
+    message_type: int = 0
+
+    def encode(self) -> bytes:
+        """Return the datagram with this message alone, as every peer can read it.
+
+        Raises:
+            ValueError: A field does not fit the wire.
+        """
+        if len(self.payload) > MAX_PAYLOAD:
+            raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
+        if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):
+            raise ValueError(f"sequence {self.sequence} or type {self.message_type} out of range")
+        header = _DATAGRAM_HEADER.pack(
+            JUDP_VERSION,
+            self.message_type,
+            EMPTY_MESSAGE_SIZE + len(self.payload),
+            self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6,
+            self.destination.packed,
+            self.source.packed,
+        )
+        return b"".join((header, self.payload, _SEQUENCE.pack(self.sequence)))
+
+
+_DATAGRAM_HEADER = struct.Struct("<BBHBII")
+_HEADER = struct.Struct("<BHBII")
+_FIELDS = struct.Struct("<BII")
+_SEQUENCE = struct.Struct("<H")
+_HEADER_SIZE = 12
+_FIELDS_OFFSET = 3
+_COMPRESSION_FIELDS_SIZE = 2
+_COMPRESSED = 3
+_TYPE_MASK = 0x3F
+_FLAGS = tuple(
+    (
+        Priority(flags & 3),
+        Broadcast(flags >> 2 & 3),
+        AckNak(flags >> 4 & 3),
+        DataFlags(flags >> 6),
+    )
+    for flags in range(256)
+)
+_OTHER_VERSIONS = (
+    (b"\x01", "judp.version_1", "AS5669 version 1, which AS5669A replaced"),
+    (b"JAUS01.0", "judp.reference_architecture", "JAUS Reference Architecture 3 (OPC)"),
+)
+
+
+def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
+    """Return the messages of a datagram in their order; never raises.
+
+    What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
+    protocols; ``judp.bad_version``; ``judp.truncated``, the size says more than there is;
+    ``judp.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
+    ``parse_message`` counts.
+    """
+    if not data or data[0] != JUDP_VERSION:
+        _count_version(data, counters)
+        return []
+    packets: list[Packet] = []
+    offset, end = 1, len(data)
+    while offset < end:
+        size = -1
+        if end - offset >= EMPTY_MESSAGE_SIZE:
+            size = data[offset + 1] | data[offset + 2] << 8
+        if not EMPTY_MESSAGE_SIZE <= size <= end - offset:
+            _count_remainder(data, offset, size, counters)
+            break
+        packet = parse_message(data, offset, size, counters)
+        if packet is not None:
+            packets.append(packet)
+        offset += size
+    if end == 1:
+        counters.count("judp.truncated", data.hex())
+    return packets
+
+
+def message_size(data: bytes | bytearray, offset: int) -> int:
+    """Return the size that the message at an offset states, of which three bytes are there."""
+    return data[offset + 1] | data[offset + 2] << 8
+
+
+def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
+    """Return one message without the version byte of its datagram; never raises.
+
+    What cannot be read is counted: ``judp.bad_message_type``, reserved by the standard;
+    ``judp.compressed``; ``judp.bad_size``.
+
+    Args:
+        data: Bytes with the message.
+        offset: Where it begins.
+        size: Its size in bytes, at least 14, all of them there.
+        counters: Where a drop is counted.
+    """
+    kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
+    start, end = offset + _HEADER_SIZE, offset + size
+    if kind:
+        reason, skipped = _compression(data, offset, size)
+        if reason:
+            counters.count(reason, data[offset : offset + 32].hex())
+            return None
+        start += skipped
+        flags, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET + skipped)
+    priority, broadcast, acknowledge, data_flags = _FLAGS[flags]
+    return Packet(
+        address_of(destination),
+        address_of(source),
+        data[start : end - 2],
+        data[end - 2] | data[end - 1] << 8,
+        priority,
+        broadcast,
+        acknowledge,
+        data_flags,
+    )
+
+
+def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
+    """Return why a message cannot be read, if so, and the bytes to skip before its fields.
+
+    The standard has the header compression flags in bits 6-7 and, when they are set, two more
+    bytes before the fields. Requests and confirmations (1 and 2) carry an uncompressed message:
+    it is read, and the offer declined silently. Peers exist that use bits 0-1 (Junior and the
+    node manager of fkie), or that set bits 6-7 without the two bytes. Both are read where the
+    addresses leave no doubt what is meant.
+    """
+    kind = data[offset]
+    if kind >> 6 == _COMPRESSED and not kind & _TYPE_MASK:
+        return "judp.compressed", 0
+    with_fields = size >= EMPTY_MESSAGE_SIZE + _COMPRESSION_FIELDS_SIZE and _is_plausible(
+        data, offset + _COMPRESSION_FIELDS_SIZE
+    )
+    if kind & _TYPE_MASK:
+        is_misplaced = kind in (1, 2) and with_fields and not _is_plausible(data, offset)
+        return ("", _COMPRESSION_FIELDS_SIZE) if is_misplaced else ("judp.bad_message_type", 0)
+    if with_fields:
+        return "", _COMPRESSION_FIELDS_SIZE
+    return ("", 0) if _is_plausible(data, offset) else ("judp.bad_size", 0)
+
+
+def _is_plausible(data: bytes, offset: int) -> bool:
+    """Return whether the addresses of a message, read at an offset, can be addresses."""
+    _, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET)
+    to = address_of(destination)
+    return address_of(source).is_concrete and bool(to.subsystem and to.node and to.component)
+
+
+def _count_version(data: bytes, counters: Counters) -> None:
+    for start, name, title in _OTHER_VERSIONS:
+        if data.startswith(start):
+            counters.count(name, f"a peer speaks {title}; let it send AS5669A: {data[:32].hex()}")
+            return
+    counters.count("judp.bad_version" if data else "judp.truncated", data[:32].hex())
+
+
+def _count_remainder(data: bytes, offset: int, size: int, counters: Counters) -> None:
+    if offset > 1:
+        name = "judp.trailing_bytes"
+    elif 0 <= size < EMPTY_MESSAGE_SIZE:
+        name = "judp.bad_size"
+    else:
+        name = "judp.truncated"
+    counters.count(name, f"{len(data)} bytes: {data[:32].hex()}")

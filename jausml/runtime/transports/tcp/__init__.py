@@ -1,0 +1,1 @@
+"""JAUS over TCP (AS5669A, JTCP)."""

@@ -1,0 +1,391 @@
+"""JAUS over TCP (AS5669A, JTCP)."""
+
+from __future__ import annotations
+
+import errno
+import socket
+from collections import OrderedDict, deque
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ...base.address import BROADCAST
+from ...base.counters import LOGGER
+from ..address_book import resolve
+from ..packets.duplicates import DuplicateWindow
+from ..packets.messenger import Messenger
+from ..packets.packet import AckNak, Broadcast, Packet, Priority
+from ..port_holder import advice
+from ..transport import report
+from .connection import Connection, connect
+
+if TYPE_CHECKING:
+    from ...base.address import JausAddress
+    from ...base.counters import Counters
+    from ...base.loop import Loop, Timer
+    from ...base.settings import Endpoint, TransportSettings
+    from ..transport import OnResult, Receive
+
+_BACKLOG = 64
+_ACCEPTS_PER_WAKE_UP = 16
+_MAX_CONNECTIONS = 256
+_MAX_ROUTES = 1024
+_FIRST_PAUSE_S = 0.1
+_LONGEST_PAUSE_S = 5.0
+
+
+class _Line:
+    """A connection to an endpoint, made again and again, more and more seldom."""
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self.endpoint = endpoint
+        self.connection: Connection | None = None
+        self.pause = _FIRST_PAUSE_S
+        self.retry: Timer | None = None
+
+
+class JtcpTransport:
+    """Components of this process on JTCP connections (AS5669A).
+
+    A message goes over the connection from which its destination was heard last, or over one
+    that is made on demand to the endpoint in the address book. There is no multicast: a wildcard
+    destination goes to every peer that is connected or in the address book. TCP itself repeats
+    what gets lost, so that messages are sent without a request for acknowledgement, and a
+    message counts as acknowledged when the system sent it; requests of peers are answered.
+
+    One process of a host owns the port. The others connect to it, and it passes on what is not
+    for itself. Another one takes over when it ends.
+    """
+
+    def __init__(self, settings: TransportSettings, loop: Loop) -> None:
+        """Prepare a transport; ``open`` puts it on the network.
+
+        Args:
+            settings: Interface, port, address book and limits.
+            loop: Loop on which messages are received; its counters are used.
+        """
+        self.loop = loop
+        self.counters: Counters = loop.counters
+        self._settings = settings
+        self._well_known: Endpoint = (settings.interface, settings.port)
+        self._messenger: Messenger[Connection] = Messenger(
+            settings,
+            loop,
+            transmit=self._transmit,
+            answer=self._answer,
+            suspect=_never,
+            send_all=self._send_all,
+        )
+        self._inbox = self._messenger.inbox
+        self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
+        self._book: dict[JausAddress, Endpoint] = {}
+        self._routes: OrderedDict[JausAddress, Connection] = OrderedDict()
+        self._lines: dict[Endpoint, _Line] = {}
+        self._connections: list[Connection] = []
+        self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
+        self._listener: socket.socket | None = None
+        self._takeover: Timer | None = None
+        self._is_open = False
+
+    def open(self) -> None:
+        """Listen on the port, or connect to the process of this host that owns it.
+
+        Raises:
+            OSError: The interface cannot be used.
+        """
+        self._book = resolve(self._settings.address_book, self.counters)
+        with self.loop.lock:
+            self._is_open = True
+            self._share_port()
+
+    def close(self) -> None:
+        """Close the connections; messages that wait are reported as lost."""
+        with self.loop.lock:
+            self._send_unsent()
+            self._is_open = False
+            timers = [self._takeover, *(line.retry for line in self._lines.values())]
+            for timer in timers:
+                if timer is not None:
+                    timer.cancel()
+            self._takeover = None
+            if self._listener is not None:
+                self.loop.unregister(self._listener)
+                self._listener.close()
+                self._listener = None
+            for connection in list(self._connections):
+                connection.close()
+            self._lines.clear()
+            self._messenger.close()
+
+    @property
+    def endpoint(self) -> Endpoint | None:
+        """Where this process listens, if it owns the port."""
+        return None if self._listener is None else self._listener.getsockname()
+
+    def attach(self, address: JausAddress, receive: Receive) -> None:
+        """Receive messages for a component of this process from now on.
+
+        Raises:
+            ValueError: The address is not one component, or is attached already.
+        """
+        with self.loop.lock:
+            self._inbox.attach(address, receive)
+            line = self._lines.get(self._well_known)
+            if line is not None and line.connection is not None:
+                self._announce(line.connection)
+
+    def detach(self, address: JausAddress) -> None:
+        """Stop to receive messages for a component; no effect when it is unknown."""
+        with self.loop.lock:
+            self._inbox.detach(address)
+
+    def send(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        on_result: OnResult | None = None,
+    ) -> None:
+        """Send one message; see ``Transport.send``."""
+        self._messenger.send(
+            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
+        )
+
+    # ---- sending ----------------------------------------------------------------------------
+
+    def _send_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
+        """Send on the loop's thread, which alone uses the connections."""
+        self._unsent.append((packets, on_result))
+        self.loop.call_soon(self._send_unsent)
+
+    def _send_unsent(self) -> None:
+        while self._unsent:
+            self._send_now(*self._unsent.popleft())
+
+    def _send_now(self, packets: list[Packet], on_result: OnResult | None) -> None:
+        destination = packets[0].destination
+        data = b"".join([_message(packet) for packet in packets])
+        if destination.is_wildcard:
+            sent = [each.write(data) for each in self._everyone()]
+            report(self.loop, on_result, success=any(sent))
+            if not sent:
+                self.counters.add("jtcp.nobody_connected")
+            return
+        connection = self._way_to(destination)
+        if connection is not None:
+            connection.write(data, on_result)
+            return
+        self.counters.count("jtcp.not_connected", f"no connection to {destination}")
+        report(self.loop, on_result, success=False)
+
+    def _transmit(self, packet: Packet) -> bool:
+        connection = self._way_to(packet.destination)
+        return connection is not None and connection.write(_message(packet))
+
+    def _answer(self, packet: Packet, connection: Connection) -> None:
+        connection.write(_message(packet))
+
+    def _way_to(self, destination: JausAddress) -> Connection | None:
+        """Return the connection to a component, which may be on its way."""
+        connection = self._routes.get(destination)
+        if connection is None and destination in self._book:
+            connection = self._connect(self._book[destination])
+        if connection is None and self._well_known in self._lines:
+            connection = self._lines[self._well_known].connection
+        return connection
+
+    def _everyone(self) -> list[Connection]:
+        for endpoint in self._book.values():
+            self._connect(endpoint)
+        return list(self._connections)
+
+    # ---- connections ------------------------------------------------------------------------
+
+    def _connect(self, endpoint: Endpoint) -> Connection | None:
+        """Return the connection to an endpoint, made on demand; None while it is down."""
+        if not self._is_open or endpoint == self.endpoint:
+            return None
+        line = self._lines.get(endpoint)
+        if line is None:
+            line = self._lines[endpoint] = _Line(endpoint)
+            self._dial(line)
+        return line.connection
+
+    def _dial(self, line: _Line) -> None:
+        line.retry = None
+        try:
+            sock = connect(line.endpoint)
+        except OSError as error:
+            self.counters.count("jtcp.connect_failed", f"{line.endpoint}: {error}")
+            self._plan_retry(line)
+            return
+        line.connection = self._adopt(sock, line.endpoint, connecting=True)
+        if line.endpoint == self._well_known:
+            self._announce(line.connection)
+
+    def _plan_retry(self, line: _Line) -> None:
+        line.retry = self.loop.call_later(line.pause, partial(self._dial, line))
+        line.pause = min(line.pause * 2, _LONGEST_PAUSE_S)
+
+    def _accept(self) -> None:
+        for _ in range(_ACCEPTS_PER_WAKE_UP):
+            if self._listener is None:
+                return
+            try:
+                sock, peer = self._listener.accept()
+            except BlockingIOError:
+                return
+            except OSError as error:
+                self.counters.count("jtcp.accept_failed", str(error))
+                return
+            if len(self._connections) >= _MAX_CONNECTIONS:
+                self.counters.count("jtcp.too_many_connections", f"refused {peer[0]}:{peer[1]}")
+                sock.close()
+            else:
+                self._adopt(sock, peer, connecting=False)
+
+    def _adopt(self, sock: socket.socket, peer: Endpoint, *, connecting: bool) -> Connection:
+        connection = Connection(
+            sock,
+            peer,
+            self.loop,
+            connecting=connecting,
+            buffer=self._settings.send_buffer,
+            timeout=self._settings.connection_timeout,
+            on_packet=self._on_packet,
+            on_close=self._on_close,
+        )
+        self._connections.append(connection)
+        return connection
+
+    def _on_close(self, connection: Connection) -> None:
+        self._connections.remove(connection)
+        for address in [known for known, way in self._routes.items() if way is connection]:
+            del self._routes[address]
+        line = self._lines.get(connection.peer)
+        if line is not None and line.connection is connection:
+            line.connection = None
+            if connection.is_connected:
+                line.pause = _FIRST_PAUSE_S
+            if self._is_open:
+                self._plan_retry(line)
+
+    # ---- receiving --------------------------------------------------------------------------
+
+    def _on_packet(self, packet: Packet, connection: Connection) -> None:
+        if self._inbox.refuses(packet, connection):
+            return
+        self._learn(packet, connection)
+        is_announced = packet.acknowledge is AckNak.ACK and not packet.payload
+        if is_announced and packet.destination.is_wildcard:
+            self.counters.add("jtcp.present")
+            connection.is_neighbour = connection.peer[0] == self._settings.interface
+            return
+        is_relayed = self._relay(packet, connection)
+        is_taken = self._inbox.take(packet, connection, self.loop.now())
+        if not is_taken and not is_relayed:
+            self.counters.add("judp.not_for_us")
+
+    def _learn(self, packet: Packet, connection: Connection) -> None:
+        address = packet.source
+        former = self._routes.get(address)
+        # A broadcast may come by several ways, of which none is better than the one known.
+        if former is connection or (former is not None and packet.destination.is_wildcard):
+            self._routes.move_to_end(address)
+            return
+        if former is not None:
+            self.counters.count("judp.address_changed", f"{address} from {former} to {connection}")
+        elif len(self._routes) >= _MAX_ROUTES:
+            forgotten, _ = self._routes.popitem(last=False)
+            self.counters.count("judp.address_book_full", f"forgot {forgotten}")
+        self._routes[address] = connection
+        self._routes.move_to_end(address)
+
+    # ---- several processes on one host ------------------------------------------------------
+
+    # JAUS-DEVIATION: AS5669A knows one process per port. The owner of the port passes messages
+    # on between the other processes of its host and their peers. These tell the owner by an
+    # acknowledgement to everybody, which other stacks ignore, which components live in them.
+
+    def _share_port(self) -> None:
+        """Try to own the port; until then stay connected to its owner."""
+        self._takeover = None
+        try:
+            self._listener = _listen(self._well_known)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise OSError(
+                    error.errno,
+                    f"JTCP port {self._settings.port} of {self._settings.interface}: "
+                    f"{error.strerror}",
+                ) from error
+            if self._well_known not in self._lines:
+                LOGGER.info(
+                    "TCP port %d is taken; this process connects to who has it: %s",
+                    self._settings.port,
+                    advice("tcp", self._settings),
+                )
+            self._connect(self._well_known)
+            self._takeover = self.loop.call_later(
+                self._settings.takeover_interval, self._share_port
+            )
+            return
+        self.loop.register(self._listener, self._accept)
+        line = self._lines.pop(self._well_known, None)
+        if line is not None:
+            if line.retry is not None:
+                line.retry.cancel()
+            self.counters.add("jtcp.port_taken_over")
+
+    def _announce(self, connection: Connection) -> None:
+        for address in self._inbox.receivers:
+            present = Packet(BROADCAST, address, acknowledge=AckNak.ACK)
+            connection.write(_message(present))
+
+    def _relay(self, packet: Packet, origin: Connection) -> bool:
+        """Pass a packet on for another process of this host; return whether it went somewhere."""
+        if self._listener is None or packet.destination in self._inbox.receivers:
+            return False
+        if packet.destination.is_wildcard:
+            ways = [each for each in self._connections if each is not origin]
+        else:
+            way = self._routes.get(packet.destination)
+            ways = [] if way is None or way is origin else [way]
+        ways = [each for each in ways if each.is_neighbour or origin.is_neighbour]
+        # Owners that know each other by several ways must not pass a message round for ever.
+        if not ways or (
+            packet.acknowledge < AckNak.NAK
+            and self._relayed.is_duplicate(packet.source, packet.sequence, self.loop.now())
+        ):
+            return False
+        data = _message(packet)
+        for way in ways:
+            way.write(data)
+        self.counters.add("jtcp.relayed")
+        return True
+
+
+def _message(packet: Packet) -> bytes:
+    if packet.destination.is_wildcard:
+        packet = packet._replace(broadcast=Broadcast.GLOBAL)
+    return packet.encode()[1:]
+
+
+def _listen(endpoint: Endpoint) -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        # Connections of a former owner that still time out must not keep the port.
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        sock.bind(endpoint)
+        sock.listen(_BACKLOG)
+        sock.settimeout(0)
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def _never(_destination: JausAddress) -> None:
+    """TCP tells by itself when a peer is gone."""

@@ -1,0 +1,1 @@
+"""JAUS over UDP (AS5669A, JUDP)."""

@@ -1,0 +1,229 @@
+"""JAUS over UDP (AS5669A, JUDP version 2)."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ..address_book import AddressBook
+from ..packets.messenger import Messenger
+from ..packets.packet import Packet, Priority, parse_datagram
+from .sender import Sender
+from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
+
+if TYPE_CHECKING:
+    import socket
+
+    from ...base.address import JausAddress
+    from ...base.counters import Counters
+    from ...base.loop import Loop, Timer
+    from ...base.settings import Endpoint, TransportSettings
+    from ..packets.inbox import Inbox
+    from ..transport import OnResult, Receive
+
+_LARGEST_DATAGRAM = 65535
+_DATAGRAMS_PER_WAKE_UP = 32
+
+
+class JudpTransport:
+    """Components of this process on one JUDP port (AS5669A).
+
+    Destinations with a wildcard go to the multicast group and to the matching components of this
+    process, except the sender. A component of this process is reached without the network. An
+    unknown destination is multicast with a request for acknowledgement, as Junior does; the
+    acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
+    """
+
+    def __init__(self, settings: TransportSettings, loop: Loop) -> None:
+        """Prepare a transport; ``open`` puts it on the network.
+
+        Args:
+            settings: Interface, port, peers and time-outs.
+            loop: Loop on which messages are received; its counters are used.
+        """
+        self.loop = loop
+        self.counters: Counters = loop.counters
+        self._settings = settings
+        self._port = SharedPort(settings)
+        self._book = AddressBook(settings.address_lifetime, self.counters)
+        self._sender = Sender(loop, self._port, self._book)
+        self._messenger: Messenger[Endpoint] = Messenger(
+            settings,
+            loop,
+            transmit=self._sender.transmit,
+            answer=self._answer,
+            suspect=self._book.suspect,
+        )
+        self._inbox = self._messenger.inbox
+        self._takeover: Timer | None = None
+
+    def open(self) -> None:
+        """Open the sockets and begin to receive.
+
+        Raises:
+            OSError: The interface or the multicast group cannot be used.
+        """
+        self._book.configure(self._settings.address_book)
+        with self.loop.lock:
+            self._port.open()
+            for sock in (self._port.multicast, self._port.unicast):
+                self._watch(sock)
+            self._share_port()
+
+    def close(self) -> None:
+        """Close the sockets; messages that wait for acknowledgement are reported as lost."""
+        with self.loop.lock:
+            if self._takeover is not None:
+                self._takeover.cancel()
+                self._takeover = None
+            for sock in (self._port.multicast, self._port.unicast, self._port.former):
+                if sock is not None:
+                    self.loop.unregister(sock)
+            self._sender.close()
+            self._messenger.close()
+
+    @property
+    def inbox(self) -> Inbox[Endpoint]:
+        """What receives for the components of this process."""
+        return self._inbox
+
+    @property
+    def address_book(self) -> AddressBook:
+        """Where components are."""
+        return self._book
+
+    @property
+    def endpoint(self) -> Endpoint | None:
+        """Where this process sends from and is reached, while open."""
+        unicast = self._port.unicast
+        return None if unicast is None else unicast.getsockname()
+
+    def attach(self, address: JausAddress, receive: Receive) -> None:
+        """Receive messages for a component of this process from now on.
+
+        Args:
+            address: The component.
+            receive: Takes each message, on the loop's thread.
+
+        Raises:
+            ValueError: The address is not one component, or is attached already.
+        """
+        with self.loop.lock:
+            self._inbox.attach(address, receive)
+            self._announce()
+
+    def detach(self, address: JausAddress) -> None:
+        """Stop to receive messages for a component; no effect when it is unknown."""
+        with self.loop.lock:
+            self._inbox.detach(address)
+
+    def send(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        on_result: OnResult | None = None,
+    ) -> None:
+        """Send one message; see ``Transport.send``."""
+        self._messenger.send(
+            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
+        )
+
+    def _watch(self, sock: socket.socket | None) -> None:
+        if sock is not None:
+            self.loop.register(sock, partial(self._read, sock))
+
+    def _read(self, sock: socket.socket) -> None:
+        """Read what has arrived, but no more than lets timers stay punctual."""
+        by_multicast = sock is self._port.multicast
+        count = 0
+        while count < _DATAGRAMS_PER_WAKE_UP:
+            try:
+                data, sender = sock.recvfrom(_LARGEST_DATAGRAM)
+            except BlockingIOError:
+                break
+            except OSError as error:
+                self.counters.count("judp.receive_failed", str(error))
+                break
+            count += 1
+            self.receive_datagram(data, sender, by_multicast=by_multicast)
+        self.counters.add("judp.received", count)
+
+    def receive_datagram(
+        self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
+    ) -> None:
+        """Take a datagram as if a socket had read it, on the loop's thread; never raises.
+
+        Args:
+            data: The datagram.
+            sender: Endpoint that it came from.
+            by_multicast: Whether it came to the multicast group.
+        """
+        if sender in self._port.endpoints:
+            self.counters.add("judp.own_multicast")
+            return
+        if data[:1] == b"\0" and sender[0] == self._settings.interface:
+            self._on_neighbour(data, sender)
+            return
+        for packet in parse_datagram(data, self.counters):
+            self._on_packet(packet, sender, may_forward=not by_multicast)
+
+    def _on_packet(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
+        if self._inbox.refuses(packet, sender):
+            return
+        now = self.loop.now()
+        self._book.learn(packet.source, sender, now)
+        if not self._inbox.take(packet, sender, now):
+            self._on_stray(packet, sender, may_forward=may_forward)
+
+    def _answer(self, packet: Packet, sender: Endpoint) -> None:
+        self._sender.put(packet.encode(), sender)
+
+    def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
+        """Pass a packet that is not for this process to a neighbour that shares the port."""
+        endpoint = self._book.find(packet.destination)
+        if (
+            may_forward
+            and endpoint is not None
+            and endpoint[0] == self._settings.interface
+            and self._port.is_owner
+        ):
+            self._sender.put(forwarded_frame(sender, packet.encode()), endpoint)
+            self.counters.add("judp.forwarded")
+        else:
+            self.counters.add("judp.not_for_us")
+
+    def _on_neighbour(self, frame: bytes, sender: Endpoint) -> None:
+        """Take a frame from another process of this host that shares the port."""
+        forwarded = read_forwarded(frame) if sender == self._port.well_known else None
+        present = read_present(frame)
+        if forwarded is not None:
+            origin, datagram = forwarded
+            for packet in parse_datagram(datagram, self.counters):
+                self._on_packet(packet, origin, may_forward=False)
+        elif present is not None:
+            self.counters.add("judp.present")
+            for address in present:
+                if address.is_concrete and address not in self._inbox.receivers:
+                    self._book.learn(address, sender, self.loop.now())
+        else:
+            self.counters.count("judp.bad_version", f"{frame[:32].hex()} from {sender}")
+
+    def _share_port(self) -> None:
+        """Try to own the port; until then tell its owner again and again who lives here."""
+        self._takeover = None
+        if not self._port.is_owner and self._port.take_over():
+            self._watch(self._port.unicast)
+            self.counters.add("judp.port_taken_over")
+        if not self._port.is_owner:
+            self._announce()
+            self._takeover = self.loop.call_later(
+                self._settings.takeover_interval, self._share_port
+            )
+
+    def _announce(self) -> None:
+        if self._inbox.receivers and self._port.unicast is not None and not self._port.is_owner:
+            self._sender.put(present_frame(self._inbox.receivers), self._port.well_known)

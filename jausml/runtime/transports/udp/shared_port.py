@@ -1,0 +1,183 @@
+"""One JUDP port for several processes of one host.
+
+Every process joins the multicast group with a socket of its own. Only one can own the unicast
+port; the others send and receive on a port that the system chooses, which peers learn from their
+datagrams. Datagrams for them that peers send to the well-known port are forwarded by its owner.
+"""
+
+from __future__ import annotations
+
+import errno
+import socket
+import struct
+import sys
+from typing import TYPE_CHECKING
+
+from ...base.address import JausAddress, address_of
+from ...base.counters import LOGGER
+from ..port_holder import advice, holders
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ...base.settings import Endpoint, TransportSettings
+
+# JAUS-DEVIATION: AS5669A knows one process per port. These two frames pass between processes of
+# one host only; they begin with 0, which is no JUDP version, so that other stacks drop them.
+_FORWARDED = b"\x00F"
+_PRESENT = b"\x00P"
+_ENDPOINT = struct.Struct("!4sH")
+_FORWARDED_SIZE = len(_FORWARDED) + _ENDPOINT.size
+_MAX_PRESENT = 256
+
+_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
+
+
+class SharedPort:
+    """The sockets of one process on the JUDP port of its host."""
+
+    def __init__(self, settings: TransportSettings) -> None:
+        """Remember the settings; ``open`` creates the sockets.
+
+        Args:
+            settings: Interface, port and multicast group.
+        """
+        self._settings = settings
+        self.well_known: Endpoint = (settings.interface, settings.port)
+        self.group: Endpoint = (settings.multicast_group, settings.port)
+        self.multicast: socket.socket | None = None
+        self.unicast: socket.socket | None = None
+        self.former: socket.socket | None = None
+        self.endpoints: frozenset[Endpoint] = frozenset()
+
+    @property
+    def is_owner(self) -> bool:
+        """Whether this process owns the unicast port."""
+        return self.well_known in self.endpoints
+
+    def open(self) -> None:
+        """Join the group and take the unicast port, or another one when it is taken.
+
+        Raises:
+            OSError: The interface or the group cannot be used.
+        """
+        try:
+            self.multicast = self._multicast_socket()
+            self._take(self._well_known_or_any_socket())
+        except OSError as error:
+            self.close()
+            raise OSError(
+                error.errno,
+                f"JUDP port {self._settings.port} of {self._settings.interface} with group "
+                f"{self._settings.multicast_group}: {self._explain(error)}",
+            ) from error
+
+    def take_over(self) -> bool:
+        """Try to own the unicast port, which its owner may have left; return whether it worked.
+
+        The former socket stays open: peers know its port until they hear from the new one.
+        """
+        try:
+            unicast = self._unicast_socket(self._settings.port)
+        except OSError:
+            return False
+        self.former = self.unicast
+        self._take(unicast)
+        return True
+
+    def close(self) -> None:
+        """Close all sockets."""
+        for sock in (self.multicast, self.unicast, self.former):
+            if sock is not None:
+                sock.close()
+        self.multicast = self.unicast = self.former = None
+        self.endpoints = frozenset()
+
+    def _explain(self, error: OSError) -> str:
+        if error.errno != errno.EADDRINUSE:
+            return str(error.strerror)
+        return f"{error.strerror} and not shared; {advice('udp', self._settings)}"
+
+    def _take(self, unicast: socket.socket) -> None:
+        self.unicast = unicast
+        self.endpoints |= {unicast.getsockname()}
+
+    def _well_known_or_any_socket(self) -> socket.socket:
+        try:
+            return self._unicast_socket(self._settings.port)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+        owners = " and ".join(map(str, holders("udp", self._settings.port)))
+        LOGGER.info(
+            "UDP port %d is owned by %s; this process shares it",
+            self._settings.port,
+            owners or "another program",
+        )
+        return self._unicast_socket(0)
+
+    def _unicast_socket(self, port: int) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            interface = socket.inet_aton(self._settings.interface)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+            sock.setsockopt(
+                socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, self._settings.multicast_ttl
+            )
+            # Other processes of this host must hear; this one ignores its own datagrams.
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+            sock.settimeout(0)
+            sock.bind((self._settings.interface, port))
+        except OSError:
+            sock.close()
+            raise
+        return sock
+
+    def _multicast_socket(self) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            membership = socket.inet_aton(self._settings.multicast_group) + socket.inet_aton(
+                self._settings.interface
+            )
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if sys.platform == "darwin":
+                sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
+            sock.settimeout(0)
+            sock.bind(self.group)
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            if sys.platform == "linux":
+                # Hear the group on our interface only, whatever other processes joined.
+                sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
+        except OSError:
+            sock.close()
+            raise
+        return sock
+
+
+def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:
+    """Return the frame that passes a datagram on and says where it came from."""
+    return _FORWARDED + _ENDPOINT.pack(socket.inet_aton(sender[0]), sender[1]) + datagram
+
+
+def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
+    """Return the sender and the datagram of a forwarded frame; None if it is none."""
+    if not frame.startswith(_FORWARDED) or len(frame) < _FORWARDED_SIZE:
+        return None
+    host, port = _ENDPOINT.unpack_from(frame, len(_FORWARDED))
+    return (socket.inet_ntoa(host), port), frame[_FORWARDED_SIZE:]
+
+
+def present_frame(addresses: Iterable[JausAddress]) -> bytes:
+    """Return the frame that tells the port's owner which components live here."""
+    return _PRESENT + b"".join([address.to_bytes() for address in addresses])
+
+
+def read_present(frame: bytes) -> list[JausAddress] | None:
+    """Return the components of a present frame; None if it is none."""
+    if not frame.startswith(_PRESENT):
+        return None
+    count = min((len(frame) - len(_PRESENT)) // 4, _MAX_PRESENT)
+    packed = struct.unpack_from(f"<{count}I", frame, len(_PRESENT))
+    return [address_of(value) for value in packed]

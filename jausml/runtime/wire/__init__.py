@@ -1,0 +1,1 @@
+"""Messages on the wire: the base of message classes and the checks of their codecs."""

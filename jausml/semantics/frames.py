@@ -1,0 +1,199 @@
+"""Axes: which direction a number has in its frame, and what conversions make of it.
+
+Body, local and earth axes are three families. Within one, each frame has the same directions, some
+of them with the opposite sign: left of forward-left-up is right of forward-right-down. Between
+east-north-up and north-east-down x and y change places, and angles about z have another zero.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from jausml.semantics.attributes import UNSTATED, Attribute
+from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.units import attribute_measure
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+FLU, FRD = "forwardLeftUp", "forwardRightDown"
+ENU, NED = "eastNorthUp", "northEastDown"
+UP, DOWN = "localUp", "localDown"
+BODY, LOCAL, EARTH = "body", "local", "earth"
+
+FAMILIES = {FLU: BODY, FRD: BODY, UP: LOCAL, DOWN: LOCAL, ENU: EARTH, NED: EARTH}
+IS_DOWN = {FLU: False, FRD: True, UP: False, DOWN: True, ENU: False, NED: True}
+
+_AXES = {
+    **dict.fromkeys(("x", "roll"), "x"),
+    **dict.fromkeys(("y", "pitch"), "y"),
+    **dict.fromkeys(("z", "yaw", "heading", "bearing"), "z"),
+}
+_ANGLES = frozenset({"roll", "pitch", "yaw", "heading", "bearing"})
+_NOT_ANGLES = frozenset({"rate", "velocity", "acceleration", "effort", "torque"})
+_WITHOUT_SIGN = frozenset({"rms", "variance", "covariance", "tolerance", "error", "limit"})
+_KEEP_SIGN = frozenset(
+    {
+        "clamp",
+        "deadband",
+        "degrees_to_radians",
+        "radians_to_degrees",
+        "wrap_angle",
+        "value_to_percent",
+        "percent_to_value",
+        "with_units",
+    }
+)
+_RADIANS = (("rad", Fraction(1)),)
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """The direction of a number.
+
+    Attributes:
+        frame: Name of the `Frame` literal.
+        name: `x`, `y` or `z`; empty for a whole orientation.
+        is_angle: Whether it is an angle about the axis, and no rate or length.
+        sign: 1 or -1: what conversions made of its sign.
+    """
+
+    frame: str
+    name: str
+    is_angle: bool
+    sign: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """What an assignment makes of the axes of its sources.
+
+    Attributes:
+        sources: Axes of the sources, None where nothing is known.
+        conversion: The conversion between frames on the way, None when there is none.
+        sign: What the other conversions make of the sign; None when nothing is known of it.
+    """
+
+    sources: tuple[Axis | None, ...]
+    conversion: Any
+    sign: int | None
+
+
+def axis_of(attribute: Attribute) -> Axis | None:
+    """Returns the axis of a number, or of the angles that a quaternion stands for."""
+    if attribute.frame not in FAMILIES:
+        return None
+    if attribute.kind == "geometry_msgs/Quaternion":
+        return Axis(attribute.frame, "", is_angle=True)
+    owner = attribute.field.eContainer() if attribute.field is not None else None
+    if getattr(owner, "name", None) == "Quaternion":
+        return None
+    words = _words(attribute.label)
+    name = _axis_name(words)
+    if not name:
+        return None
+    return Axis(attribute.frame, name, is_angle=_is_angle(attribute, words))
+
+
+def passage(conversions: Iterable[Any], sources: Iterable[Attribute]) -> Passage | None:
+    """Returns what becomes of the axes of sources; None when a conversion hides it.
+
+    Args:
+        conversions: The conversions of an assignment.
+        sources: What they work on.
+    """
+    axes = tuple(axis_of(each) for each in sources)
+    between, sign = None, 1
+    for conversion in conversions:
+        if conversion_signature(conversion.kind).frames:
+            if between is not None:
+                return None
+            between = conversion
+            continue
+        factor = sign_of(conversion)
+        if factor is None:
+            return None
+        sign *= factor
+    return Passage(axes, between, sign)
+
+
+def sign_of(conversion: Any) -> int | None:
+    """Returns what a conversion makes of the sign of a number: 1, -1, or None for neither."""
+    name, arguments = conversion.kind.name, list(conversion.arguments)
+    if conversion_signature(conversion.kind).turns:
+        return -1
+    if name in _KEEP_SIGN:
+        return 1
+    if name in ("scale", "linear"):
+        if conversion.quantity is not None:
+            arguments = [conversion.quantity.value]
+        is_shifted = len(arguments) > 1 and arguments[1] != 0
+        if not arguments or arguments[0] == 0 or is_shifted:
+            return None
+        return int(math.copysign(1, arguments[0]))
+    return None
+
+
+def outcome(conversion: Any) -> tuple[str, ...]:
+    """Returns the axes of what a conversion between frames yields, empty for an orientation."""
+    name = conversion.kind.name
+    if name.endswith("_quaternion"):
+        return ("",)
+    if name.endswith("angles"):
+        return ("x", "y", "z")
+    last = name.rpartition("_")[2]
+    return (_AXES[last],)
+
+
+def intake(conversion: Any) -> tuple[str, ...]:
+    """Returns the axes of what a conversion between frames takes, empty for an orientation."""
+    first = conversion.kind.name.partition("_to_")[0]
+    if first.endswith("quaternion"):
+        return ("",)
+    if first.endswith("angles"):
+        return ("x", "y", "z")
+    return (_AXES[first.rpartition("_")[2]],)
+
+
+def direction(axis: Axis) -> tuple[str, int]:
+    """Returns the direction of an axis within its family, and its sign there."""
+    if FAMILIES[axis.frame] == EARTH and not axis.is_angle and axis.name != "z":
+        is_east = (axis.name == "x") == (axis.frame == ENU)
+        return ("east" if is_east else "north"), axis.sign
+    turned = IS_DOWN[axis.frame] and axis.name != "x"
+    return axis.name, -axis.sign if turned else axis.sign
+
+
+def with_sign(axis: Axis, sign: int) -> Axis:
+    """Returns an axis after conversions of its number."""
+    return replace(axis, sign=axis.sign * sign)
+
+
+def is_stated(frame: str) -> bool:
+    """Tells whether a frame says anything."""
+    return frame not in ("", UNSTATED)
+
+
+def _words(label: str) -> list[str]:
+    parts = re.findall("[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|[0-9]+", label)
+    return [each.lower() for each in parts]
+
+
+def _axis_name(words: list[str]) -> str:
+    if not words or not _WITHOUT_SIGN.isdisjoint(words):
+        return ""
+    turning = [each for each in words if each in _ANGLES]
+    if turning:
+        return _AXES[turning[0]]
+    return words[-1] if words[-1] in ("x", "y", "z") else ""
+
+
+def _is_angle(attribute: Attribute, words: list[str]) -> bool:
+    known = attribute_measure(attribute)
+    if known is not None:
+        return known.unit.dimension == _RADIANS
+    return not _ANGLES.isdisjoint(words) and _NOT_ANGLES.isdisjoint(words)

@@ -1,0 +1,260 @@
+"""Follows attribute paths through the bodies of JAUS messages."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import jaus
+from jausml.semantics.attributes import (
+    LIST,
+    NUMBER,
+    OCTETS,
+    TEXT,
+    TIME_STAMP,
+    UNSTATED,
+    Attribute,
+    PathFault,
+    nearest_name,
+)
+from jausml.semantics.layouts import (
+    attributes,
+    class_name,
+    integer_range,
+    is_group,
+    is_time_stamp,
+    resolve,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.semantics.attributes import JausPart
+
+_LIST_NAMES = {"BitField": "bit field", "VariableField": "variable field"}
+
+
+@dataclass(frozen=True, slots=True)
+class JausPlace:
+    """A place in a JAUS message, from which paths go on.
+
+    Attributes:
+        where: How messages name it.
+        message: The `jaus.MessageDef` for its whole body, else None.
+        field: What stands there, references resolved: a field, a sub-field or an alternative.
+        units: Unit of the field or of those around it.
+        frame: Frame of the field or of those around it.
+        label: Name of the innermost member that has a name of its own.
+        optional: Whether the field itself may be left out.
+    """
+
+    where: str
+    message: jaus.MessageDef | None = None
+    field: JausPart | None = None
+    units: str = ""
+    frame: str = UNSTATED
+    label: str = ""
+    optional: bool = False
+
+    def follow(self, path: str) -> JausPlace | PathFault | None:
+        """Returns the place that a path leads to; None when a part of it was not read.
+
+        Args:
+            path: Names joined by dots, `.` for the place itself.
+        """
+        place: JausPlace | PathFault | None = self
+        for step in [] if path == "." else path.split("."):
+            if not isinstance(place, JausPlace):
+                return place
+            place = place.step(step)
+        return place
+
+    def element(self) -> JausPlace | None:
+        """Returns an element of the list or array at this place."""
+        if not isinstance(self.field, (jaus.List, jaus.Array)):
+            return None
+        return self._inside(self.field.element, f"an element of {self.where}")
+
+    def members(self) -> Sequence[JausPart] | None:
+        """Returns what can be named here; None for a place without members."""
+        if self.message is not None:
+            return attributes(self.message)
+        match self.field:
+            case jaus.BitField():
+                return self.field.subFields
+            case jaus.VariableField():
+                return self.field.alternatives
+            case jaus.Variant():
+                return self.field.options
+            case jaus.Record() | jaus.Sequence():
+                return self.field.fields
+        return None
+
+    def attribute(self) -> Attribute:
+        """Returns what an assignment finds here."""
+        if self.field is None:
+            return Attribute("", "a message")
+        return replace(
+            _value(self.field),
+            optional=self.optional,
+            units=self.units,
+            frame=self.frame,
+            label=self.label,
+            field=self.field,
+        )
+
+    def step(self, step: str) -> JausPlace | PathFault | None:
+        """Returns the place behind one name, indices included."""
+        fields = self.members()
+        if fields is None:
+            hint = f"name one element: {self.label}[0]" if self._is_many() else ""
+            return PathFault(f"{self.where} has no attributes", hint)
+        name, indices = _split(step, fields)
+        field = next((each for each in fields if each.name == name), None)
+        if field is None:
+            message = f"{self.where} has no attribute '{step}'"
+            return PathFault(message, nearest_name(name, fields))
+        place = self._inside(field, f"'{step}'")
+        return place.indexed(indices) if place is not None else None
+
+    def _inside(self, part: JausPart | None, where: str) -> JausPlace | None:
+        if isinstance(part, jaus.SubField):
+            return replace(self._part(part, where), label=part.name or self.label)
+        if isinstance(part, jaus.Alternative):
+            return self._part(part, where)
+        found = resolve(part)
+        if part is None or found is None:
+            return None
+        frames = [part.frame.name, found.frame.name]
+        return replace(
+            self._part(found, where),
+            frame=next((each for each in frames if each != UNSTATED), self.frame),
+            label=part.name or self.label,
+            optional=part.optional,
+        )
+
+    def _part(self, part: JausPart, where: str) -> JausPlace:
+        own = part.units if isinstance(part, (jaus.FixedField, jaus.Alternative)) else None
+        return JausPlace(
+            where,
+            field=part,
+            units=own or self.units,
+            frame=self.frame,
+            label=self.label,
+        )
+
+    def indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
+        """Returns the element that indices name."""
+        if not indices:
+            return self
+        if isinstance(self.field, jaus.List):
+            if len(indices) > 1:
+                return PathFault(f"{self.where} has one dimension")
+            limits = [_most_elements(self.field)]
+        elif isinstance(self.field, jaus.Array):
+            limits = list(self.field.dimensions)
+            if len(indices) != len(limits):
+                return PathFault(f"{self.where} has {len(limits)} dimensions")
+        else:
+            return PathFault(f"{self.where} is no list and no array")
+        for index, limit in zip(indices, limits, strict=True):
+            if index >= limit:
+                message = f"'{self.label}' has at most {limit} elements, counted from 0"
+                return PathFault(f"{message}: no [{index}]")
+        element = self.element()
+        return replace(element, where=self.where, optional=False) if element else None
+
+    def _is_many(self) -> bool:
+        return isinstance(self.field, (jaus.List, jaus.Array))
+
+
+def message_place(message: jaus.MessageDef) -> JausPlace:
+    """Returns the place from which the paths of a JAUS message start."""
+    frame = UNSTATED
+    body = resolve(message.body)
+    if is_group(body):
+        stated = [each.frame.name for each in (message.body, body) if each is not None]
+        frame = next((each for each in stated if each != UNSTATED), UNSTATED)
+    return JausPlace(f"message {message.name}", message=message, frame=frame)
+
+
+def _split(step: str, fields: Sequence[JausPart]) -> tuple[str, list[int]]:
+    """Splits `name[3]`; a name that holds brackets itself wins."""
+    match = re.fullmatch(r"(.*?)((?:\[[0-9]{1,9}\])+)", step, re.DOTALL)
+    if match is None or any(each.name == step for each in fields):
+        return step, []
+    return match[1], [int(each) for each in re.findall("[0-9]+", match[2])]
+
+
+def _most_elements(field: jaus.List) -> int:
+    limits = integer_range(field.countType.name)
+    return field.maximumCount or (limits[1] if limits else 0)
+
+
+def _value(part: JausPart) -> Attribute:
+    match part:
+        case jaus.FixedField() | jaus.Alternative():
+            return _number(part)
+        case jaus.SubField(lowBit=low, highBit=high):
+            return _integer(part, 0, 2 ** (high - low + 1) - 1 if high >= low else 0)
+        case jaus.BitField() if is_time_stamp(part):
+            return Attribute(TIME_STAMP, "a JAUS TimeStamp")
+        case jaus.FixedLengthString():
+            return Attribute(TEXT, "text", length=part.length, encoding="latin-1")
+        case jaus.VariableLengthString():
+            limits = integer_range(part.countType.name)
+            length = part.maximumLength or (limits[1] if limits else None)
+            return Attribute(TEXT, "text", length=length, encoding="latin-1")
+        case jaus.VariableLengthField():
+            return Attribute(OCTETS, "a field of octets", carries=True)
+        case jaus.List():
+            return Attribute(LIST, "a list")
+        case jaus.Array():
+            return Attribute(LIST, "an array", count=math.prod(part.dimensions))
+    kind = class_name(part)
+    name = _LIST_NAMES.get(kind, re.sub("(?<=[a-z])(?=[A-Z])", " ", kind).lower())
+    return Attribute("", f"a {name}", carries=isinstance(part, jaus.VariableFormatField))
+
+
+def _number(field: jaus.FixedField | jaus.Alternative) -> Attribute:
+    limits = integer_range(field.type.name)
+    if field.scale is not None:
+        lower, upper = field.scale.lower, field.scale.upper
+        step = (upper - lower) / limits[1] if limits else None
+        return Attribute(NUMBER, "a number", lower=lower, upper=upper, step=step)
+    if limits is not None:
+        return _integer(field, *limits)
+    is_single = field.type.name == "float32"
+    return Attribute(NUMBER, "a number", values=_legal(field.values), is_single=is_single)
+
+
+def _integer(
+    field: jaus.FixedField | jaus.Alternative | jaus.SubField, lower: int, upper: int
+) -> Attribute:
+    listed = field.values.values if field.values is not None else ()
+    named = [each for each in listed if isinstance(each, jaus.EnumeratedValue)]
+    return Attribute(
+        NUMBER,
+        "a number",
+        integral=True,
+        lower=lower,
+        upper=upper,
+        step=1,
+        values=_legal(field.values),
+        named=bool(named),
+        constants=tuple((each.name, str(each.value)) for each in named if each.name),
+    )
+
+
+def _legal(value_set: jaus.ValueSet | None) -> tuple[tuple[float, float], ...]:
+    if value_set is None:
+        return ()
+    return tuple(_interval(each) for each in value_set.values)
+
+
+def _interval(value: jaus.Value) -> tuple[float, float]:
+    if isinstance(value, jaus.ValueRange):
+        return value.lower, value.upper
+    return (value.value, value.value) if isinstance(value, jaus.EnumeratedValue) else (0.0, 0.0)

@@ -1,0 +1,225 @@
+"""Attribute paths of assignments: where each of them starts, and where it leads."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Generic, TypeGuard, TypeVar
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.semantics.attributes import NUMBER, Attribute, Found, PathFault
+from jausml.semantics.jaus_paths import JausPlace, message_place
+from jausml.semantics.ros_paths import RosPlace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import TypeAlias
+
+    from typing_extensions import TypeIs
+
+    from jausml.metamodel.classes.ecore import EObject
+
+    WithSource: TypeAlias = (
+        bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
+    )
+
+Place = JausPlace | RosPlace
+FoundPlace = Place | PathFault | None
+
+COUNTERS = ("index", "count")
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """Where the paths of some assignments start.
+
+    Attributes:
+        map: The `bridge.AttributeMap`.
+        to_ros: Whether the assignments fill the ROS type.
+        source: Where source paths start.
+        target: Where target paths start.
+        is_nested: Whether the assignments fill elements of a list.
+    """
+
+    map: bridge.AttributeMap
+    to_ros: bool
+    source: Place
+    target: Place
+    is_nested: bool = False
+
+    def find_source(self, path: str) -> FoundPlace:
+        """Returns the place that a source path leads to; joins and `/` are known."""
+        if path.startswith("/"):
+            return outer_scope(self.map, to_ros=self.to_ros).find_source(path[1:])
+        if not self.to_ros and not self.is_nested:
+            first, _, rest = path.partition(".")
+            join = next((each for each in self.map.joins if each.name == first), None)
+            if join is not None and join.type is None:
+                return None
+            if join is not None:
+                is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
+                return RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".")
+        return self.source.follow(path)
+
+    def find_target(self, path: str) -> FoundPlace:
+        """Returns the place that a target path leads to."""
+        if path.startswith("/") and self.is_nested:
+            return PathFault("the target of an element lies within the element")
+        return self.target.follow(path)
+
+    def inner(self, assignment: bridge.ListAssignment) -> Scope | None:
+        """Returns the scope of what a list assignment nests; None when its ends are no lists."""
+        source = self.find_source(source_paths(assignment)[0])
+        target = self.find_target(assignment.target.strip())
+        if not (is_many(source) and is_many(target)):
+            return None
+        from_element, to_element = source.element(), target.element()
+        if from_element is None or to_element is None:
+            return None
+        return Scope(self.map, self.to_ros, from_element, to_element, is_nested=True)
+
+
+AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
+AssignmentT_co = TypeVar("AssignmentT_co", bound="bridge.Assignment", covariant=True)
+
+
+@dataclass(frozen=True)
+class Placed(Generic[AssignmentT_co]):
+    """An assignment with the places where its paths start.
+
+    Attributes:
+        assignment: The assignment.
+        scope: Where its paths start.
+    """
+
+    assignment: AssignmentT_co
+    scope: Scope
+
+    @cached_property
+    def targets(self) -> list[tuple[str, Found]]:
+        """The target paths and what they lead to."""
+        paths = target_paths(self.assignment)
+        return [(path, _attribute(self.scope.find_target(path))) for path in paths]
+
+    @cached_property
+    def sources(self) -> list[tuple[str, Found]]:
+        """The source paths and what they lead to; none for constants and the like."""
+        return [(path, self._source(path)) for path in source_paths(self.assignment)]
+
+    @cached_property
+    def target_attributes(self) -> list[Attribute]:
+        """What the targets are, empty unless all of them were found."""
+        return _all_found(self.targets)
+
+    @cached_property
+    def source_attributes(self) -> list[Attribute]:
+        """What the sources are, empty unless all of them were found."""
+        return _all_found(self.sources)
+
+    def _source(self, path: str) -> Found:
+        found = self.scope.find_source(path)
+        if isinstance(found, PathFault) and self.scope.is_nested and path in COUNTERS:
+            return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
+        return _attribute(found)
+
+
+def outer_scope(
+    attribute_map: bridge.AttributeMap, *, to_ros: bool, indexed: bool = False
+) -> Scope:
+    """Returns the scope of the assignments of a map.
+
+    Args:
+        attribute_map: A map with its message and type.
+        to_ros: Which direction.
+        indexed: Whether the elements of ROS sequences may be named by index.
+    """
+    ros = RosPlace(type=attribute_map.type, indexed=indexed)
+    ends = message_place(attribute_map.message), ros
+    return Scope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
+
+
+def place(
+    attribute_map: bridge.AttributeMap, assignment: AssignmentT, *, to_ros: bool
+) -> Placed[AssignmentT] | None:
+    """Returns an assignment with the places where its paths start.
+
+    Args:
+        attribute_map: The map; that of the connection for a safe value.
+        assignment: An assignment of the map, nested ones included.
+        to_ros: Whether it fills the ROS type.
+
+    Returns:
+        None when the list that it belongs to is not there.
+    """
+    scope = _scope(attribute_map, assignment.eContainer(), to_ros=to_ros)
+    return Placed(assignment, scope) if scope is not None else None
+
+
+def flattened(
+    assignments: Iterable[bridge.Assignment], scope: Scope
+) -> Iterator[Placed[bridge.Assignment]]:
+    """Yields assignments with those that they nest, each before what it nests.
+
+    Args:
+        assignments: The assignments of one owner.
+        scope: Where their paths start.
+    """
+    for each in assignments:
+        yield Placed(each, scope)
+        if isinstance(each, bridge.ListAssignment) and each.source and each.target:
+            inner = scope.inner(each)
+            if inner is not None:
+                yield from flattened(each.assignments, inner)
+
+
+def is_many(found: FoundPlace) -> TypeGuard[Place]:
+    """Tells whether a place is a list or an array as a whole."""
+    if isinstance(found, RosPlace):
+        return found.is_array
+    return isinstance(found, JausPlace) and isinstance(found.field, (jaus.List, jaus.Array))
+
+
+def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:
+    """Tells whether an assignment takes its value from the other side."""
+    kinds = (bridge.FieldAssignment, bridge.ListAssignment, bridge.MessageAssignment)
+    return isinstance(assignment, kinds)
+
+
+def source_paths(assignment: bridge.Assignment) -> list[str]:
+    """Returns the source paths of an assignment."""
+    return _split(assignment.source or "") if has_source(assignment) else []
+
+
+def target_paths(assignment: bridge.Assignment) -> list[str]:
+    """Returns the target paths of an assignment."""
+    return _split(assignment.target or "")
+
+
+def parse_path(path: str) -> tuple[str, ...]:
+    """Returns the steps of a path, indices as steps of their own, to compare paths."""
+    if path == ".":
+        return ()
+    return tuple(part for step in path.split(".") for part in re.split(r"(?=\[)", step) if part)
+
+
+def _scope(
+    attribute_map: bridge.AttributeMap, owner: EObject | None, *, to_ros: bool
+) -> Scope | None:
+    if not isinstance(owner, bridge.ListAssignment):
+        return outer_scope(attribute_map, to_ros=to_ros)
+    around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)
+    return around.inner(owner) if around is not None else None
+
+
+def _attribute(found: FoundPlace) -> Found:
+    return found.attribute() if isinstance(found, JausPlace | RosPlace) else found
+
+
+def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
+    known = [each for _, each in found if isinstance(each, Attribute)]
+    return known if len(known) == len(found) else []
+
+
+def _split(text: str) -> list[str]:
+    return [path.strip() for path in text.split(",")] if text else []

@@ -1,0 +1,148 @@
+"""Which messages a component takes and sends, inherited services included."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import jaus
+from jausml.semantics.layouts import signature
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.metamodel.classes import bridge
+    from jausml.semantics.subject import Subject
+
+ACCESS_CONTROL = "AccessControl"
+
+
+def lineage(service: jaus.Service | None) -> list[jaus.Service]:
+    """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
+    found: dict[jaus.Service, None] = {}
+    while service is not None and service not in found:
+        found[service] = None
+        service = service.inherits
+    return list(found)
+
+
+def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
+    """Returns services and those that they inherit, each once."""
+    found: dict[jaus.Service, None] = {}
+    for start in services:
+        service: jaus.Service | None = start
+        # What a service that was found inherits was found with it.
+        while service is not None and service not in found:
+            found[service] = None
+            service = service.inherits
+    return list(found)
+
+
+def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.Service, bool]]:
+    """Visits services and those that they inherit in one walk down the trees of inheritance.
+
+    Every service is visited once, so that a walk costs no more than there are services, however
+    deep they inherit. Services on a cycle, and their heirs, are left out.
+
+    Yields:
+        A service and True before its heirs, the service and False after them.
+    """
+    heirs: dict[jaus.Service, list[jaus.Service]] = {}
+    roots = []
+    for start in services:
+        service = start
+        while service not in heirs:
+            heirs[service] = []
+            parent = service.inherits
+            if parent is None:
+                roots.append(service)
+                break
+            service = parent
+    for service in heirs:
+        if service.inherits is not None:
+            heirs[service.inherits].append(service)
+    visits = [(root, True) for root in reversed(roots)]
+    while visits:
+        service, entering = visits.pop()
+        yield service, entering
+        if entering:
+            visits.append((service, False))
+            visits += [(heir, True) for heir in reversed(heirs[service])]
+
+
+def provided_services(component: jaus.Component) -> list[jaus.Service]:
+    """Returns the services that a component provides, inherited ones included, each once."""
+    return with_inherited(component.provides)
+
+
+def is_known(subject: Subject, component: jaus.Component | None) -> bool:
+    """Tells whether all that a component provides could be read.
+
+    Only then is the absence of a message a finding of its own.
+    """
+    if component is None or subject.is_broken(component):
+        return False
+    return subject.is_intact(*provided_services(component))
+
+
+def inputs(component: jaus.Component) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a component take."""
+    return [each for service in provided_services(component) for each in service.inputs]
+
+
+def outputs(component: jaus.Component) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a component send."""
+    return [each for service in provided_services(component) for each in service.outputs]
+
+
+def find_same(
+    message: jaus.MessageDef, candidates: Iterable[jaus.MessageDef]
+) -> jaus.MessageDef | None:
+    """Returns the candidate that is the same message on the wire, or None.
+
+    Service sets repeat a message when several services take it: the code and the layout count.
+    """
+    for candidate in candidates:
+        if candidate is message:
+            return candidate
+        if same_code(candidate, message) and signature(candidate) == signature(message):
+            return candidate
+    return None
+
+
+def same_code(first: jaus.MessageDef, second: jaus.MessageDef) -> bool:
+    """Tells whether two messages have the same message code."""
+    return code(first) == code(second)
+
+
+def code(message: jaus.MessageDef) -> int:
+    """Returns the message code as a number, -1 when it has none."""
+    return int(message.code, 16) if message.code else -1
+
+
+def provides_access_control(component: jaus.Component) -> bool:
+    """Tells whether a component can be controlled (AS5710, AccessControl)."""
+    return any(service.name == ACCESS_CONTROL for service in provided_services(component))
+
+
+def query_name(message: jaus.MessageDef) -> str:
+    """Returns the name of the query that asks for a report, or empty when it has none by name."""
+    name = message.name or ""
+    return f"Query{name[len('Report') :]}" if name.startswith("Report") else ""
+
+
+def find_query(
+    connection: jaus.ServiceConnection | bridge.Connection, provider: jaus.Component
+) -> jaus.MessageDef | None:
+    """Returns the query of a connection among the inputs of the provider, or None.
+
+    Args:
+        connection: A connection with its query, if any.
+        provider: The component that answers.
+    """
+    if connection.query is not None:
+        return find_same(connection.query, inputs(provider))
+    if isinstance(connection, jaus.ServiceConnection):
+        wanted = query_name(connection.message)
+    else:
+        wanted = query_name(connection.map.message)
+    return next((each for each in inputs(provider) if each.name == wanted), None)

@@ -1,0 +1,1 @@
+"""Reading of ros2jaus: text to syntax tree to nodes."""

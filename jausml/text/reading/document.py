@@ -1,0 +1,89 @@
+"""A text that was parsed, on its way to elements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.model.notation import Fault
+from jausml.model.notation import Import as ImportedUri
+from jausml.text.reading import imports
+from jausml.text.reading.building import BlockBuilder
+from jausml.text.reading.declaring.declaring import Declarer
+from jausml.text.reading.map_building import MapBuilder
+from jausml.text.reading.members import MemberCheck
+from jausml.text.reading.nodes import NodeMaker
+from jausml.text.reading.roots import RootBuilder
+from jausml.text.tree import Import
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from jausml.metamodel import Metamodels
+    from jausml.model.notation import Known
+    from jausml.model.xmi.parsing import Node
+    from jausml.text.tree import Document
+
+
+class TextDocument:
+    """The nodes of a text, and what is declared and checked once its surroundings are known.
+
+    Args:
+        document: The syntax tree.
+        faults: What the parser found.
+        path: The file.
+        metamodels: The metamodels of the elements.
+    """
+
+    def __init__(
+        self, document: Document, faults: Sequence[Fault], path: Path, metamodels: Metamodels
+    ) -> None:
+        self._nodes = NodeMaker(metamodels)
+        self._nodes.faults += faults
+        blocks = BlockBuilder(metamodels, self._nodes)
+        self._maps = MapBuilder(metamodels, self._nodes, blocks)
+        self._roots = RootBuilder(metamodels, self._nodes, blocks, path)
+        self._declarer = Declarer(metamodels, self._nodes, blocks, path, self._roots.types)
+        self.imports: list[ImportedUri] = []
+        for item in document.items:
+            if isinstance(item, Import):
+                self._import(item)
+            else:
+                self._roots.add(item)
+
+    @property
+    def roots(self) -> Sequence[Node]:
+        """The nodes of the root elements."""
+        return self._roots.roots
+
+    @property
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong with the text."""
+        return self._nodes.faults
+
+    def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
+        """Returns the messages and types that maps use and nobody knows."""
+        before = len(self._nodes.faults)
+        self._declarer.run(self._maps.ends, known)
+        return self._declarer.roots, self._nodes.faults[before:]
+
+    def check(self) -> Sequence[Fault]:
+        """Returns what listed members say wrongly about known messages."""
+        ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
+        check = MemberCheck(self._declarer.types)
+        return [*check.run(ends), *self._unused()]
+
+    def _unused(self) -> Iterator[Fault]:
+        types = self._declarer.types
+        for name, member in types.named.items():
+            if name not in types.used and member.name is not None:
+                span = member.name.span
+                message = f"no member is of type '{name}'"
+                yield Fault("JML706", message, line=span.line, column=span.column)
+
+    def _import(self, item: Import) -> None:
+        found = imports.resolve(item)
+        if isinstance(found, Fault):
+            self._nodes.faults.append(found)
+        else:
+            self.imports.append(found)

@@ -1,0 +1,79 @@
+"""Makes the nodes that a text stands for, as the XMI parser would have made them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.model.notation import BY_NAME, Fault
+from jausml.model.reading.naming import XSI
+from jausml.model.xmi.parsing import Node
+
+if TYPE_CHECKING:
+    from jausml.metamodel import ClassTable, Metamodels
+    from jausml.text.tree import Span
+
+_TYPE = f"{XSI} type"
+
+
+class NodeMaker:
+    """Makes the nodes of one document, and keeps what is found on the way.
+
+    Each value of a feature is a child node of its own, so that everything has its place.
+
+    Args:
+        metamodels: The metamodels of the elements.
+    """
+
+    def __init__(self, metamodels: Metamodels) -> None:
+        self._prefixes = {each.name: each.ns_uri for each in metamodels.packages.values()}
+        self.faults: list[Fault] = []
+        self.classes: dict[Node, ClassTable] = {}
+        """The class of each element."""
+
+    def root(self, table: ClassTable, span: Span) -> Node:
+        """Returns the node of a root element."""
+        node = self._node(f"{table.package.ns_uri} {table.name}", None, span)
+        self.classes[node] = table
+        return node
+
+    def element(self, owner: Node, feature: str, table: ClassTable, span: Span) -> Node:
+        """Returns the node of an element that another one owns."""
+        node = self._node(feature, owner, span)
+        node.attributes = [_TYPE, f"{table.package.name}:{table.name}"]
+        self.classes[node] = table
+        return node
+
+    def value(self, owner: Node, feature: str, text: str, span: Span) -> None:
+        """Gives an element a value of an attribute."""
+        self._node(feature, owner, span).text = text
+
+    def null(self, owner: Node, feature: str, span: Span) -> None:
+        """Gives an attribute of an element no value, although it has a default."""
+        self._node(feature, owner, span).attributes = [f"{XSI} nil", "true"]
+
+    def name(self, owner: Node, feature: str, name: str, span: Span) -> None:
+        """Has an element refer to another one by name."""
+        self._node(feature, owner, span).attributes = [BY_NAME, name]
+
+    def href(self, owner: Node, feature: str, href: str, span: Span) -> None:
+        """Has an element refer to another one by file and fragment."""
+        self._node(feature, owner, span).attributes = ["href", href]
+
+    def fault(
+        self,
+        rule: str,
+        span: Span,
+        message: str,
+        hint: str = "",
+        *,
+        owner: Node | None = None,
+        feature: str = "",
+    ) -> None:
+        """Notes a finding, as `Fault` says."""
+        self.faults.append(Fault(rule, message, hint, span.line, span.column, owner, feature))
+
+    def _node(self, name: str, owner: Node | None, span: Span) -> Node:
+        node = Node(name, [], self._prefixes, owner, (span.line, span.column, 0))
+        if owner is not None:
+            owner.children.append(node)
+        return node

@@ -1,0 +1,158 @@
+"""Cuts text into tokens and comments, and says what is no token at all."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from jausml.text.reading.shaping import Shaper, span_of
+from jausml.text.tree import Span
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lark import Lark, Token
+
+NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
+"""Tokens of the grammar that no rule has."""
+
+_BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
+_LONE_SURROGATE = re.compile(
+    r"\\u[dD][89abAB]\w\w(?!\\u[dD][c-fC-F])|(?<!\\u[dD][89abAB]\w\w)\\u[dD][c-fC-F]\w\w"
+)
+_INSTEAD = {
+    "→": "write '->'",
+    "⇒": "write '->'",
+    "↔": "write '<->'",
+    "#": "comments begin with '//'",
+    "'": 'texts stand in quotation marks: "..."',
+    "“": 'texts stand in straight quotation marks: "..."',
+    "”": 'texts stand in straight quotation marks: "..."',
+    "-": "a name with '-' stands in back quotes",
+    "$": "a name with '$' stands in back quotes",
+    "@": 'a reference by file and fragment is written @"file#fragment"',
+}
+
+
+class Fault(NamedTuple):
+    """A syntax error.
+
+    Attributes:
+        span: Where.
+        message: What was expected and what was found.
+        hint: What to do about it, or empty.
+    """
+
+    span: Span
+    message: str
+    hint: str = ""
+
+
+@dataclass(slots=True)
+class Scan:
+    """What a text consists of.
+
+    Attributes:
+        tokens: The tokens that the parser reads, in order.
+        comments: The comments, in order.
+        faults: What is no token.
+    """
+
+    tokens: list[Token] = field(default_factory=list)
+    comments: list[Token] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+
+
+class _KeepAll:
+    """Has lark keep the tokens that no rule of the grammar has."""
+
+    always_accept = NOT_PARSED
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        return stream
+
+
+@cache
+def language() -> Lark:
+    """Returns the lexer and parser of the grammar; made on first use, for that takes 0.1 s."""
+    from lark import Lark  # noqa: PLC0415 - who reads no text does not wait for it
+
+    options: dict[str, Any] = {
+        "parser": "lalr",
+        "lexer": "basic",
+        "postlex": _KeepAll(),
+        "transformer": Shaper(),
+        "keep_all_tokens": True,
+        "maybe_placeholders": False,
+    }
+    return Lark(Path(__file__).with_name("grammar.lark").read_text(encoding="utf-8"), **options)
+
+
+def scan(text: str) -> Scan:
+    """Returns the tokens, comments and wrong characters of a text.
+
+    Args:
+        text: Any text.
+    """
+    parser = language().parse_interactive(text)
+    result = Scan()
+    before: Token | None = None
+    for token in parser.lexer_thread.lex(parser.parser_state):
+        if token.type == "COMMENT":
+            result.comments.append(token)
+        elif token.type in NOT_PARSED:
+            _mend(token, before, result)
+        else:
+            result.faults += _escape_faults(token)
+            result.tokens.append(token)
+            before = token
+    return result
+
+
+def _mend(token: Token, before: Token | None, result: Scan) -> None:
+    """Reports a token that is none, and takes it for what it was meant to be."""
+    span = span_of(token)
+    if token.type == "OPEN_COMMENT":
+        start = Span(span.line, span.column, span.line, span.column + 2)
+        result.faults.append(Fault(start, "the comment is not closed", "it ends with '*/'"))
+    elif token.type == "OPEN_TEXT":
+        result.faults.append(
+            Fault(span, "the text is not closed on its line", "a line break is written \\n")
+        )
+        kind, value = ("HREF", token[1:]) if token.startswith("@") else ("TEXT", token)
+        closed = f'{_whole(value)}"'
+        result.tokens.append(token.update(kind, closed if kind == "TEXT" else f"@{closed}"))
+    elif token.type == "OPEN_NAME":
+        result.faults.append(Fault(span, "the name in back quotes is not closed on its line"))
+        result.tokens.append(token.update("WORD", f"{_whole(token)}`"))
+    elif token.type == "WRONG_NUMBER":
+        hint = f"a name that begins with a digit stands in back quotes: `{token}`"
+        result.faults.append(Fault(span, f"'{token}' is no number", hint))
+        result.tokens.append(token.update("WORD", f"`{token}`"))
+    else:
+        shown = str(token) if token.isprintable() else f"U+{ord(token):04X}"
+        joins = before is not None and before.end_pos == token.start_pos
+        hint = _INSTEAD.get(str(token), "") if joins or str(token) not in "-$" else ""
+        result.faults.append(Fault(span, f"nothing is written with '{shown}' here", hint))
+
+
+def _whole(text: str) -> str:
+    """Returns a text without the first half of an escape at its end."""
+    halves = len(text) - len(text.rstrip("\\"))
+    return text[:-1] if halves % 2 else text
+
+
+def _escape_faults(token: Token) -> Iterator[Fault]:
+    if "\\" not in token:
+        return
+    plain = token.replace("\\\\", "//")
+    for pattern in (_BAD_ESCAPE, _LONE_SURROGATE):
+        for match in pattern.finditer(plain):
+            column = (token.column or 1) + match.start()
+            span = Span(token.line or 1, column, token.line or 1, column + len(match.group()))
+            message = f"'{match.group()}' is no escape"
+            known = '\\" \\` \\\\ \\n \\t \\r \\uXXXX'
+            yield Fault(span, message, f"there are {known}")

@@ -1,0 +1,1 @@
+"""Writing of ros2jaus: models to syntax tree to text."""

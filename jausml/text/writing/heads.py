@@ -1,0 +1,40 @@
+"""What stands before the block of an element: its name, and its documentation as a comment."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from jausml.text.tree import Item, Name
+from jausml.text.writing.literals import is_name
+from jausml.text.writing.words import can_document
+
+IN_THE_HEAD = frozenset({"name", "documentation"})
+"""Features that stand before the block, where a name and a comment can hold them."""
+
+_AnyItem = TypeVar("_AnyItem", bound=Item)
+
+
+def head_name(obj: Any) -> Name | None:
+    """Returns the name that stands behind the keyword of an element, None where none can."""
+    name = getattr(obj, "name", None)
+    return Name(name) if name is not None and is_name(name) else None
+
+
+def is_comment(text: str | None) -> bool:
+    """Tells whether a documentation comment says exactly a text, and shows all of it."""
+    return text is not None and text.replace("\n", "").isprintable() and can_document(text)
+
+
+def needs_feature(obj: Any, feature: str) -> bool:
+    """Tells whether a name or documentation is one that only a feature can hold."""
+    if feature == "name":
+        return not is_name(obj.name)
+    return feature == "documentation" and not is_comment(obj.documentation)
+
+
+def documented(item: _AnyItem, obj: Any) -> _AnyItem:
+    """Returns an item with the documentation of its element, where a comment can hold it."""
+    text = getattr(obj, "documentation", None)
+    if text is not None and is_comment(text):
+        item.documentation = text
+    return item

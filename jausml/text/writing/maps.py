@@ -1,0 +1,236 @@
+"""Attribute maps in their own notation: both ends, arrows, tables and test vectors.
+
+What an arrow, a table or a vector cannot say exactly is said by a uniform block in its place.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.model.xmi.writer import is_written
+from jausml.text.tree import (
+    Assignment,
+    BlockItem,
+    Call,
+    Clock,
+    Direction,
+    Element,
+    End,
+    Entry,
+    Feature,
+    Ignored,
+    Name,
+    Number,
+    Table,
+    Text,
+    Vector,
+    VectorEntry,
+)
+from jausml.text.writing.heads import IN_THE_HEAD, documented, is_comment
+from jausml.text.writing.literals import constant, is_name, number, word_or_constant
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.metamodel import FeatureTable, Metamodels
+    from jausml.text.writing.blocks import BlockBuilder
+    from jausml.text.writing.references import ReferenceNames
+
+MAP = "bridge.AttributeMap"
+
+_ARGUMENT_OF = {
+    "expression": "expression",
+    "with_units": "units",
+    "look_up": "table",
+    "user": "method",
+}
+"""Conversions whose argument is not a number, with the feature that holds it."""
+_BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
+
+
+class MapBuilder:
+    """Builds the maps of one document.
+
+    Args:
+        blocks: Builds what is written as uniform blocks.
+        names: How the document refers to elements.
+        metamodels: The metamodels of the elements.
+    """
+
+    def __init__(self, blocks: BlockBuilder, names: ReferenceNames, metamodels: Metamodels) -> None:
+        self._blocks = blocks
+        self._names = names
+        self._metamodels = metamodels
+
+    def items(self, obj: Any) -> Iterator[BlockItem]:
+        """Yields what stands in the block of an attribute map."""
+        ends = {each: self._end(obj, each) for each in ("message", "type")}
+        said = {name for name, end in ends.items() if end is not None}
+        yield from (end for end in ends.values() if end is not None)
+        yield from self._blocks.values(obj, without=IN_THE_HEAD | said)
+        yield from (self._table(each) for each in obj.tables)
+        yield from (self._blocks.element(each) for each in [*obj.quantities, *obj.joins])
+        for direction in ("toRos", "toJaus"):
+            yield from self._directions(obj, self._feature(obj, direction))
+        yield from (self._vector(each) for each in obj.vectors)
+
+    def _end(self, obj: Any, name: str) -> End | None:
+        """Returns the clause of one end, None when it cannot be named."""
+        target = getattr(obj, name)
+        if target is None:
+            return None
+        found = self._names.name(obj, target, self._feature(obj, name))
+        return End(name == "message", found, None) if isinstance(found, Name) else None
+
+    def _feature(self, obj: Any, name: str) -> FeatureTable:
+        return self._metamodels.class_of(obj).features[name]
+
+    def _table(self, obj: Any) -> Table | Element:
+        sayable = is_name(obj.name) and _can_be_documented(obj, *obj.entries)
+        if not sayable or any(None in (each.jaus, each.ros) for each in obj.entries):
+            return self._blocks.element(obj)
+        pairs = [
+            documented(Entry(word_or_constant(each.jaus), word_or_constant(each.ros)), each)
+            for each in obj.entries
+        ]
+        return documented(Table(Name(obj.name), pairs), obj)
+
+    def _vector(self, obj: Any) -> Vector | Element:
+        given = [_vector_entry(each) for each in obj.given]
+        expected = [_vector_entry(each) for each in obj.expected]
+        entries = [each for each in [*given, *expected] if each is not None]
+        if len(entries) < len(given) + len(expected) or not is_name(obj.name):
+            return self._blocks.element(obj)
+        if not _can_be_documented(obj):
+            return self._blocks.element(obj)
+        to_ros = _literal(obj.direction) == "jausToRos"
+        vector = Vector(Name(obj.name), to_ros, entries[: len(given)], entries[len(given) :])
+        return documented(vector, obj)
+
+    def _directions(self, obj: Any, feature: FeatureTable) -> Iterator[Direction | Feature]:
+        """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
+        direction: Direction | None = None
+        for each in getattr(obj, feature.name):
+            arrow = self._arrow(each)
+            if arrow is None:
+                if direction is not None:
+                    yield direction
+                direction = None
+                yield self._blocks.value_item(each, feature)
+                continue
+            if direction is None:
+                direction = Direction(feature.name == "toRos")
+            direction.assignments.append(arrow)
+        if direction is not None:
+            yield direction
+
+    def _arrow(self, obj: Any) -> Assignment | Ignored | None:
+        """Returns an assignment as an arrow, None when no arrow says exactly this."""
+        targets = _paths(obj.target)
+        if targets is None:
+            return None
+        kind = str(obj.eClass.name)
+        if kind == "Ignore":
+            is_sayable = len(targets) == 1 and _can_be_documented(obj)
+            return documented(Ignored(targets[0]), obj) if is_sayable else None
+        sources = self._sources(obj, kind)
+        if not sources:
+            return None
+        arrow = Assignment(sources, targets)
+        arrow.items += self._blocks.values(obj, without=_BY_ARROW)
+        if kind in ("FieldAssignment", "ListAssignment"):
+            self._convert(arrow, obj)
+        if kind == "ListAssignment":
+            arrow.items += self._nested(obj)
+            if not any(isinstance(each, Assignment | Ignored) for each in arrow.items):
+                return None
+        return documented(arrow, obj)
+
+    def _sources(self, obj: Any, kind: str) -> list[Name | Number | Text | Clock] | None:
+        if kind == "ClockAssignment":
+            return [Clock()]
+        if kind == "ConstantAssignment":
+            return [constant(obj.value)] if obj.value is not None else None
+        if kind == "MessageAssignment" and obj.map is None:
+            return None
+        paths = _paths(obj.source)
+        if paths is None or obj.source in ("true", "false"):
+            return None
+        return list(paths)
+
+    def _convert(self, arrow: Assignment, obj: Any) -> None:
+        calls = [self._call(each) for each in obj.conversions]
+        sayable = [each for each in calls if each is not None]
+        if len(sayable) == len(calls):
+            arrow.conversions = sayable
+        else:
+            arrow.items += [self._blocks.element(each) for each in obj.conversions]
+
+    def _call(self, obj: Any) -> Call | None:
+        """Returns a conversion as a call, None when it has what no call of its kind takes."""
+        table = self._metamodels.class_of(obj)
+        given = [
+            name
+            for name, each in table.features.items()
+            if name != "kind" and is_written(obj, each)
+        ]
+        kind = _literal(obj.kind)
+        if not given:
+            return Call(Name(kind))
+        holder = _ARGUMENT_OF.get(kind, "quantity" if "quantity" in given else "arguments")
+        if given != [holder]:
+            return None
+        value = getattr(obj, holder)
+        arguments: list[Any]
+        if holder == "arguments":
+            arguments = [number(each) for each in value]
+            return Call(Name(kind), tuple(arguments)) if _are(Number, arguments) else None
+        if table.features[holder].is_reference:
+            arguments = [self._names.name(obj, value, table.features[holder])]
+            return Call(Name(kind), tuple(arguments)) if _are(Name, arguments) else None
+        if holder == "method":
+            return Call(Name(kind), (Name(value),)) if is_name(value) else None
+        return Call(Name(kind), (Text(value),))
+
+    def _nested(self, obj: Any) -> Iterator[BlockItem]:
+        feature = self._feature(obj, "assignments")
+        for each in obj.assignments:
+            yield self._arrow(each) or self._blocks.value_item(each, feature)
+
+
+def is_map(items: Sequence[BlockItem]) -> bool:
+    """Tells whether a block is that of a map by what stands in it, so that it needs no keyword."""
+    return any(isinstance(each, End | Direction) for each in items)
+
+
+def _are(kind: type, values: list[Any]) -> bool:
+    return all(isinstance(each, kind) for each in values)
+
+
+def _literal(value: Any) -> str:
+    return str(getattr(value, "literal", None) or getattr(value, "name", value))
+
+
+def _paths(text: str | None) -> list[Name] | None:
+    """Returns the paths of a source or target, None when commas stand otherwise than usual."""
+    paths = (text or "").split(", ")
+    return [Name(each) for each in paths] if all(map(_is_path, paths)) else None
+
+
+def _is_path(text: str) -> bool:
+    return text == "." or ("," not in text and is_name(text.removeprefix("/")))
+
+
+def _vector_entry(obj: Any) -> VectorEntry | None:
+    tolerance = number(obj.tolerance)
+    if not _is_path(obj.path or "") or obj.value is None or not isinstance(tolerance, Number):
+        return None
+    is_stated = tolerance.text != "0"
+    return VectorEntry(
+        Name(obj.path), word_or_constant(obj.value), tolerance if is_stated else None
+    )
+
+
+def _can_be_documented(*elements: Any) -> bool:
+    texts = [each.documentation for each in elements]
+    return all(text is None or is_comment(text) for text in texts)

@@ -1,0 +1,1 @@
+"""Rules about bridges, connections and attribute maps."""

@@ -1,0 +1,283 @@
+"""Rules about the connections of bridges: services, queries, rates, loops."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.diagnostics import Severity
+from jausml.semantics.flows import find_loops, flow_of
+from jausml.semantics.layouts import attributes
+from jausml.semantics.services import (
+    find_query,
+    find_same,
+    inputs,
+    is_known,
+    outputs,
+    provides_access_control,
+)
+from jausml.validation.rule import Finding, Note, rule
+from jausml.validation.rules.jaus.components import missing_query, rate_finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.subject import Subject
+
+
+@rule("JML421", Severity.ERROR, "map without assignments for the direction")
+def direction_assigned(subject: Subject) -> Iterator[Finding]:
+    """The map of a connection has assignments for the direction of the connection.
+
+    Without them every message crosses the bridge empty.
+
+    Bad: a connection with `direction="rosToJaus"` and a map that has `toRos` alone
+
+    Good: the same map with `toJaus`
+    """
+    for connection in _sound_connections(subject):
+        used = connection.map
+        to_ros = _to_ros(connection)
+        feature = "toRos" if to_ros else "toJaus"
+        targets = used.type.fields if to_ros else attributes(used.message)
+        if targets and not getattr(used, feature) and subject.is_intact(used):
+            note = Note(used, f"map '{used.name}'")
+            message = f"map '{used.name}' has no {feature} assignments, which"
+            message += f" {connection.direction.name} needs"
+            yield Finding(connection, message, "map", related=(note,))
+
+
+@rule("JML422", Severity.ERROR, "no service for the message")
+def message_provided(subject: Subject) -> Iterator[Finding]:
+    """A service at the right end of a connection has the message of its map.
+
+    - JAUS to ROS by events or queries: each peer provides a service that sends the report.
+    - JAUS to ROS by messages: the bridge provides a service that takes the message, or each peer
+      provides one that sends it.
+    - ROS to JAUS by events or queries: the bridge provides a service that sends the report.
+    - ROS to JAUS by messages: each peer provides a service that takes the message.
+
+    Inherited services count, and so does the same message (code and layout) in another service.
+
+    Bad: `direction="rosToJaus" peers="sensor"` with the map of SetWrenchEffort, where sensor does
+    not provide PrimitiveDriver
+
+    Good: the same with a peer that provides PrimitiveDriver
+    """
+    for connection in _sound_connections(subject):
+        owner, peers = connection.eContainer(), list(connection.peers)
+        if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
+            yield from _service_findings(connection, owner, peers)
+
+
+@rule("JML423", Severity.ERROR, "connection without a peer")
+def peers_named(subject: Subject) -> Iterator[Finding]:
+    """A connection that asks for reports or sends messages names its peers.
+
+    Without peers a bridge takes messages from whoever sends them, and reports to whoever asks.
+
+    Bad: `exchange="periodicEvent"` without `peers`
+
+    Good: `exchange="periodicEvent" peers="vehicle"`
+    """
+    for connection in _sound_connections(subject):
+        by_message = connection.exchange.name == "message"
+        if connection.peers or by_message is _to_ros(connection):
+            continue
+        purpose = "to send it to" if by_message else "to ask for it"
+        message = f"'{connection.name}' carries {connection.map.message.name}"
+        hint = "name peers" if not by_message else "name peers, or let others ask by an event"
+        yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
+
+
+@rule("JML424", Severity.ERROR, "connection of a bridge without a query")
+def query_known(subject: Subject) -> Iterator[Finding]:
+    """A report that crosses by events or queries is asked for by a query that its sender takes.
+
+    Without `query` it is found by name: QueryX for ReportX.
+
+    Bad: `exchange="periodicEvent"` with a message named Odometry and no `query`
+
+    Good: the same with `query` set to the message that asks for it
+    """
+    for connection in _sound_connections(subject):
+        if connection.exchange.name == "message":
+            continue
+        if connection.query is not None and not subject.is_intact(connection.query):
+            continue
+        message = connection.map.message
+        senders = list(connection.peers) if _to_ros(connection) else [connection.eContainer()]
+        for sender in senders:
+            if sender is None or not is_known(subject, sender):
+                continue
+            if find_same(message, outputs(sender)) is None:
+                continue
+            if find_query(connection, sender) is None:
+                yield missing_query(connection, message, sender)
+                break
+
+
+@rule("JML425", Severity.ERROR, "rate of a bridge's connection out of range")
+def rate_range(subject: Subject) -> Iterator[Finding]:
+    """The rate of periodic events and queries is above 0 and at most 1092 per second (AS5710).
+
+    A rate of 0, the default, stands for the frequency of the bridge, which is not 0 then.
+    Times in seconds are finite and not negative.
+
+    Bad: `exchange="periodicEvent" rate="2000"`
+
+    Good: `exchange="periodicEvent" rate="25.0"`
+    """
+    for connection in subject.instances(bridge.Connection):
+        asks = connection.exchange.name == "query" and _to_ros(connection)
+        is_timed = connection.exchange.name == "periodicEvent" or asks
+        owner = connection.eContainer()
+        if is_timed and connection.rate != 0:
+            yield from rate_finding(connection)
+        elif is_timed and owner is not None and owner.frequency == 0:
+            message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
+            yield Finding(connection, message, "rate", "state one of them")
+        value = connection.silenceTimeout
+        if not (math.isfinite(value) and value >= 0):
+            message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+            yield Finding(connection, message, "silenceTimeout")
+
+
+@rule("JML426", Severity.WARNING, "safe value that is never sent")
+def safe_value_used(subject: Subject) -> Iterator[Finding]:
+    """A safe value takes effect with a silence time-out only.
+
+    Bad: `safeValue` with `silenceTimeout="0"`, which is the default
+
+    Good: `safeValue` with `silenceTimeout="0.5"`
+    """
+    for connection in subject.instances(bridge.Connection):
+        if connection.safeValue and connection.silenceTimeout == 0:
+            message = f"'{connection.name}' has a safe value, but no silenceTimeout"
+            yield Finding(connection, message, "safeValue")
+
+
+@rule("JML427", Severity.ERROR, "command to a peer that cannot be controlled")
+def peers_controllable(subject: Subject) -> Iterator[Finding]:
+    """A connection that controls its peers has peers that provide AccessControl.
+
+    Commands wait until control was granted, which such a peer never does (AS5710).
+
+    Bad: `control` (true by default) for a command to a peer without AccessControl
+
+    Good: `control="false"` for this peer
+    """
+    for connection in _sound_connections(subject):
+        if _to_ros(connection) or not connection.control or not connection.map.message.isCommand:
+            continue
+        for peer in connection.peers:
+            if is_known(subject, peer) and not provides_access_control(peer):
+                message = f"'{peer.name}' provides no AccessControl, so control of it cannot be had"
+                note = Note(peer, f"'{peer.name}'")
+                yield Finding(connection, message, "peers", 'set control="false"', (note,))
+
+
+@rule("JML428", Severity.ERROR, "bridges feed each other")
+def loops(subject: Subject) -> Iterator[Finding]:
+    """What a bridge publishes does not come back to where it came from.
+
+    A connection that publishes to a topic and one that subscribes to it carry a message in a
+    circle when the second sends the same message to the peer that the first has it from, directly
+    or through further bridges. The messages then multiply without end.
+
+    Bad: ReportLocalPose of the peer to the topic pose, and the topic pose as ReportLocalPose back
+    to a component from which it reaches the bridge again
+
+    Good: two topics, pose and estimated_pose
+    """
+    for group in subject.systems():
+        flows = []
+        for owner in group:
+            if isinstance(owner, bridge.Bridge):
+                flows += [
+                    flow_of(connection, owner)
+                    for connection in owner.bridgeConnections
+                    if not subject.is_broken(connection) and _is_complete(subject, connection)
+                ]
+        for loop in find_loops(flows):
+            names = " -> ".join(f"{each.owner.name}/{each.connection.name}" for each in loop)
+            first = loop[0]
+            notes = tuple(Note(each.connection, f"'{each.connection.name}'") for each in loop[1:])
+            message = f"what '{first.connection.name}' carries comes back to it"
+            yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
+
+
+def _sound_connections(subject: Subject) -> list[bridge.Connection]:
+    return [
+        each
+        for each in subject.instances(bridge.Connection)
+        if _is_complete(subject, each) and each.eContainer() is not None
+    ]
+
+
+def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
+    used = connection.map
+    return used is not None and subject.is_intact(used.message, used.type)
+
+
+def _to_ros(connection: bridge.Connection) -> bool:
+    return connection.direction.name == "jausToRos"
+
+
+def _service_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+) -> Iterator[Finding]:
+    message, by_message = connection.map.message, connection.exchange.name == "message"
+    if _to_ros(connection) and by_message:
+        yield from _taken_findings(connection, owner, peers)
+    elif by_message:
+        without = [peer for peer in peers if find_same(message, inputs(peer)) is None]
+        yield from (_unprovided(connection, peer, "takes") for peer in without)
+    else:
+        senders = peers if _to_ros(connection) else [owner]
+        without = [each for each in senders if find_same(message, outputs(each)) is None]
+        yield from (_unprovided(connection, each, "sends") for each in without)
+
+
+def _taken_findings(
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+) -> Iterator[Finding]:
+    message = connection.map.message
+    if find_same(message, inputs(owner)) is not None:
+        return
+    if not peers:
+        yield _unprovided(connection, owner, "takes")
+    for peer in peers:
+        if find_same(message, outputs(peer)) is None:
+            text = f"neither '{owner.name}' provides a service that takes {message.name}"
+            text += f" nor '{peer.name}' one that sends it"
+            notes = tuple(Note(each, f"'{each.name}'") for each in (owner, peer))
+            yield Finding(connection, text, "map", related=notes)
+
+
+def _unprovided(connection: bridge.Connection, component: jaus.Component, verb: str) -> Finding:
+    message = connection.map.message
+    service = message.eContainer()
+    hint = ""
+    if service is not None and message in (service.inputs if verb == "takes" else service.outputs):
+        hint = f"add {service.name} to what it provides"
+    return Finding(
+        connection,
+        f"'{component.name}' provides no service that {verb} {message.name}",
+        "map",
+        hint,
+        (Note(component, f"'{component.name}'"),),
+    )
+
+
+RULES = (
+    direction_assigned,
+    message_provided,
+    peers_named,
+    query_known,
+    rate_range,
+    safe_value_used,
+    peers_controllable,
+    loops,
+)

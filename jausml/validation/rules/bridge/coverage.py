@@ -1,0 +1,174 @@
+"""Rules about what the assignments of a map cover: nothing twice, nothing required left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.diagnostics import Severity
+from jausml.semantics.directions import directions
+from jausml.semantics.jaus_paths import JausPlace
+from jausml.semantics.paths import parse_path, target_paths
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.semantics.attributes import JausPart
+    from jausml.semantics.directions import Direction
+    from jausml.semantics.paths import Place, Placed
+    from jausml.semantics.subject import Subject
+
+    Owner = bridge.AttributeMap | bridge.ListAssignment | bridge.Connection
+
+Steps = tuple[str, ...]
+
+
+@rule("JML415", Severity.ERROR, "target assigned twice")
+def targets_unique(subject: Subject) -> Iterator[Finding]:
+    """An attribute is the target of one assignment of a direction.
+
+    An assignment of a whole, such as `pose.orientation`, and one of a part of it, such as
+    `pose.orientation.w`, exclude each other; so do an assignment and an Ignore, and assignments to
+    two options of one variant or to two alternatives of one variable field.
+
+    Bad: two assignments with `target="twist.linear.x"`
+
+    Good: one
+    """
+    for direction in directions(subject):
+        for siblings in _siblings(direction):
+            yield from _repeated(siblings)
+            if not direction.to_ros:
+                yield from _chosen_twice(siblings)
+
+
+@rule("JML416", Severity.WARNING, "required JAUS field not assigned")
+def required_fields(subject: Subject) -> Iterator[Finding]:
+    """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
+
+    It is on the wire in any case, with the smallest legal value when nothing is assigned. The
+    members of a record, of an option or of a list element count once something in it is assigned. A
+    safe value that sets some fields sets the required ones too.
+
+    Bad: a map to SetTravelSpeed without an assignment to Speed
+
+    Good: `<toJaus xsi:type="bridge:Ignore" target="Speed" documentation="..."/>`
+    """
+    for direction in directions(subject):
+        if direction.to_ros or not direction.assignments or not subject.is_intact(direction.owner):
+            continue
+        for siblings in _siblings(direction):
+            scope = siblings[0].scope
+            paths = [parse_path(path) for each in siblings for path, _ in each.targets]
+            owner = siblings[0].assignment.eContainer()
+            place = scope.target
+            if owner is not None and isinstance(place, JausPlace) and () not in paths:
+                yield from _missing(owner, place, paths, direction)
+
+
+def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
+    """The assignments of one owner each, in order."""
+    found: dict[EObject | None, list[Placed[bridge.Assignment]]] = {}
+    for each in direction.assignments:
+        found.setdefault(each.assignment.eContainer(), []).append(each)
+    return list(found.values())
+
+
+def _repeated(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
+    seen: dict[Steps, bridge.Assignment] = {}
+    for each in siblings:
+        for text, _ in each.targets:
+            path = parse_path(text)
+            first = next((a for other, a in seen.items() if _overlaps(path, other)), None)
+            if first is not None:
+                note = Note(first, f"'{first.target}'", "target")
+                message = f"'{text}' is assigned already"
+                yield Finding(each.assignment, message, "target", related=(note,))
+            seen.setdefault(path, each.assignment)
+
+
+def _chosen_twice(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
+    chosen: dict[str, tuple[str, bridge.Assignment]] = {}
+    reported: set[tuple[str, str]] = set()
+    for each in siblings:
+        if isinstance(each.assignment, bridge.Ignore):
+            continue
+        for path in target_paths(each.assignment):
+            for where, choice in _choices(each.scope.target, path):
+                option, first = chosen.setdefault(where, (choice, each.assignment))
+                if option != choice and (where, choice) not in reported:
+                    reported.add((where, choice))
+                    message = f"'{path}' selects {choice}, but {option} is selected already"
+                    note = Note(first, f"'{first.target}'", "target")
+                    yield Finding(each.assignment, message, "target", related=(note,))
+
+
+def _choices(place: Place, path: str) -> Iterator[tuple[str, str]]:
+    """Yields the variants and variable fields on a path with what it takes of each."""
+    steps = path.split(".")
+    for position, step in enumerate(steps):
+        before = ".".join(steps[:position])
+        found = place.follow(before or ".")
+        if isinstance(found, JausPlace) and _is_choice(found.field):
+            yield before, step
+
+
+def _is_choice(field: EObject | None) -> bool:
+    return isinstance(field, (jaus.Variant, jaus.VariableField))
+
+
+def _missing(
+    owner: Owner, place: JausPlace, paths: list[Steps], direction: Direction, before: str = ""
+) -> Iterator[Finding]:
+    """Yields findings for the required members of a place of which something is assigned."""
+    is_choice = _is_choice(place.field)
+    for field in place.members() or ():
+        if not field.name:
+            continue
+        name = parse_path(field.name)
+        inner = [path[len(name) :] for path in paths if path[: len(name)] == name]
+        if not inner and not is_choice and not (isinstance(field, jaus.Field) and field.optional):
+            feature = "safeValue" if direction.owner is not direction.map else _feature(owner)
+            yield _required(owner, f"{before}{field.name}", feature, direction)
+        if inner and () not in inner:
+            yield from _missing_inside(owner, place, field, inner, direction, before)
+
+
+def _missing_inside(
+    owner: Owner,
+    place: JausPlace,
+    field: JausPart,
+    inner: list[Steps],
+    direction: Direction,
+    before: str,
+) -> Iterator[Finding]:
+    for index in sorted({path[0] for path in inner if path[0].startswith("[")} or {""}):
+        found = place.follow(f"{field.name}{index}")
+        rest = [path[1:] if index else path for path in inner if path[0] == index or not index]
+        if not isinstance(found, JausPlace) or isinstance(found.field, jaus.BitField):
+            continue
+        if () not in rest:
+            name = f"{before}{field.name}{index}."
+            yield from _missing(owner, found, rest, direction, name)
+
+
+def _required(owner: Owner, name: str, feature: str, direction: Direction) -> Finding:
+    message = f"'{name}' of {direction.map.message.name} is required, but not assigned"
+    if feature == "safeValue":
+        message += " in the safe value"
+        return Finding(owner, message, feature, "assign it")
+    return Finding(owner, message, feature, "assign it, or add an Ignore")
+
+
+def _feature(owner: Owner) -> str:
+    return "assignments" if isinstance(owner, bridge.ListAssignment) else "toJaus"
+
+
+def _overlaps(first: Steps, second: Steps) -> bool:
+    common = min(len(first), len(second))
+    return first[:common] == second[:common]
+
+
+RULES = (targets_unique, required_fields)

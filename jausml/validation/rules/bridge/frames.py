@@ -1,0 +1,240 @@
+"""Rules about axes: what points forward, left and up in ROS, forward, right and down in JAUS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel.classes import bridge
+from jausml.model.diagnostics import Severity
+from jausml.semantics import frames
+from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.directions import directions
+from jausml.semantics.frames import BODY, DOWN, EARTH, ENU, FAMILIES, IS_DOWN, LOCAL, NED, UP, Axis
+from jausml.semantics.units import attribute_measure, units_clash
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.paths import Placed
+    from jausml.semantics.subject import Subject
+
+_OPPOSITE = "have opposite signs"
+_EARTH_BY_LOCAL = {
+    "frd_angles_to_flu_quaternion": "ned_angles_to_enu_quaternion",
+    "frd_yaw_to_flu_quaternion": "ned_heading_to_enu_quaternion",
+    "flu_quaternion_to_frd_angles": "enu_quaternion_to_ned_angles",
+    "flu_quaternion_to_frd_yaw": "enu_quaternion_to_ned_heading",
+}
+_LOCAL_BY_EARTH = {earth: local for local, earth in _EARTH_BY_LOCAL.items()}
+
+
+@rule("JML433", Severity.ERROR, "axes do not match")
+def frame_mismatch(subject: Subject) -> Iterator[Finding]:
+    """A number goes from axis to axis with the sign that the frames of both ends demand.
+
+    ROS bodies are forward-left-up, JAUS bodies forward-right-down: x stays, y and z change their
+    sign, and so do pitch, yaw and their rates. On the earth ROS has east-north-up and JAUS north-
+    east-down: x and y change places, z changes its sign, and a heading has another zero. Local
+    frames differ in either way, but in one direction of a map in the same way. A body vector does
+    not go to axes of the earth without the attitude of the body. The frame is that of the field, or
+    of the field around it; where one end states none, nothing is said. Expressions, tables and
+    methods of the skeleton are the author's business.
+
+    Bad: `target="twist.linear.y" source="Velocity_Y"`
+
+    Good: the same with `<conversions kind="negate"/>`
+    """
+    for side in directions(subject):
+        turning: dict[bool, Placed[bridge.FieldAssignment]] = {}
+        for placed in side.of_kind(bridge.FieldAssignment):
+            finding = _finding(placed)
+            if finding is not None:
+                yield finding
+                continue
+            is_turned = _turns_local_axes(placed)
+            if is_turned is None:
+                continue
+            turning.setdefault(is_turned, placed)
+            other = turning.get(not is_turned)
+            if other is not None:
+                yield _inconsistent(placed, other, "exchanges" if is_turned else "keeps")
+
+
+def _inconsistent(
+    placed: Placed[bridge.FieldAssignment], other: Placed[bridge.FieldAssignment], verb: str
+) -> Finding:
+    opposite = "keeps" if verb == "exchanges" else "exchanges"
+    target, first = placed.assignment.target, other.assignment.target
+    message = f"'{target}' {verb} the horizontal axes of the local frame, but '{first}'"
+    note = Note(other.assignment, f"'{first}'", "target")
+    return Finding(placed.assignment, f"{message} {opposite} them", "target", related=(note,))
+
+
+def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
+    """Whether x and y of two local frames change places; None where nothing tells."""
+    passage = frames.passage(placed.assignment.conversions, placed.source_attributes)
+    targets = [frames.axis_of(each) for each in placed.target_attributes]
+    if passage is None or not targets or not passage.sources:
+        return None
+    source, target = passage.sources[0], targets[0]
+    if source is None or target is None or {source.frame, target.frame} != {UP, DOWN}:
+        return None
+    if passage.conversion is not None:
+        return EARTH in {FAMILIES[each] for each in _frames_of(passage.conversion)}
+    if source.is_angle or "z" in (source.name, target.name):
+        return None
+    return source.name != target.name
+
+
+def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
+    if not placed.source_attributes or not placed.target_attributes or units_clash(placed):
+        return None
+    conversions = placed.assignment.conversions
+    passage = frames.passage(conversions, placed.source_attributes)
+    if passage is None or passage.sign is None:
+        return None
+    targets = [frames.axis_of(each) for each in placed.target_attributes]
+    if passage.conversion is not None:
+        return _converted(placed, passage, targets)
+    source, target = passage.sources[0], targets[0]
+    if len(passage.sources) > 1 or len(targets) > 1 or source is None or target is None:
+        return None
+    if not (source.name and target.name) or _makes_another_quantity(placed):
+        return None
+    return _direct(placed, frames.with_sign(source, passage.sign), target)
+
+
+def _makes_another_quantity(placed: Placed[bridge.FieldAssignment]) -> bool:
+    """Whether a factor makes one kind of quantity of another, such as speed of a turning rate."""
+    measures = [
+        attribute_measure(each[0]) for each in (placed.source_attributes, placed.target_attributes)
+    ]
+    dimensions = {each.unit.dimension for each in measures if each is not None}
+    return len(dimensions - {()}) > 1
+
+
+def _direct(placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis) -> Finding | None:
+    """Compares the axes of a number that no conversion moved between frames."""
+    families = FAMILIES[source.frame], FAMILIES[target.frame]
+    if source.frame != target.frame and BODY in families and set(families) != {BODY}:
+        hint = "turn it by the attitude of the body, in an expression or in the skeleton"
+        return _mismatch(placed, source, target, "are not comparable", hint)
+    if set(families) == {LOCAL, EARTH}:
+        is_turned = IS_DOWN[source.frame] != IS_DOWN[target.frame]
+        is_vertical = source.name == target.name == "z"
+        if is_vertical and (source.sign < 0) != is_turned:
+            return _mismatch(placed, source, target, _OPPOSITE, _negation(placed))
+        return None
+    if _is_heading(source, target):
+        to_enu = target.frame == ENU
+        name = "ned_heading_to_enu_yaw" if to_enu else "enu_yaw_to_ned_heading"
+        return _mismatch(placed, source, target, "have different zeros", f"convert it by {name}")
+    from_, to = frames.direction(source), frames.direction(target)
+    if families == (LOCAL, LOCAL) and _is_exchange(source, target):
+        return None
+    if from_[0] != to[0]:
+        return _mismatch(placed, source, target, "are different directions", _exchange(source))
+    if from_[1] != to[1]:
+        return _mismatch(placed, source, target, _OPPOSITE, _negation(placed))
+    return None
+
+
+def _is_exchange(source: Axis, target: Axis) -> bool:
+    """Whether x goes to y or y to x, as from north-east-down to east-north-up."""
+    are_lengths = not source.is_angle and not target.is_angle
+    are_horizontal = {source.name, target.name} == {"x", "y"} and source.sign > 0
+    return source.frame != target.frame and are_lengths and are_horizontal
+
+
+def _frames_of(conversion: bridge.Conversion) -> tuple[str, ...]:
+    return conversion_signature(conversion.kind).frames
+
+
+def _is_heading(source: Axis, target: Axis) -> bool:
+    are_angles = source.is_angle and target.is_angle and source.name == target.name == "z"
+    return are_angles and {source.frame, target.frame} == {ENU, NED}
+
+
+def _converted(
+    placed: Placed[bridge.FieldAssignment], passage: Any, targets: list[Axis | None]
+) -> Finding | None:
+    """Checks a conversion between frames against the frames of both ends."""
+    conversion = passage.conversion
+    taken, given = _frames_of(conversion)
+    name = conversion.kind.name
+    wrong = _order(name, passage.sources, frames.intake(conversion), placed.sources)
+    wrong = wrong or _order(name, targets, frames.outcome(conversion), placed.targets)
+    if wrong:
+        return Finding(placed.assignment, wrong, "conversions")
+    if passage.sign < 0:
+        message = f"{name} has the signs of both frames already"
+        return Finding(placed.assignment, message, "conversions", "leave out the further sign")
+    for source in passage.sources:
+        for target in targets:
+            problem = _ends_problem(source, target, taken, given)
+            if problem:
+                message = f"{name} is for {taken} and {given}, but {problem}"
+                return Finding(conversion, message, "kind", _other(name, source, target))
+    return None
+
+
+def _order(name: str, axes: Any, wanted: tuple[str, ...], paths: Any) -> str:
+    for axis, expected, (path, _) in zip(axes, wanted, paths, strict=False):
+        if axis is not None and axis.name and expected and axis.name != expected:
+            turned = {"x": "roll", "y": "pitch", "z": "yaw"}
+            return f"{name} has {turned[expected]} in the place of '{path}'"
+    return ""
+
+
+def _ends_problem(source: Axis | None, target: Axis | None, taken: str, given: str) -> str:
+    """Says which end is in a frame that a conversion is not for."""
+    for axis, wanted in ((source, taken), (target, given)):
+        if axis is None:
+            continue
+        verb = "the source is" if axis is source else "the target is"
+        if IS_DOWN[axis.frame] != IS_DOWN[wanted]:
+            return f"{verb} {axis.frame}"
+        families = {FAMILIES[axis.frame], FAMILIES[wanted]}
+        if families == {BODY, EARTH} and FAMILIES[axis.frame] == BODY:
+            return f"{verb} {axis.frame}"
+    if source is None or target is None:
+        return ""
+    ends = {FAMILIES[source.frame], FAMILIES[target.frame]}
+    if ends == {EARTH} and taken not in (ENU, NED):
+        return f"it goes from {source.frame} to {target.frame}"
+    return ""
+
+
+def _other(name: str, source: Axis | None, target: Axis | None) -> str:
+    ends = {FAMILIES[each.frame] for each in (source, target) if each is not None}
+    other = (_EARTH_BY_LOCAL if EARTH in ends else _LOCAL_BY_EARTH).get(name)
+    return f"use {other}" if other else ""
+
+
+def _mismatch(
+    placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis, problem: str, hint: str
+) -> Finding:
+    left, right = (_described(each) for each in (source, target))
+    message = f"'{placed.sources[0][0]}' ({left}) and '{placed.targets[0][0]}' ({right}) {problem}"
+    return Finding(placed.assignment, message, "target", hint)
+
+
+def _described(axis: Axis) -> str:
+    sign = "-" if axis.sign < 0 else ""
+    return f"{sign}{axis.name} of {axis.frame}"
+
+
+def _negation(placed: Placed[bridge.FieldAssignment]) -> str:
+    names = [each.kind.name for each in placed.assignment.conversions]
+    return "leave out negate" if "negate" in names else "add the conversion negate"
+
+
+def _exchange(source: Axis) -> str:
+    names = {"x": "y", "y": "x"}
+    if FAMILIES[source.frame] == EARTH and not source.is_angle and source.name in names:
+        return f"east is x of {ENU} and y of {NED}, north is y of {ENU} and x of {NED}"
+    return ""
+
+
+RULES = (frame_mismatch,)

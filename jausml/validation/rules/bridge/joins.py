@@ -1,0 +1,85 @@
+"""Rules about joins: further topics from which a map takes values."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge
+from jausml.model.diagnostics import Severity
+from jausml.semantics.paths import source_paths
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from jausml.semantics.subject import Subject
+
+
+@rule("JML442", Severity.ERROR, "join used wrongly")
+def joins(subject: Subject) -> Iterator[Finding]:
+    """A join has a name of its own, a time after which it is stale, and a topic that feeds it.
+
+    Source paths begin with the name of the join, so that it is none of a field of the main type. A
+    connection from ROS to JAUS has one topic for each join of its map, and one or more without a
+    join, which the map is for. From JAUS to ROS there is nothing to join.
+
+    Bad: a map with the join imu, and a connection whose one topic has no join
+
+    Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
+    """
+    for each in subject.instances(bridge.AttributeMap):
+        fields = {field.name for field in each.type.fields} if each.type is not None else set()
+        used = {path.lstrip("/").partition(".")[0] for path in _paths(each.toJaus)}
+        for join in each.joins:
+            yield from _join_findings(join, fields, used)
+    for connection in subject.instances(bridge.Connection):
+        if connection.map is not None and subject.is_intact(connection):
+            yield from _topic_findings(connection)
+
+
+def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
+    if not (math.isfinite(join.freshness) and join.freshness > 0):
+        message = f"freshness {join.freshness:g} of '{join.name}' is no time above 0"
+        yield Finding(join, message, "freshness")
+    if join.name in fields:
+        message = f"join '{join.name}' has the name of a field of the main type"
+        yield Finding(join, message, "name", "choose another name")
+    elif join.name not in used:
+        message = f"no assignment takes anything of join '{join.name}'"
+        yield Finding(join, message, "name", severity=Severity.WARNING)
+
+
+def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
+    known = list(connection.map.joins)
+    is_to_jaus = connection.direction.name == "rosToJaus"
+    main = [topic for topic in connection.topics if topic.join is None]
+    for topic in connection.topics:
+        if topic.join is not None and not is_to_jaus:
+            message = f"topic '{topic.name}' is published to, it feeds no join"
+            yield Finding(topic, message, "join")
+        elif topic.join is not None and topic.join not in known:
+            message = f"join '{topic.join.name}' is none of map '{connection.map.name}'"
+            note = Note(topic.join, f"'{topic.join.name}'", "name")
+            yield Finding(topic, message, "join", related=(note,))
+    if not is_to_jaus:
+        return
+    if connection.topics and not main:
+        message = f"'{connection.name}' has no topic without a join, which the map is for"
+        yield Finding(connection, message, "topics")
+    for join in known:
+        if all(topic.join is not join for topic in connection.topics):
+            message = f"no topic of '{connection.name}' feeds join '{join.name}'"
+            note = Note(join, f"'{join.name}'", "name")
+            hint = f"add a topic that has the join {join.name}"
+            yield Finding(connection, message, "topics", hint, (note,))
+
+
+def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+    for each in assignments:
+        yield from source_paths(each)
+        if isinstance(each, bridge.ListAssignment):
+            yield from _paths(each.assignments)
+
+
+RULES = (joins,)

@@ -1,0 +1,150 @@
+"""Rules about units: of fields, of quantities, and along the conversions of an assignment."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.languages.units import UnitError, nearest_units, parse_unit
+from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.model.diagnostics import Severity
+from jausml.semantics.attributes import Attribute
+from jausml.semantics.directions import directions
+from jausml.semantics.units import Measure, UnitFault, attribute_measure, measure, result_measure
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.paths import Placed
+    from jausml.semantics.subject import Subject
+
+    WithUnits = jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion
+
+
+@rule("JML431", Severity.ERROR, "units do not match")
+def unit_mismatch(subject: Subject) -> Iterator[Finding]:
+    """What an assignment yields measures the same as its target.
+
+    The unit of a field is its own or that of the field around it. Units of one dimension that
+    differ in scale, such as degree and radian, are converted without being asked; a length never
+    becomes an angle. A conversion that needs a certain unit, such as wrap_angle, is given this
+    unit. Where one end has no unit, or where scale, linear, an expression, a table or a method of
+    the skeleton makes a number of the author's choice, nothing is said; `with_units` states a unit
+    there.
+
+    Bad: `target="twist.linear.x" source="YawRate"`
+
+    Good: `target="twist.angular.z" source="YawRate"` with the conversion negate
+    """
+    for direction in directions(subject):
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            if placed.source_attributes and placed.target_attributes:
+                yield from _mismatches(placed)
+
+
+@rule("JML432", Severity.WARNING, "unknown unit")
+def unknown_unit(subject: Subject) -> Iterator[Finding]:
+    """A unit is written in SI symbols or in the words of JAUS.
+
+    A unit that nobody knows is never compared with another, so that mistakes go unnoticed.
+
+    Bad: `units="m/sec"`
+
+    Good: `units="m/s"` or `units="meter per second"`
+    """
+    kinds: tuple[type[WithUnits], ...] = (
+        *(jaus.FixedField, jaus.Alternative),
+        *(ros.Field, bridge.Quantity, bridge.Conversion),
+    )
+    for element in (each for kind in kinds for each in subject.instances(kind)):
+        text = element.units
+        if not text:
+            continue
+        try:
+            parse_unit(text)
+        except UnitError as error:
+            near = nearest_units(text)
+            hint = f"did you mean {' or '.join(near)}?" if near else ""
+            yield Finding(element, f"unit {text!a}: {error}", "units", hint)
+
+
+@rule("JML445", Severity.ERROR, "quantity used wrongly")
+def quantities(subject: Subject) -> Iterator[Finding]:
+    """A quantity of a bridge gives a value to one of the quantities of its maps.
+
+    It has the name and the dimension of the quantity that it overrides, and a legal value for the
+    conversions that refer to it: the maximum of a percentage is above 0.
+
+    Bad: a bridge with the quantity `max_sped`, whose maps have `max_speed`
+
+    Good: a bridge with the quantity `max_speed`
+    """
+    for conversion in subject.instances(bridge.Conversion):
+        quantity = conversion.quantity
+        if quantity is not None and "percent" in conversion.kind.name and quantity.value <= 0:
+            message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
+            note = Note(quantity, f"'{quantity.name}'", "value")
+            yield Finding(conversion, message, "quantity", related=(note,))
+    for owner in subject.instances(bridge.Bridge):
+        used = _used_quantities(owner)
+        for own in owner.quantities:
+            yield from _override_findings(own, used)
+
+
+def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
+    maps = [*owner.maps, *(each.map for each in owner.bridgeConnections if each.map is not None)]
+    return {quantity.name: quantity for each in maps for quantity in each.quantities}
+
+
+def _override_findings(
+    quantity: bridge.Quantity, used: dict[str, bridge.Quantity]
+) -> Iterator[Finding]:
+    original = used.get(quantity.name)
+    if original is None:
+        known = f"they have {', '.join(map(str, used))}" if used else "they have none"
+        message = f"no map of the bridge has the quantity '{quantity.name}'"
+        yield Finding(quantity, message, "name", known)
+        return
+    own, other = measure(quantity.units or ""), measure(original.units or "")
+    if own is not None and other is not None and own.unit != other.unit:
+        message = f"'{quantity.name}' is in {own.text}, but the map has it in {other.text}"
+        note = Note(original, f"'{original.name}'", "units")
+        yield Finding(quantity, message, "units", f"state it in {other.text}", (note,))
+
+
+def _mismatches(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+    result = result_measure(placed)
+    if isinstance(result, UnitFault):
+        yield Finding(result.element, result.message, "kind", result.hint)
+        return
+    if result is None:
+        return
+    factors = set()
+    for path, target in placed.targets:
+        wanted = attribute_measure(target)
+        if wanted is None or not isinstance(target, Attribute):
+            continue
+        if not wanted.unit.is_compatible(result.unit):
+            yield _mismatch(placed, path, result, wanted)
+            return
+        factors.add((wanted.unit.factor, wanted.unit.offset))
+    if len(factors) > 1:
+        message = f"the targets '{placed.assignment.target}' have different units"
+        yield Finding(placed.assignment, message, "target")
+
+
+def _mismatch(
+    placed: Placed[bridge.FieldAssignment], path: str, result: Measure, wanted: Measure
+) -> Finding:
+    assignment = placed.assignment
+    verb = "gives" if assignment.conversions else "is in"
+    message = f"'{assignment.source}' {verb} {result.text}, but '{path}' is in {wanted.text}"
+    hint = ""
+    if wanted.unit.squared() == result.unit:
+        hint = "convert it by square_root"
+    elif wanted.unit == result.unit.squared():
+        hint = "convert it by square"
+    return Finding(assignment, message, "target", hint)
+
+
+RULES = (unit_mismatch, unknown_unit, quantities)

@@ -1,0 +1,1 @@
+"""Rules about JAUS components, services, messages and state machines."""

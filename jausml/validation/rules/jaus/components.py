@@ -1,0 +1,277 @@
+"""Rules about JAUS components: addresses, connections, control."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.diagnostics import Severity
+from jausml.semantics.services import (
+    find_query,
+    find_same,
+    is_known,
+    outputs,
+    provides_access_control,
+    query_name,
+)
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.subject import Subject
+
+    AnyConnection = jaus.ServiceConnection | bridge.Connection
+
+MAXIMUM_RATE = 1092.0
+"""Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
+
+_LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
+_WILDCARD_SUBSYSTEM = 65535
+_NUMBERS = {
+    "authority": (0, 255),
+    "defaultAuthority": (0, 255),
+    "controlTimeout": (0, 255),
+    "eventTimeout": (0, 255),
+}
+
+
+@rule("JML301", Severity.ERROR, "JAUS address out of range")
+def address_range(subject: Subject) -> Iterator[Finding]:
+    """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
+
+    0 is reserved, and 65535 and 255 address all subsystems, nodes or components at once.
+
+    Bad: `<components name="vehicle" address="100.1.255"/>`
+
+    Good: `<components name="vehicle" address="100.1.1"/>`
+    """
+    for component in subject.instances(jaus.Component):
+        if not component.address:
+            continue
+        for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
+            if not 1 <= int(text) <= maximum:
+                message = f"{name} id {text} of '{component.name}' is not in 1..{maximum}"
+                yield Finding(component, message, "address")
+
+
+@rule("JML309", Severity.WARNING, "subsystem id that Junior takes for a wildcard")
+def address_bytes(subject: Subject) -> Iterator[Finding]:
+    """Neither byte of a subsystem id is 255, so that peers on Junior can talk to the component.
+
+    AS5669A allows such ids. Junior, the stack met most often, takes each byte 255 of an address
+    for a wildcard, and cannot connect to subsystems 255, 511, ... and 65280..65534.
+
+    Bad: `<components name="vehicle" address="511.1.1"/>`
+
+    Good: `<components name="vehicle" address="512.1.1"/>`
+    """
+    for component in subject.instances(jaus.Component):
+        subsystem = int((component.address or "0").split(".")[0])
+        if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
+            message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
+            yield Finding(component, message, "address")
+
+
+@rule("JML302", Severity.ERROR, "JAUS address used twice")
+def address_unique(subject: Subject) -> Iterator[Finding]:
+    """Each component of a system has an address of its own; bridges are components too.
+
+    With one address for two processes a message reaches either of them.
+
+    Bad: a component and a bridge, both with `address="100.1.1"`
+
+    Good: `100.1.1` and `100.1.2`
+    """
+    for group in subject.systems():
+        first: dict[tuple[int, ...], jaus.Component] = {}
+        for component in group:
+            if not isinstance(component, jaus.Component) or not component.address:
+                continue
+            address = tuple(int(part) for part in component.address.split("."))
+            holder = first.setdefault(address, component)
+            if holder is not component:
+                message = f"address {component.address} of '{component.name}' is that of"
+                note = Note(holder, f"'{holder.name}' has the address", "address")
+                yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
+
+
+@rule("JML303", Severity.ERROR, "number out of range")
+def component_numbers(subject: Subject) -> Iterator[Finding]:
+    """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
+
+    Times in seconds are finite and not negative.
+
+    Bad: `authority="300"`
+
+    Good: `authority="200"`
+    """
+    for component in subject.instances(jaus.Component):
+        for name, (lower, upper) in _NUMBERS.items():
+            value = getattr(component, name)
+            if not lower <= value <= upper:
+                message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
+                yield Finding(component, message, name)
+    for connection in subject.instances(jaus.ServiceConnection):
+        value = connection.silenceTimeout
+        if not (math.isfinite(value) and value >= 0):
+            message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+            yield Finding(connection, message, "silenceTimeout")
+
+
+@rule("JML304", Severity.ERROR, "connection to a report that the provider does not send")
+def connection_provided(subject: Subject) -> Iterator[Finding]:
+    """The provider of a connection provides a service whose outputs hold the report.
+
+    Services that the provided ones inherit count. A message of another service does when its
+    code and its layout are the same.
+
+    Bad: a connection to ReportLocalPose with a provider that provides VelocityStateSensor alone
+
+    Good: the same provider with `provides` of LocalPoseSensor as well
+    """
+    for connection in subject.instances(jaus.ServiceConnection):
+        provider, message = connection.provider, connection.message
+        if not is_known(subject, provider) or not subject.is_intact(message):
+            continue
+        if find_same(message, outputs(provider)) is None:
+            owner = message.eContainer()
+            yield Finding(
+                connection,
+                f"'{provider.name}' provides no service that sends {message.name}",
+                "message",
+                f"add {owner.name} to what it provides" if owner is not None else "",
+                (Note(provider, f"'{provider.name}'"),),
+            )
+
+
+@rule("JML305", Severity.ERROR, "connection without a query")
+def connection_query(subject: Subject) -> Iterator[Finding]:
+    """A report is asked for by a query that the provider takes.
+
+    Events carry the query inside (AS5710, CreateEvent). Without `query` it is found by name:
+    QueryX for ReportX.
+
+    Bad: a connection to a message named PoseReport without `query`
+
+    Good: the same connection with `query` set to the message that asks for it
+    """
+    for connection in subject.instances(jaus.ServiceConnection):
+        provider, message = connection.provider, connection.message
+        if not is_known(subject, provider) or not subject.is_intact(message):
+            continue
+        if connection.query is not None and not subject.is_intact(connection.query):
+            continue
+        if find_same(message, outputs(provider)) is None:
+            continue
+        if find_query(connection, provider) is None:
+            yield missing_query(connection, message, provider)
+
+
+@rule("JML306", Severity.ERROR, "rate out of range")
+def connection_rate(subject: Subject) -> Iterator[Finding]:
+    """The rate of a periodic connection is above 0 and at most 1092 per second.
+
+    More does not fit the field of the CreateEvent message (AS5710).
+
+    Bad: `exchange="periodic" rate="0"`
+
+    Good: `exchange="periodic" rate="10.0"`
+    """
+    for connection in subject.instances(jaus.ServiceConnection):
+        if connection.exchange.name == "periodic":
+            yield from rate_finding(connection)
+
+
+@rule("JML307", Severity.ERROR, "control of a component that cannot be controlled")
+def controls_access(subject: Subject) -> Iterator[Finding]:
+    """A component named in `controls` provides AccessControl, mostly by inheritance.
+
+    Without the service it never answers a request for control (AS5710, RequestControl).
+
+    Bad: `controls="sensor"` where sensor provides VelocityStateSensor alone
+
+    Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
+    """
+    for component in subject.instances(jaus.Component):
+        for target in component.controls:
+            if target is component:
+                message = f"'{component.name}' controls itself"
+                yield Finding(component, message, "controls")
+            elif is_known(subject, target) and not provides_access_control(target):
+                yield Finding(
+                    component,
+                    f"'{target.name}', which '{component.name}' controls, provides no"
+                    " AccessControl",
+                    "controls",
+                    related=(Note(target, f"'{target.name}'"),),
+                )
+
+
+@rule("JML308", Severity.ERROR, "service provided twice")
+def services_unique(subject: Subject) -> Iterator[Finding]:
+    """A component provides one service of a URN.
+
+    Discovery reports services by URN (AS5710, ReportServices); two versions of one service in a
+    component would answer the same messages. Services that are only inherited do not count:
+    service sets inherit from different versions of the core.
+
+    Bad: `provides` of Liveness from core-1.0 and of Liveness from core-1.1
+
+    Good: `provides` of one of them
+    """
+    for component in subject.instances(jaus.Component):
+        by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
+        for service in component.provides:
+            if service.urn:
+                by_urn[service.urn].append(service)
+        for urn, services in by_urn.items():
+            if len(services) > 1:
+                versions = ", ".join(str(service.version) for service in services)
+                message = f"'{component.name}' provides {urn} more than once (versions {versions})"
+                yield Finding(component, message, "provides")
+
+
+def missing_query(
+    connection: AnyConnection, message: jaus.MessageDef, provider: jaus.Component
+) -> Finding:
+    """Returns the finding about a connection whose provider takes no query for the report.
+
+    Args:
+        connection: The connection.
+        message: The report.
+        provider: The component that should take the query.
+    """
+    query = connection.query
+    wanted = query.name if query is not None else query_name(message)
+    note = (Note(provider, f"'{provider.name}'"),)
+    if wanted:
+        text = f"'{provider.name}' takes no {wanted}, which asks for {message.name}"
+        feature = "query" if query is not None else None
+        hint = "" if query is not None else f"let it provide a service with the input {wanted}"
+        return Finding(connection, text, feature, hint, note)
+    text = f"no query is known that asks for {message.name}"
+    return Finding(connection, text, None, "name it in the feature 'query'", note)
+
+
+def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
+    """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
+    if not 0 < connection.rate <= MAXIMUM_RATE:
+        message = f"rate {connection.rate:g} of '{connection.name}'"
+        hint = f"above 0 and at most {MAXIMUM_RATE:g}"
+        yield Finding(connection, f"{message} is out of range", "rate", hint)
+
+
+RULES = (
+    address_range,
+    address_bytes,
+    address_unique,
+    component_numbers,
+    connection_provided,
+    connection_query,
+    connection_rate,
+    controls_access,
+    services_unique,
+)

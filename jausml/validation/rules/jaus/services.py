@@ -1,0 +1,155 @@
+"""Rules about JAUS services and their messages."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.diagnostics import Severity
+from jausml.semantics.layouts import signature
+from jausml.semantics.services import along_inheritance, code, lineage, with_inherited
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.subject import Subject
+
+# The characters of RFC 8141, without components that services do not use.
+_URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
+_LONGEST_URN = 255
+
+
+@rule("JML311", Severity.ERROR, "service inherits from itself")
+def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
+    """The services that a service inherits from are not the service itself.
+
+    Bad: A inherits B, B inherits A
+
+    Good: A inherits B, B inherits Events
+    """
+    services = list(subject.instances(jaus.Service))
+    sound = {service for service, _ in along_inheritance(services)}
+    for service in services:
+        if service in sound:
+            continue
+        last = lineage(service)[-1]
+        if last.inherits is service:
+            names = " -> ".join(each.name or "?" for each in (*lineage(service), service))
+            yield Finding(service, f"service '{service.name}' inherits itself: {names}", "inherits")
+
+
+@rule("JML312", Severity.ERROR, "message code used twice in a service")
+def code_unique(subject: Subject) -> Iterator[Finding]:
+    """A message code means one message within a service and those that it inherits.
+
+    The code alone says how a message is to be read. One message may be input and output. For
+    services of the library, which are as they were published, this is a warning.
+
+    Bad: inputs SetSpeed and SetSteering, both with `code="0x0415"`
+
+    Good: `0x0415` and `0x0416`
+    """
+    services = list(subject.instances(jaus.Service))
+    judged = set(services)
+    seen: dict[int, jaus.MessageDef] = {}
+    for service, entering in along_inheritance(services):
+        for message in _messages(service):
+            if code(message) < 0 or not subject.is_intact(message):
+                continue
+            first = seen.setdefault(code(message), message)
+            if not entering:
+                if first.eContainer() is service:
+                    del seen[code(message)]
+            elif service in judged and _differ(first, message):
+                owner = first.eContainer()
+                path = subject.path(owner) if owner is not None else ""
+                note = Note(first, f"{first.name} of {path}", "code")
+                text = f"code {message.code} of {message.name} is that of {first.name}"
+                severity = subject.severity(message)
+                yield Finding(message, text, "code", related=(note,), severity=severity)
+
+
+@rule("JML313", Severity.ERROR, "messages of one code in one process")
+def code_unambiguous(subject: Subject) -> Iterator[Finding]:
+    """Messages with one code that meet in a process have one layout and one name.
+
+    A process finds the codec of a message by its code. The messages of a component are those
+    of its services, of the services that it uses, of its connections and of its maps. Two of one
+    service of the library are a warning: it was published so, and CBRNSensor has such a pair.
+
+    Bad: a component that provides a service of core-1.0 and uses one of core-1.1 whose message
+    of the same code has another field
+
+    Good: both from the same service set
+    """
+    for component in subject.instances(jaus.Component):
+        by_code: dict[int, list[jaus.MessageDef]] = defaultdict(list)
+        for message in _messages_of(component):
+            if code(message) >= 0 and subject.is_intact(message):
+                by_code[code(message)].append(message)
+        for messages in by_code.values():
+            first = messages[0]
+            for other in messages[1:]:
+                if _differ(first, other):
+                    yield _ambiguous(subject, component, first, other)
+                    break
+
+
+@rule("JML314", Severity.ERROR, "illegal URN")
+def urns(subject: Subject) -> Iterator[Finding]:
+    """A service is named by a URN of at most 255 characters (RFC 8141; AS5710, ReportServices).
+
+    Bad: `urn="PrimitiveDriver"`
+
+    Good: `urn="urn:jaus:jss:mobility:PrimitiveDriver"`
+    """
+    for service in subject.instances(jaus.Service):
+        if service.urn is None:
+            continue
+        if len(service.urn) > _LONGEST_URN:
+            message = f"urn of '{service.name}' is longer than {_LONGEST_URN} characters"
+            yield Finding(service, message, "urn")
+        elif not _URN.fullmatch(service.urn):
+            yield Finding(service, f"urn {service.urn!a} of '{service.name}' is no URN", "urn")
+
+
+def _ambiguous(
+    subject: Subject, component: jaus.Component, first: jaus.MessageDef, other: jaus.MessageDef
+) -> Finding:
+    how = "another name" if first.name != other.name else "another layout"
+    return Finding(
+        component,
+        f"'{component.name}' has two messages of the code {first.code}: {first.name} and"
+        f" {other.name} with {how}",
+        related=tuple(Note(each, subject.path(each), "code") for each in (first, other)),
+        severity=subject.severity(first) if first.eContainer() is other.eContainer() else None,
+    )
+
+
+def _differ(first: jaus.MessageDef, other: jaus.MessageDef) -> bool:
+    if first is other:
+        return False
+    return first.name != other.name or signature(first) != signature(other)
+
+
+def _messages(service: jaus.Service) -> list[jaus.MessageDef]:
+    return [*service.inputs, *service.outputs]
+
+
+def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
+    found: dict[jaus.MessageDef | None, None] = {}
+    for service in with_inherited((*component.provides, *component.uses)):
+        found.update(dict.fromkeys(_messages(service)))
+    for connection in component.connections:
+        found.update(dict.fromkeys((connection.message, connection.query)))
+    if isinstance(component, bridge.Bridge):
+        for each in component.bridgeConnections:
+            carried = each.map.message if each.map is not None else None
+            found.update(dict.fromkeys((carried, each.query)))
+    return [message for message in found if message is not None]
+
+
+RULES = (inheritance_cycle, code_unique, code_unambiguous, urns)

@@ -1,0 +1,1 @@
+"""Rules about ROS 2 types, nodes and installed interfaces."""
