@@ -105,6 +105,11 @@ def count(obj: Any, table: FeatureTable) -> int:
     return len(holder) if table.many else int(holder._value is not None)
 
 
+def is_set(obj: Any, table: FeatureTable) -> bool:
+    """Tells whether a feature was given a value, be it the default."""
+    return table.name in obj.__dict__ and table.feature in obj._isset
+
+
 def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
     """Tells whether a feature has a value already."""
     holder = obj.__dict__.get(table.name)

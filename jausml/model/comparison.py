@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping
 
     from jausml.metamodel import ClassTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
 
 _NOTHING = "nothing"
 
@@ -68,15 +69,15 @@ class Difference:
     feature: str
     first: str
     second: str
-    first_element: Any = None
-    second_element: Any = None
+    first_element: EObject | None = None
+    second_element: EObject | None = None
 
     def __str__(self) -> str:
         return f"{self.path}: {self.feature}: {self.first} / {self.second}"
 
 
 def compare(
-    first: Any, second: Any, metamodels: Metamodels, policy: Policy = EXACT
+    first: EObject, second: EObject, metamodels: Metamodels, policy: Policy = EXACT
 ) -> list[Difference]:
     """Compares two elements and all that they own.
 
@@ -96,7 +97,9 @@ def compare(
 
 
 class _Comparison:
-    def __init__(self, first: Any, second: Any, metamodels: Metamodels, policy: Policy) -> None:
+    def __init__(
+        self, first: EObject, second: EObject, metamodels: Metamodels, policy: Policy
+    ) -> None:
         self._roots = (first, second)
         self._metamodels = metamodels
         self._policy = policy
@@ -106,12 +109,12 @@ class _Comparison:
         pending = [(first, second, _label(first))]
         while pending:
             one, other, path = pending.pop()
-            children: list[tuple[Any, Any, str]] = []
+            children: list[tuple[EObject, EObject, str]] = []
             yield from self._pair(one, other, path, children)
             pending += reversed(children)
 
     def _pair(
-        self, one: Any, other: Any, path: str, children: list[tuple[Any, Any, str]]
+        self, one: EObject, other: EObject, path: str, children: list[tuple[EObject, EObject, str]]
     ) -> Iterator[Difference]:
         table = self._metamodels.class_of(one)
         if one.eClass is not other.eClass:
@@ -133,11 +136,11 @@ class _Comparison:
 
     def _owned(
         self,
-        one: Any,
-        other: Any,
+        one: EObject,
+        other: EObject,
         path: str,
         feature: FeatureTable,
-        children: list[tuple[Any, Any, str]],
+        children: list[tuple[EObject, EObject, str]],
     ) -> Iterator[Difference]:
         ours = self._keyed(one, feature)
         theirs = self._keyed(other, feature)
@@ -150,11 +153,11 @@ class _Comparison:
             if key not in ours:
                 yield Difference(path, feature.name, _NOTHING, _label(child), one, child)
 
-    def _keyed(self, obj: Any, feature: FeatureTable) -> dict[Hashable, Any]:
+    def _keyed(self, obj: EObject, feature: FeatureTable) -> dict[Hashable, EObject]:
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [] if value is None else [value]
         by = self._policy.matched_by.get(feature.name)
-        keyed: dict[Hashable, Any] = {}
+        keyed: dict[Hashable, EObject] = {}
         for position, each in enumerate(values):
             key: Hashable = getattr(each, by) if by else position
             # A second element of the key is told apart by its position.
@@ -162,7 +165,7 @@ class _Comparison:
         return keyed
 
     def _values(
-        self, one: Any, other: Any, path: str, feature: FeatureTable
+        self, one: EObject, other: EObject, path: str, feature: FeatureTable
     ) -> Iterator[Difference]:
         ours, theirs = (self._compared(obj, feature) for obj in (one, other))
         if feature.name in self._policy.optional and not (ours and theirs):
@@ -171,7 +174,7 @@ class _Comparison:
         if not same:
             yield Difference(path, feature.name, _shown(ours), _shown(theirs), one, other)
 
-    def _compared(self, obj: Any, feature: FeatureTable) -> list[Any]:
+    def _compared(self, obj: EObject, feature: FeatureTable) -> list[Any]:
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [] if value is None else [value]
         if feature.is_reference:
@@ -185,7 +188,7 @@ class _Comparison:
             return math.isclose(one, other, rel_tol=self._policy.closeness)
         return bool(one == other)
 
-    def _address(self, obj: Any) -> str:
+    def _address(self, obj: EObject | None) -> str:
         """Returns where an element stands, the same for the same place of both models."""
         steps: list[str] = []
         while obj is not None:
@@ -194,14 +197,14 @@ class _Comparison:
                 break
             urn = getattr(obj, "urn", None)
             if urn:
-                steps.append(f"{urn} {obj.version}")
+                steps.append(f"{urn} {getattr(obj, 'version', '')}")
                 break
             steps.append(_step(obj))
             obj = obj.eContainer()
         return "/".join(reversed(steps))
 
 
-def _step(obj: Any) -> str:
+def _step(obj: EObject) -> str:
     feature = obj.eContainmentFeature()
     if feature is None:
         return _label(obj)
@@ -210,7 +213,7 @@ def _step(obj: Any) -> str:
     return f"{feature.name}{position}"
 
 
-def _label(obj: Any, feature: FeatureTable | None = None, key: Hashable = "") -> str:
+def _label(obj: EObject, feature: FeatureTable | None = None, key: Hashable = "") -> str:
     name = getattr(obj, "name", None)
     if name or feature is None:
         return str(name or obj.eClass.name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Location
 from jausml.model.xmi.scanning import attribute_position
@@ -10,6 +10,7 @@ from jausml.model.xmi.scanning import attribute_position
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.notation import Notation
     from jausml.model.xmi.parsing import Node
 
@@ -49,7 +50,7 @@ class Document:
         self.imports: list[Document] = []
         self.lacks_imports = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
-        self._root_positions: dict[Any, int] | None = None
+        self._root_positions: dict[EObject, int] | None = None
         self._locations: dict[tuple[Node, tuple[str, str]], Location] = {}
 
     def __repr__(self) -> str:
@@ -61,11 +62,11 @@ class Document:
         return self.notation is None
 
     @property
-    def roots(self) -> list[Any]:
+    def roots(self) -> list[EObject]:
         """The root elements that could be built, in order."""
         return [node.obj for node in self.root_nodes if node.obj is not None]
 
-    def root_position(self, obj: Any) -> int | None:
+    def root_position(self, obj: EObject) -> int | None:
         """Returns the position of a root element among the roots, None for other elements."""
         if self._root_positions is None:
             self._root_positions = {root: index for index, root in enumerate(self.roots)}

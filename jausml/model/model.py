@@ -12,7 +12,7 @@ from jausml.model.diagnostics import Location
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.metamodel.classes.ecore import EObject
+    from jausml.metamodel.classes.ecore import EClass, EObject
     from jausml.model.documents import Document
     from jausml.model.xmi.parsing import Node
 
@@ -38,35 +38,35 @@ class Model:
     def __init__(self, documents: Sequence[Document], metamodels: Metamodels) -> None:
         self.documents = list(documents)
         self.metamodels = metamodels
-        self._origin: dict[Any, tuple[Document, Node]] = {}
-        self._ids: dict[Any, str] = {}
-        self._by_class: dict[Any, list[tuple[int, Any]]] | None = None
+        self._origin: dict[EObject, tuple[Document, Node]] = {}
+        self._ids: dict[EObject, str] = {}
+        self._by_class: dict[EClass, list[tuple[int, Any]]] | None = None
 
     def adopt(self, document: Document, node: Node) -> None:
         """Remembers where an element was read; for the reader."""
         self._by_class = None
         self._origin[node.obj] = (document, node)
 
-    def name_by_id(self, obj: Any, identifier: str) -> None:
+    def name_by_id(self, obj: EObject, identifier: str) -> None:
         """Remembers the id of an element; for the reader."""
         self._ids.setdefault(obj, identifier)
 
-    def identifier(self, obj: Any) -> str | None:
+    def identifier(self, obj: EObject) -> str | None:
         """Returns the id of an element, None when it has none."""
         return self._ids.get(obj)
 
     @property
-    def roots(self) -> list[Any]:
+    def roots(self) -> list[EObject]:
         """The root elements of all documents, in the order of the documents."""
         return [root for document in self.documents for root in document.roots]
 
     @property
-    def root(self) -> Any:
+    def root(self) -> EObject | None:
         """The first root element of the first document, None when it has none."""
         roots = self.documents[0].roots if self.documents else []
         return roots[0] if roots else None
 
-    def document_of(self, obj: Any) -> Document | None:
+    def document_of(self, obj: EObject | None) -> Document | None:
         """Returns the document that holds an element; None for one that was not read."""
         while obj is not None:
             origin = self._origin.get(obj)
@@ -75,12 +75,12 @@ class Model:
             obj = obj.eContainer()
         return None
 
-    def is_library(self, obj: Any) -> bool:
+    def is_library(self, obj: EObject) -> bool:
         """Tells whether an element belongs to the shipped library."""
         document = self.document_of(obj)
         return document is not None and document.is_library
 
-    def elements(self, *, library: bool = True) -> Iterator[Any]:
+    def elements(self, *, library: bool = True) -> Iterator[EObject]:
         """Yields all elements in document order.
 
         Args:
@@ -90,7 +90,7 @@ class Model:
             if library or not document.is_library:
                 yield from self.elements_of(document)
 
-    def elements_of(self, document: Document) -> Iterator[Any]:
+    def elements_of(self, document: Document) -> Iterator[EObject]:
         """Yields the elements of one document, in order."""
         for node in document.root_nodes:
             yield from _built(node)
@@ -123,7 +123,7 @@ class Model:
         found = [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
         return found if library else [obj for obj in found if not self.is_library(obj)]
 
-    def location(self, obj: Any, feature: str | None = None) -> Location:
+    def location(self, obj: EObject | None, feature: str | None = None) -> Location:
         """Returns where an element, or the value of one of its features, is written.
 
         Args:
@@ -131,11 +131,11 @@ class Model:
             feature: Name of a feature; its XML attribute or first child element is looked for,
                 and the element's own place is the answer when there is neither.
         """
-        origin = self._origin.get(obj)
+        origin = self._origin_of(obj)
         while origin is None and obj is not None:
             feature = None
             obj = obj.eContainer()
-            origin = self._origin.get(obj)
+            origin = self._origin_of(obj)
         if origin is None:
             return Location(UNKNOWN_PATH)
         document, node = origin
@@ -146,7 +146,10 @@ class Model:
         children = document.children(node, feature)
         return document.location(children[0] if children else node)
 
-    def element_path(self, obj: Any) -> str:
+    def _origin_of(self, obj: EObject | None) -> tuple[Document, Node] | None:
+        return None if obj is None else self._origin.get(obj)
+
+    def element_path(self, obj: EObject | None) -> str:
         """Returns the path of an element by names, such as `robot/bridge/maps[2]`.
 
         An element without a name stands there by its feature, with its index (from 0) when the
@@ -158,7 +161,7 @@ class Model:
             obj = obj.eContainer()
         return "/".join(reversed(steps))
 
-    def fragment(self, obj: Any) -> str:
+    def fragment(self, obj: EObject) -> str:
         """Returns the XMI fragment of an element within its document.
 
         It is the element's id when it has one, else the path of features from the root, as EMF
@@ -166,39 +169,39 @@ class Model:
         """
         return self._ids.get(obj) or self.path_of(obj)
 
-    def path_of(self, obj: Any) -> str:
+    def path_of(self, obj: EObject) -> str:
         """Returns the fragment of an element by features, whether it has an id or not."""
         document = self.document_of(obj)
         if document is None:
             return ""
         steps: list[str] = []
         while (position := document.root_position(obj)) is None:
-            if obj.eContainer() is None:
+            owner = obj.eContainer()
+            if owner is None:
                 return ""
-            feature, owner = self._containment(obj)
+            feature = self._containment(obj, owner)
             index = f".{_position(owner, feature, obj)}" if feature.many else ""
             steps.append(f"@{feature.name}{index}")
             obj = owner
         steps.append("/" + (str(position) if len(document.root_nodes) > 1 else ""))
         return "/".join(reversed(steps))
 
-    def _containment(self, obj: Any) -> tuple[FeatureTable, Any]:
-        owner = obj.eContainer()
-        feature = obj.eContainmentFeature()
-        return self.metamodels.class_of(owner).features[feature.name], owner
+    def _containment(self, obj: EObject, owner: EObject) -> FeatureTable:
+        return self.metamodels.class_of(owner).features[obj.eContainmentFeature().name]
 
-    def _unnamed_step(self, obj: Any) -> str:
-        if obj.eContainer() is None:
-            return str(obj.eClass.name)
-        feature, owner = self._containment(obj)
+    def _unnamed_step(self, obj: EObject) -> str:
+        owner = obj.eContainer()
+        if owner is None:
+            return obj.eClass.name
+        feature = self._containment(obj, owner)
         return f"{feature.name}[{_position(owner, feature, obj)}]" if feature.many else feature.name
 
-    def owned(self, obj: Any) -> list[Any]:
+    def owned(self, obj: EObject) -> list[EObject]:
         """Returns the elements that an element owns, in metamodel order of the features.
 
         pyecore's own `eContents` yields them in the order of a set, which differs between runs.
         """
-        contents: list[Any] = []
+        contents: list[EObject] = []
         for table in self.metamodels.class_of(obj).features.values():
             if table.kind is FeatureKind.CONTAINMENT:
                 value = getattr(obj, table.name)
@@ -206,11 +209,11 @@ class Model:
         return contents
 
 
-def _position(owner: Any, feature: FeatureTable, obj: Any) -> int:
+def _position(owner: EObject, feature: FeatureTable, obj: EObject) -> int:
     return int(getattr(owner, feature.name).index(obj))
 
 
-def _built(node: Node) -> Iterator[Any]:
+def _built(node: Node) -> Iterator[EObject]:
     pending = [node]
     while pending:
         current = pending.pop()

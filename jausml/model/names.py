@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
 from jausml.model.documents import Document
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from jausml.metamodel import ClassTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Location
     from jausml.model.model import Model
     from jausml.model.uris import UriFault
@@ -39,13 +40,15 @@ class NameFinder:
     def __init__(self, model: Model, open_library: Callable[[str], Document | UriFault]) -> None:
         self._model = model
         self._open = open_library
-        self._indices: dict[Document, dict[str, list[Any]]] = {}
+        self._indices: dict[Document, dict[str, list[EObject]]] = {}
 
     def forget(self, document: Document) -> None:
         """Has the names of a document looked up anew, since it was given further elements."""
         self._indices.pop(document, None)
 
-    def find(self, name: str, wanted: ClassTable, document: Document, owner: Any) -> list[Any]:
+    def find(
+        self, name: str, wanted: ClassTable, document: Document, owner: EObject | None
+    ) -> list[EObject]:
         """Returns the elements that a name may mean: those of the nearest scope that has any.
 
         Args:
@@ -68,13 +71,13 @@ class NameFinder:
         known: dict[str, None] = {}
         for each in (document, *document.imports):
             for elements in self._index(each).values():
-                known.update((o.name, None) for o in elements if self._is_a(o, wanted))
+                known.update((name_of(o), None) for o in elements if self._is_a(o, wanted))
         known.update(dict.fromkeys(_library_names(_tags(self._model.metamodels, wanted))))
         last = _last_step(_normal(name))
         folded = [each for each in known if each.lower() == last.lower()]
         return folded or get_close_matches(last, known, n=3, cutoff=0.6)
 
-    def others(self, name: str, document: Document) -> list[Any]:
+    def others(self, name: str, document: Document) -> list[EObject]:
         """Returns the elements of any class that a name means in a document and its imports."""
         text = _normal(name)
         found = (
@@ -82,13 +85,13 @@ class NameFinder:
         )
         return [each for elements in found for each in elements if _matches(each, text)]
 
-    def label(self, element: Any) -> str:
+    def label(self, element: EObject) -> str:
         """Returns how messages name an element that is one of several: its names and its file."""
         document = self._model.document_of(element)
         file_name = document.path.name if document is not None else ""
         return f"{qualified_name(element)} ({file_name})"
 
-    def how_to_choose(self, elements: list[Any]) -> str:
+    def how_to_choose(self, elements: list[EObject]) -> str:
         """Returns what makes one of several elements the one that is meant."""
         documents = [self._model.document_of(each) for each in elements]
         shipped = [each.path for each in documents if each is not None and each.is_library]
@@ -97,11 +100,11 @@ class NameFinder:
         path = shipped[-1].relative_to(library_root().resolve()).with_suffix("")
         return f"import the document that is meant, for example: import `{'.'.join(path.parts)}`"
 
-    def kind(self, element: Any) -> str:
+    def kind(self, element: EObject) -> str:
         """Returns the class of an element with its package."""
         return self._model.metamodels.class_of(element).qualified_name
 
-    def location(self, element: Any) -> Location:
+    def location(self, element: EObject) -> Location:
         """Returns where an element is written."""
         return self._model.location(element)
 
@@ -112,15 +115,19 @@ class NameFinder:
         found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
         return list(dict.fromkeys(each for each in found if isinstance(each, Document)))
 
-    def _within(self, documents: Iterable[Document], name: str, wanted: ClassTable) -> list[Any]:
+    def _within(
+        self, documents: Iterable[Document], name: str, wanted: ClassTable
+    ) -> list[EObject]:
         return [each for one in documents for each in self._in_document(one, name, wanted)]
 
-    def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[Any]:
+    def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
         text = _normal(name)
         candidates = self._index(document).get(_last_step(text), ())
         return [each for each in candidates if self._is_a(each, wanted) and _matches(each, text)]
 
-    def _in_what_owners_refer_to(self, name: str, wanted: ClassTable, owner: Any) -> list[Any]:
+    def _in_what_owners_refer_to(
+        self, name: str, wanted: ClassTable, owner: EObject | None
+    ) -> list[EObject]:
         """Returns the elements that stand in what the owners of an element refer to.
 
         A topic names a join of the map that its connection refers to, wherever that map stands.
@@ -137,7 +144,7 @@ class NameFinder:
                 return found
         return []
 
-    def _referred(self, element: Any) -> list[Any]:
+    def _referred(self, element: EObject) -> list[EObject]:
         """Returns what the references of an element that take one value refer to."""
         features = self._model.metamodels.class_of(element).features.values()
         single = [
@@ -147,7 +154,7 @@ class NameFinder:
         return [value for value in values if value is not None]
 
     @staticmethod
-    def _innermost(candidates: list[Any], owner: Any) -> list[Any]:
+    def _innermost(candidates: list[EObject], owner: EObject | None) -> list[EObject]:
         others = [each for each in candidates if each is not owner]
         around = {id(each): set(map(id, _lineage(each))) for each in others}
         for scope in _lineage(owner):
@@ -156,27 +163,27 @@ class NameFinder:
                 return inside
         return others
 
-    def _is_a(self, element: Any, wanted: ClassTable) -> bool:
+    def _is_a(self, element: EObject, wanted: ClassTable) -> bool:
         return self._model.metamodels.class_of(element) in wanted.subtypes
 
-    def _index(self, document: Document) -> dict[str, list[Any]]:
+    def _index(self, document: Document) -> dict[str, list[EObject]]:
         index = self._indices.get(document)
         if index is None:
             index = self._indices[document] = {}
             for element in self._model.elements_of(document):
-                name = getattr(element, "name", None)
+                name = name_of(element)
                 if name:
                     index.setdefault(_last_step(_normal(name)), []).append(element)
         return index
 
 
-def qualified_name(element: Any) -> str:
+def qualified_name(element: EObject) -> str:
     """Returns the names of an element and of its owners, joined by dots."""
-    names = (getattr(each, "name", None) for each in _lineage(element))
+    names = map(name_of, _lineage(element))
     return ".".join(reversed([name for name in names if name]))
 
 
-def depth(element: Any) -> int:
+def depth(element: EObject) -> int:
     """Returns how many owners an element has, and itself."""
     return len(_lineage(element))
 
@@ -235,12 +242,17 @@ def _last_step(name: str) -> str:
     return name.rpartition(".")[2]
 
 
-def _matches(element: Any, text: str) -> bool:
+def _matches(element: EObject, text: str) -> bool:
     path = _normal(qualified_name(element))
     return path == text or path.endswith(f".{text}")
 
 
-def _lineage(element: Any) -> list[Any]:
+def name_of(element: EObject) -> str:
+    """Returns the name of an element, empty when it has none."""
+    return getattr(element, "name", None) or ""
+
+
+def _lineage(element: EObject | None) -> list[EObject]:
     """Returns an element and its owners, from the inside out."""
     found = []
     while element is not None:

@@ -8,13 +8,14 @@ attribute of the namespace `NOTATION`: a reference by name.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.rules import RuleInfo
     from jausml.model.xmi.parsing import Node
 
@@ -58,7 +59,7 @@ class Import:
 class Known(Protocol):
     """What the documents around a document already have."""
 
-    def find(self, qualified_class: str, name: str) -> Sequence[Any]:
+    def find(self, qualified_class: str, name: str) -> Sequence[EObject]:
         """Returns the elements of a class that a name means in the document.
 
         Args:

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
+from jausml.metamodel.classes import system
 
 if TYPE_CHECKING:
     from jausml.model.model import Model
 
 
-def system_of(model: Model) -> Any:
-    """Returns the `system.System` of a valid model: that of the file that is generated from.
+def system_of(model: Model) -> system.System:
+    """Returns the system of a valid model: that of the file that is generated from.
 
     Systems of other files have their own workspaces; here they are only referred to.
 
     Raises:
         GenerationError: There is none, or more than one: a workspace is made of one system.
     """
-    systems = [root for root in model.documents[0].roots if root.eClass.name == "System"]
+    systems = [root for root in model.documents[0].roots if isinstance(root, system.System)]
     if len(systems) != 1:
-        names = ", ".join(repr(system.name) for system in systems) or "none"
+        names = ", ".join(repr(each.name) for each in systems) or "none"
         raise GenerationError(f"a workspace is generated from one system; the model has {names}")
     return systems[0]
 

@@ -41,21 +41,22 @@ def library_services(pattern: str = "*.xmi") -> list[Any]:
     return list(read_models(paths).model.instances(jaus.Service))
 
 
-def _services(model: Model) -> Iterator[Any]:
+def _services(model: Model) -> Iterator[jaus.Service]:
     system = system_of(model)
     for component in (*system.components, *system.bridges):
         yield from component.provides
         yield from component.uses
         for connection in component.connections:
             yield from _owners(connection.message, connection.query)
-    for bridge in system.bridges:
-        for connection in bridge.bridgeConnections:
-            yield from _owners(connection.map.message, connection.query)
+    for owner in system.bridges:
+        for each in owner.bridgeConnections:
+            yield from _owners(each.map.message, each.query)
 
 
-def _owners(*messages: Any) -> Iterator[Any]:
-    yield from (message.eContainer() for message in messages if message is not None)
+def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:
+    owners = (message.eContainer() for message in messages if message is not None)
+    yield from (owner for owner in owners if owner is not None)
 
 
-def _is_core(service: Any) -> bool:
+def _is_core(service: jaus.Service) -> bool:
     return str(service.urn).startswith(CORE)

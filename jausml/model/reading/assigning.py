@@ -17,6 +17,7 @@ from jausml.model.reading.problems import Attribute, Place, Problems
 from jausml.model.values import convert
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.xmi.parsing import Node
 
@@ -38,7 +39,7 @@ class Reference:
     """
 
     place: Place
-    owner: Any
+    owner: EObject
     feature: FeatureTable
     uri: str = ""
     fragment: str = ""
@@ -123,7 +124,7 @@ class Assigner:
         place = Place(self._document, child, ("", "href"))
         self._note(place, node.obj, feature, uri, fragment)
 
-    def _local(self, place: Place, obj: Any, feature: FeatureTable, text: str) -> None:
+    def _local(self, place: Place, obj: EObject, feature: FeatureTable, text: str) -> None:
         """Notes blank-separated references: `id`, `//@a.0`, `#id` or `prefix:Class file#id`."""
         found: list[tuple[str, str]] = []
         typed = False
@@ -149,7 +150,7 @@ class Assigner:
         for uri, fragment in found:
             self._note(place, obj, feature, uri, fragment)
 
-    def _can_stand_in(self, place: Place, obj: Any, feature: FeatureTable) -> bool:
+    def _can_stand_in(self, place: Place, obj: EObject, feature: FeatureTable) -> bool:
         """EMF makes a placeholder of the feature's class for `file#id` without a class."""
         if not target_class(feature).abstract:
             return True
@@ -159,14 +160,16 @@ class Assigner:
         self._problems.report("JML104", place, message, hint)
         return False
 
-    def _note(self, place: Place, obj: Any, feature: FeatureTable, uri: str, fragment: str) -> None:
+    def _note(
+        self, place: Place, obj: EObject, feature: FeatureTable, uri: str, fragment: str
+    ) -> None:
         self._references.append(Reference(place, obj, feature, uri, fragment))
 
     def _set(
         self,
         node: Node,
         attribute: Attribute | None,
-        obj: Any,
+        obj: EObject,
         feature: FeatureTable,
         texts: list[str],
     ) -> None:
@@ -189,7 +192,7 @@ class Assigner:
             set_value(obj, feature, values[0])
 
     def _check_repeated(
-        self, place: Place, obj: Any, feature: FeatureTable, values: list[Any]
+        self, place: Place, obj: EObject, feature: FeatureTable, values: list[Any]
     ) -> None:
         """Reports a value that the set of a unique feature will hold once only."""
         seen: list[Any] = []

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.metamodel.filling import count
 from jausml.model.reading.problems import Place
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
     from jausml.model.reading.problems import Problems
@@ -68,6 +69,6 @@ def _how(feature: FeatureTable) -> str:
     return f"it takes {'a reference to ' if feature.is_reference else ''}{feature.type_name}"
 
 
-def _label(table: ClassTable, obj: Any) -> str:
+def _label(table: ClassTable, obj: EObject) -> str:
     name = getattr(obj, "name", None)
     return f"{table.name} '{name}'" if name else table.name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Diagnostic, Location, Related
 from jausml.model.rules import READER_RULES
@@ -12,6 +12,7 @@ from jausml.model.rules import READER_RULES
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Severity
     from jausml.model.documents import Document
     from jausml.model.model import Model
@@ -70,11 +71,11 @@ class Problems:
         """Reports a finding; its severity is that of the rule."""
         self._drafts.append(_Draft(rule, place, message, hint, related))
 
-    def spoil(self, obj: Any, feature: str) -> None:
+    def spoil(self, obj: EObject, feature: str) -> None:
         """Notes that a feature of an element has a finding."""
         self._spoilt.add((id(obj), feature))
 
-    def is_spoilt(self, obj: Any, feature: str) -> bool:
+    def is_spoilt(self, obj: EObject, feature: str) -> bool:
         """Tells whether a feature of an element has a finding."""
         return (id(obj), feature) in self._spoilt
 
@@ -100,7 +101,7 @@ def _finish(draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
     )
 
 
-def _nearest(node: Node | None) -> Any:
+def _nearest(node: Node | None) -> EObject | None:
     """Returns the model element of an XML element or of the nearest one around it."""
     while node is not None and node.obj is None:
         node = node.parent

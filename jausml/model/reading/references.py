@@ -19,6 +19,7 @@ from jausml.model.values import show
 from jausml.model.xmi.fragments import Found, FragmentFinder
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
     from jausml.model.names import NameFinder
     from jausml.model.reading.assigning import Reference
@@ -99,7 +100,7 @@ class Resolution:
         else:
             link(reference.owner, reference.feature, target)
 
-    def _target(self, reference: Reference) -> Any:
+    def _target(self, reference: Reference) -> EObject | None:
         """Returns the element referred to, None when a finding explains why there is none."""
         document = reference.place.document
         if reference.name:
@@ -117,7 +118,7 @@ class Resolution:
         if found is None:
             self._report_unresolved(reference, document)
             return None
-        target = found.node.obj
+        target: EObject | None = found.node.obj
         if found.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
             self._report("JML202", reference, f"reference {what} leads back to itself")
@@ -144,7 +145,7 @@ class Resolution:
         finally:
             self._following.discard(node)
 
-    def _fits(self, reference: Reference, target: Any) -> bool:
+    def _fits(self, reference: Reference, target: EObject) -> bool:
         wanted = reference.feature.target
         actual = self._metamodels.class_of(target)
         if wanted is None or actual in wanted.subtypes:
@@ -157,7 +158,7 @@ class Resolution:
         )
         return False
 
-    def _contain(self, reference: Reference, target: Any) -> None:
+    def _contain(self, reference: Reference, target: EObject) -> None:
         owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
@@ -174,7 +175,7 @@ class Resolution:
             owner = owner.eContainer()
         link(reference.owner, reference.feature, target)
 
-    def _check_container(self, reference: Reference, target: Any) -> None:
+    def _check_container(self, reference: Reference, target: EObject) -> None:
         """The owner of an element follows from its place; writing it again changes nothing."""
         if reference.owner.eContainer() is not target:
             self._report(
@@ -231,6 +232,6 @@ def _where(reference: Reference) -> str:
     return f"feature '{reference.feature.name}' of {_label(reference.owner)}"
 
 
-def _label(obj: Any) -> str:
+def _label(obj: EObject) -> str:
     name = getattr(obj, "name", None)
     return f"{obj.eClass.name} '{name}'" if name else str(obj.eClass.name)

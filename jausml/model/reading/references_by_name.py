@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Related
 from jausml.model.names import NameFinder, qualified_name
@@ -10,6 +10,7 @@ from jausml.model.reading.naming import target_class
 from jausml.model.values import show
 
 if TYPE_CHECKING:
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.reading.assigning import Reference
     from jausml.model.reading.problems import Problems
 
@@ -30,7 +31,7 @@ class NameResolution:
         self._problems = problems
         self._suggestions = 0
 
-    def target(self, reference: Reference) -> Any:
+    def target(self, reference: Reference) -> EObject | None:
         """Returns the element, None when a finding explains why there is none."""
         document = reference.place.document
         wanted = target_class(reference.feature)
@@ -43,7 +44,7 @@ class NameResolution:
             self._report_unknown(reference)
         return None
 
-    def _report_ambiguous(self, reference: Reference, found: list[Any]) -> None:
+    def _report_ambiguous(self, reference: Reference, found: list[EObject]) -> None:
         names = [self._names.label(each) for each in found]
         more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
         self._problems.report(
@@ -54,7 +55,7 @@ class NameResolution:
             tuple(self._related(each) for each in found[:_FEW]),
         )
 
-    def _related(self, element: Any) -> Related:
+    def _related(self, element: EObject) -> Related:
         return Related(self._names.location(element), qualified_name(element))
 
     def _report_unknown(self, reference: Reference) -> None:

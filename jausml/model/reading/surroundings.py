@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import jaus
 from jausml.model.names import NameFinder, library_codes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
 
@@ -29,7 +31,7 @@ class Surroundings:
         self._names = names
         self._document = document
 
-    def find(self, qualified_class: str, name: str) -> list[Any]:
+    def find(self, qualified_class: str, name: str) -> list[EObject]:
         """Returns the elements of a class that a name means in the document."""
         wanted = self._model.metamodels.classes[qualified_class]
         return self._names.find(name, wanted, self._document, None)
@@ -44,7 +46,7 @@ class Surroundings:
         codes = set(library_codes())
         for document in in_order_of_import([self._document]):
             for element in self._model.elements_of(document):
-                if element.eClass.name == "MessageDef" and element.code:
+                if isinstance(element, jaus.MessageDef) and element.code:
                     codes.add(int(element.code, _HEXADECIMAL))
         return codes
 

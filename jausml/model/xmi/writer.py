@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any, cast
 from urllib.parse import quote
 
 from jausml.metamodel import DataTypeTable, FeatureKind, FeatureTable, ValueKind
-from jausml.metamodel.filling import count
+from jausml.metamodel.filling import count, is_set
 from jausml.model.uris import LIBRARY_URI, library_root
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.metamodel import ClassTable
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
 _ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD;", "\t": "&#x9;"}
@@ -40,7 +41,7 @@ class UnwritableError(ValueError):
     """A model holds what XMI cannot say: a character, or a reference to no document."""
 
 
-def to_xmi(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> str:
+def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
     """Returns root elements with all that they own as an XMI document.
 
     Args:
@@ -56,7 +57,7 @@ def to_xmi(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> 
     return _DocumentWriter(roots, model, Path(path)).text()
 
 
-def write_model(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> None:
+def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> None:
     """Writes root elements to a file, which is either old or new at any moment.
 
     Args:
@@ -96,13 +97,13 @@ def replace_file(path: Path, data: bytes) -> None:
 class _DocumentWriter:
     """Writes one document."""
 
-    def __init__(self, roots: Sequence[Any], model: Model, path: Path) -> None:
+    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
         self._roots = list(roots)
         self._model = model
         self._home = model.document_of(self._roots[0]) if self._roots else None
         self._class_of = model.metamodels.class_of
         self._folder = Path(os.path.realpath(path)).parent
-        self._fragments: dict[Any, str] = {}
+        self._fragments: dict[EObject, str] = {}
         self._identifiers: set[str] = set()
         self._prefixes: set[str] = set()
         self._has_types = False
@@ -132,7 +133,7 @@ class _DocumentWriter:
             if name in self._prefixes:
                 yield f' xmlns:{name}="{_attribute(uri)}"'
 
-    def _name_fragments(self, root: Any, path: str) -> None:
+    def _name_fragments(self, root: EObject, path: str) -> None:
         """Notes how an element and all below it are referred to: by id, else by path."""
         pending = [(root, path)]
         while pending:
@@ -149,14 +150,14 @@ class _DocumentWriter:
                         steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
                     pending += [step for step in reversed(steps) if not self._is_apart(step[0])]
 
-    def _is_apart(self, obj: Any) -> bool:
+    def _is_apart(self, obj: EObject) -> bool:
         """Tells whether an owned element is the root of another document, which keeps it."""
         document = self._model.document_of(obj)
         if document is None or document is self._home:
             return False
         return document.root_position(obj) is not None
 
-    def _identifying_value(self, obj: Any) -> str | None:
+    def _identifying_value(self, obj: EObject) -> str | None:
         """Returns the value of the attribute that identifies an element, None without one."""
         feature = self._class_of(obj).id_feature
         value = getattr(obj, feature.name) if feature is not None else None
@@ -167,7 +168,7 @@ class _DocumentWriter:
         return table.qualified_name.replace(".", ":")
 
     def _element(
-        self, obj: Any, table: ClassTable, tag: str, head: str, indent: str
+        self, obj: EObject, table: ClassTable, tag: str, head: str, indent: str
     ) -> Iterator[str]:
         """Yields the lines of an element."""
         identifier = self._model.identifier(obj)
@@ -191,7 +192,7 @@ class _DocumentWriter:
         yield from lines
         yield f"{indent}</{tag.partition(' ')[0]}>"
 
-    def _as_attribute(self, obj: Any, feature: FeatureTable) -> str | None:
+    def _as_attribute(self, obj: EObject, feature: FeatureTable) -> str | None:
         """Returns ` name="value"`; empty when nothing is written, None for child elements."""
         if feature.kind is FeatureKind.CONTAINER or not is_written(obj, feature):
             return ""
@@ -207,7 +208,7 @@ class _DocumentWriter:
             return None
         return f' {feature.name}="{_attribute(" ".join(self._fragments[t] for t in targets))}"'
 
-    def _children(self, obj: Any, feature: FeatureTable, indent: str) -> Iterator[str]:
+    def _children(self, obj: EObject, feature: FeatureTable, indent: str) -> Iterator[str]:
         """Yields the child elements of a feature."""
         name = feature.name
         value = getattr(obj, name)
@@ -231,13 +232,13 @@ class _DocumentWriter:
         self._has_types = True
         return f' xsi:type="{self._tag(table)}"'
 
-    def _href(self, target: Any) -> str:
+    def _href(self, target: EObject) -> str:
         if target in self._fragments:
             return f"#{self._fragments[target]}"
         return external_href(target, self._model, self._folder)
 
 
-def external_href(target: Any, model: Model, folder: Path) -> str:
+def external_href(target: EObject, model: Model, folder: Path) -> str:
     """Returns the URI and fragment by which files name an element of another document.
 
     Args:
@@ -262,7 +263,7 @@ def external_href(target: Any, model: Model, folder: Path) -> str:
     return f"{quote(place)}#{fragment}"
 
 
-def is_written(obj: Any, feature: FeatureTable) -> bool:
+def is_written(obj: EObject, feature: FeatureTable) -> bool:
     """Tells whether a feature must be written: reading without it would not yield its value.
 
     Args:
@@ -272,7 +273,7 @@ def is_written(obj: Any, feature: FeatureTable) -> bool:
     if feature.many:
         return count(obj, feature) > 0
     if feature.unsettable:
-        return feature.name in obj.__dict__ and feature.feature in obj._isset  # noqa: SLF001
+        return is_set(obj, feature)
     return _differs(getattr(obj, feature.name), feature.default)
 
 
