@@ -5,16 +5,19 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 from textwrap import indent
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH, python_string, yaml_string
 from jausml.generators.common.components import TRANSPORTS, host_of
 from jausml.generators.common.ros import import_lines, parameter_value
 from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import package_name
+from jausml.metamodel.classes import jaus, ros
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from jausml.metamodel.classes.system import Host, System
 
 _COMMAND_COLUMN = 16
 """Column of the arguments of an action in a launch file."""
@@ -241,11 +244,11 @@ class BringupView:
     """The bring-up package of a system.
 
     Args:
-        system: The `system.System`.
+        system: The system.
         source: Model file.
     """
 
-    system: Any
+    system: System
     source: str
 
     @property
@@ -262,8 +265,8 @@ class BringupView:
     def processes(self) -> tuple[ProcessView, ...]:
         """Components, bridges and nodes, in the order in which they are started."""
         components = [self._process(item, "component") for item in self.system.components]
-        bridges = [self._process(item, "bridge") for item in self.system.bridges]
-        nodes = [self._process(item, "node") for item in self.system.nodes]
+        bridges = [self._process(item, "bridge", item.namespace) for item in self.system.bridges]
+        nodes = [self._process(item, "node", item.namespace) for item in self.system.nodes]
         return tuple(components + bridges + nodes)
 
     @property
@@ -298,7 +301,7 @@ class BringupView:
         return tuple(sorted(packages | {"ament_index_python", "launch", "launch_ros"}))
 
     def _launch(
-        self, name: str, documentation: str, host: Any, processes: tuple[ProcessView, ...]
+        self, name: str, documentation: str, host: Host | None, processes: tuple[ProcessView, ...]
     ) -> LaunchView:
         return LaunchView(
             name=name,
@@ -310,26 +313,28 @@ class BringupView:
             processes=processes,
         )
 
-    def _process(self, element: Any, kind: str) -> ProcessView:
+    def _process(
+        self, element: jaus.Component | ros.Node, kind: str, namespace: str | None = ""
+    ) -> ProcessView:
         host = host_of(self.system, element)
-        parameters = element.parameters if kind == "node" else ()
+        parameters = element.parameters if isinstance(element, ros.Node) else ()
         return ProcessView(
             name=element.name,
             kind=kind,
-            namespace=str(element.namespace or "") if kind != "component" else "",
+            namespace=namespace or "",
             host=host.name if host is not None else "",
             transport=_transport(host),
             parameters={each.name: parameter_value(each) for each in parameters},
         )
 
 
-def _transport(host: Any) -> tuple[str, ...]:
+def _transport(host: Host | None) -> tuple[str, ...]:
     if host is None:
         return tuple(each.default for each in SETTINGS)
     return tuple(_value(host, each.feature) for each in SETTINGS)
 
 
-def _value(host: Any, feature: str) -> str:
+def _value(host: Host, feature: str) -> str:
     value = getattr(host, feature)
     return TRANSPORTS[value.name] if feature == "transport" else str(value)
 

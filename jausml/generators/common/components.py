@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from jausml.metamodel.classes import jaus, ros
+    from jausml.metamodel.classes.system import Host, System
 
 CORE = "urn:jaus:jss:core:"
 """Prefix of the URNs of the core services (AS5710)."""
@@ -103,24 +106,24 @@ SUBSYSTEM_TYPES = {
 """Type that Discovery reports, by literal of SubsystemType (AS5710, ReportIdentification)."""
 
 
-def is_core_message(message: Any) -> bool:
+def is_core_message(message: jaus.MessageDef) -> bool:
     """Tells whether the runtime brings the class of a message.
 
     Args:
-        message: The `jaus.MessageDef`.
+        message: The message.
     """
     owner = message.eContainer()
-    of_core = str(getattr(owner, "urn", "")).startswith(CORE)
+    of_core = owner is not None and str(owner.urn).startswith(CORE)
     return of_core and CORE_MESSAGES.get(str(message.name)) == int(str(message.code), 16)
 
 
-def with_inherited(services: Iterable[Any]) -> list[Any]:
+def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services and those that they inherit, the inherited ones first, each once.
 
     Args:
-        services: `jaus.Service` elements.
+        services: The services.
     """
-    found: list[Any] = []
+    found: list[jaus.Service] = []
     for service in services:
         chain = [service]
         while chain[-1].inherits is not None and chain[-1].inherits not in chain:
@@ -129,24 +132,24 @@ def with_inherited(services: Iterable[Any]) -> list[Any]:
     return found
 
 
-def inherits(service: Any, name: str) -> bool:
+def inherits(service: jaus.Service, name: str) -> bool:
     """Tells whether a service is, or inherits, a core service.
 
     Args:
-        service: The `jaus.Service`.
+        service: The service.
         name: Name of the core service, e.g. `Management`.
     """
     return any(each.urn == CORE + name for each in with_inherited([service]))
 
 
-def service_identities(services: Iterable[Any]) -> tuple[Call, ...]:
+def service_identities(services: Iterable[jaus.Service]) -> tuple[Call, ...]:
     """Returns what Discovery reports of services and those that they inherit.
 
     Service sets of different age may inherit different versions of a core service; the component
     speaks the newest of them.
 
     Args:
-        services: `jaus.Service` elements.
+        services: The services.
     """
     versions: dict[str, tuple[int, int]] = {}
     for service in with_inherited(services):
@@ -159,11 +162,11 @@ def service_identities(services: Iterable[Any]) -> tuple[Call, ...]:
     )
 
 
-def address_call(component: Any) -> Call:
+def address_call(component: jaus.Component) -> Call:
     """Returns the address of a component as a Python expression.
 
     Args:
-        component: The `jaus.Component`.
+        component: The component.
     """
     return Call("JausAddress", tuple(str(int(part)) for part in component.address.split(".")))
 
@@ -174,25 +177,25 @@ TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
-def host_of(system: Any, element: Any) -> Any:
+def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     """Returns the host that an element runs on, the first one without a placement, or None.
 
     Args:
-        system: The `system.System`.
+        system: The system.
         element: A component, bridge or node of the system.
     """
     for placement in system.placements:
-        if element in placement.components or element in placement.nodes:
+        if element in (*placement.components, *placement.nodes):
             return placement.host
     return system.hosts[0] if system.hosts else None
 
 
-def transport_settings(system: Any, component: Any) -> Call:
+def transport_settings(system: System, component: jaus.Component) -> Call:
     """Returns the transport settings of the host that a component runs on.
 
     Args:
-        system: The `system.System`.
-        component: The `jaus.Component`.
+        system: The system.
+        component: The component.
     """
     host = host_of(system, component)
     if host is None:
@@ -211,12 +214,12 @@ def transport_settings(system: Any, component: Any) -> Call:
     return Call("TransportSettings", tuple(arguments))
 
 
-def transport_names(system: Any, component: Any) -> set[tuple[str, str]]:
+def transport_names(system: System, component: jaus.Component) -> set[tuple[str, str]]:
     """Returns what `transport_settings` needs, as pairs of module and name.
 
     Args:
-        system: The `system.System`.
-        component: The `jaus.Component`.
+        system: The system.
+        component: The component.
     """
     host = host_of(system, component)
     names = {"TransportSettings"}
@@ -227,24 +230,24 @@ def transport_names(system: Any, component: Any) -> set[tuple[str, str]]:
     return {("jausml_runtime.base.settings", name) for name in names}
 
 
-def _peers_elsewhere(system: Any, host: Any) -> list[str]:
+def _peers_elsewhere(system: System, host: Host) -> list[str]:
     """Returns the components on other hosts, which TCP cannot find by itself."""
     if host.transport.name != "jtcp":
         return []
     elements = [*system.components, *system.bridges]
     placed = [(each, host_of(system, each)) for each in elements]
     return [
-        f"{element.address}={where.interface}:{int(where.port)}"
+        f"{element.address}={where.interface}:{where.port}"
         for element, where in placed
-        if where is not host
+        if where is not None and where is not host
     ]
 
 
-def query_for(report: Any, services: Iterable[Any]) -> Any | None:
+def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
     """Returns the query that a report answers: QueryX for ReportX, or X.
 
     Args:
-        report: The `jaus.MessageDef` of the report.
+        report: The report.
         services: Where to look for the query.
     """
     name = str(report.name)
@@ -256,11 +259,11 @@ def query_for(report: Any, services: Iterable[Any]) -> Any | None:
     return None
 
 
-def report_for(query: Any, services: Iterable[Any]) -> Any | None:
+def report_for(query: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus.MessageDef | None:
     """Returns the report that answers a query: ReportX, or X, for QueryX.
 
     Args:
-        query: The `jaus.MessageDef` of the query.
+        query: The query.
         services: Where to look for the report.
     """
     name = str(query.name)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH
 from jausml.generators.python.names import Scope, class_name
+from jausml.semantics.installed import kind_of, package_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from jausml.metamodel.classes import ros
 
 _POLICIES = {
     "reliability": ("ReliabilityPolicy", "reliable"),
@@ -53,10 +56,9 @@ class RosType:
         return f"{self.package}/{self.kind}/{self.name}"
 
 
-def ros_type(element: Any) -> RosType:
-    """Returns the type of a modelled MessageType, ServiceType or ActionType."""
-    kind = {"MessageType": "msg", "ServiceType": "srv", "ActionType": "action"}[element.eClass.name]
-    return RosType(element.eContainer().name, kind, element.name)
+def ros_type(element: ros.MessageType | ros.ServiceType | ros.ActionType) -> RosType:
+    """Returns the type of a modelled type, which belongs to a package."""
+    return RosType(package_of(element), kind_of(element), element.name)
 
 
 def local_names(types: Iterable[RosType], taken: Iterable[str]) -> dict[RosType, str]:
@@ -94,7 +96,7 @@ class Qos:
     imports: tuple[tuple[str, str], ...]
 
 
-def qos(profile: Any) -> Qos:
+def qos(profile: ros.QoSProfile | None) -> Qos:
     """Returns the Python text of a modelled QoSProfile, or of the default (depth 10) for None.
 
     Policies that equal rclpy's defaults are left out.
@@ -115,7 +117,7 @@ def qos(profile: Any) -> Qos:
     return Qos(tuple(arguments), tuple(imports))
 
 
-def parameter_value(parameter: Any) -> bool | int | float | str:
+def parameter_value(parameter: ros.Parameter) -> bool | int | float | str:
     """Returns the default value of a valid modelled Parameter."""
     text = str(parameter.value)
     kind = parameter.type.name

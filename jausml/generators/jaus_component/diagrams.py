@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.languages.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
 from jausml.semantics.inherited_machines import CORE_STATES, Machine, event_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from jausml.metamodel.classes import jaus
 
 _INDENT = "    "
 
@@ -84,7 +86,7 @@ def _states(
             yield f'{margin}state "{name}" as {keys[path]}'
 
 
-def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: Any) -> str:
+def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.Transition) -> str:
     message = transition.message
     label = message.name if message is not None else event_name(transition.event) or "anything else"
     guard = parse_guard(transition.guard)

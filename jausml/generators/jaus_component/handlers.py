@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract
 from jausml.generation.docstrings import clean, docstring, sentence
@@ -12,6 +12,7 @@ from jausml.generators.python.layout import Call, signature, statement
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
 
 GUARD_TEXTS = {
     "ANY": "from whoever sends it",
@@ -141,7 +142,7 @@ class Received:
     """A report that a service connection brings.
 
     Attributes:
-        connection: The `jaus.ServiceConnection`.
+        connection: The connection.
         query: The query for the report.
         report: The report.
         peer: Who sends it.
@@ -149,7 +150,7 @@ class Received:
         silent: The method that is told of the provider's silence.
     """
 
-    connection: Any
+    connection: jaus.ServiceConnection
     query: MessageView
     report: MessageView
     peer: Peer
@@ -185,11 +186,11 @@ class Received:
         return Call(self.query.class_name, arguments if wanted else ())
 
 
-def documented(element: Any, otherwise: str) -> str:
+def documented(element: jaus.NamedElement, otherwise: str) -> str:
     """Returns what the model says of an element, as a sentence.
 
     Args:
-        element: A NamedElement of the model.
+        element: The element.
         otherwise: Clean text for an element without documentation.
     """
     return sentence(clean(element.documentation) or otherwise)

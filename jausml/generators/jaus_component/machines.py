@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.docstrings import clean, sentence
 from jausml.generation.literals import python_string
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
 
 STANDARD_GUARDS = {
     "isControllingClient": "is_controlling_client",
@@ -101,7 +102,10 @@ class Machines:
     """
 
     def __init__(
-        self, services: tuple[Any, ...], messages: Mapping[Any, MessageView], scope: names.Scope
+        self,
+        services: tuple[jaus.Service, ...],
+        messages: Mapping[jaus.MessageDef, MessageView],
+        scope: names.Scope,
     ) -> None:
         self._services = services
         self._messages = messages
@@ -109,7 +113,7 @@ class Machines:
         self._machines = machines_of(services)
         self._guards: dict[str, _Use] = {}
         self._actions: dict[tuple[str, int], _Use] = {}
-        self._taken: dict[int, tuple[Any, bool]] = {}
+        self._taken: dict[int, tuple[jaus.MessageDef, bool]] = {}
         for machine in self._machines:
             for _, transition in self._transitions(machine):
                 self._use_transition(transition, extends_core=machine.extends_core)
@@ -119,14 +123,14 @@ class Machines:
 
     # -- what is used ----------------------------------------------------------------------------
 
-    def _transitions(self, machine: Machine) -> Iterator[tuple[Node, Any]]:
+    def _transitions(self, machine: Machine) -> Iterator[tuple[Node, jaus.Transition]]:
         for node in machine.nodes.values():
             for state in node.elements:
                 for transition in [*state.transitions, *state.defaults]:
                     if not is_core_trigger(transition):
                         yield node, transition
 
-    def _use_transition(self, transition: Any, *, extends_core: bool) -> None:
+    def _use_transition(self, transition: jaus.Transition, *, extends_core: bool) -> None:
         message, kind = transition.message, None
         is_plain = message is None
         if message is not None:
@@ -144,7 +148,9 @@ class Machines:
                 _note(use, kind, is_plain=is_plain)
         self._use_actions(transition.actions, kind, is_plain=is_plain)
 
-    def _use_actions(self, actions: Iterable[Any], kind: str | None, *, is_plain: bool) -> None:
+    def _use_actions(
+        self, actions: Iterable[jaus.Action], kind: str | None, *, is_plain: bool
+    ) -> None:
         for action in actions:
             use = self._actions.setdefault(_key(action), _Use(_action_name(action), ""))
             use.documentation = use.documentation or clean(action.documentation)
@@ -152,7 +158,7 @@ class Machines:
                 use.report = self._view(action.sends)
             _note(use, kind, is_plain=is_plain)
 
-    def _view(self, message: Any) -> MessageView:
+    def _view(self, message: jaus.MessageDef) -> MessageView:
         return self._messages[message]
 
     # -- what is generated -----------------------------------------------------------------------
@@ -221,11 +227,11 @@ class Machines:
         """
         return code in self._taken
 
-    def registration(self, message: Any, service: Any) -> str:
+    def registration(self, message: jaus.MessageDef, service: jaus.Service) -> str:
         """Returns the statement of the constructor that gives a message to the machines.
 
         Args:
-            message: The `jaus.MessageDef`.
+            message: The message.
             service: The service that takes it.
         """
         view = self._view(message)
@@ -254,31 +260,24 @@ class Machines:
             is_core = machine.extends_core and node.path in CORE_STATES
             if not is_core and machine.initial(node.path.rpartition(".")[0]) == node.path:
                 items.append("initial=True")
-            for feature in ("entry", "exit"):
-                actions = [a for state in node.elements for a in getattr(state, feature)]
+            entry = [action for state in node.elements for action in state.entry]
+            leaving = [action for state in node.elements for action in state.exit]
+            for argument, actions in (("entry=", entry), ("exit=", leaving)):
                 if actions:
-                    items.append(tuple_of(f"{feature}=", *map(self._reference, actions)))
-            for feature in ("transitions", "defaults"):
-                found = [
-                    self._on(machine, node.path, transition)
-                    for state in node.elements
-                    for transition in getattr(state, feature)
-                    if not is_core_trigger(transition)
-                ]
-                if found:
-                    items.append(tuple_of(f"{feature}=", *found))
+                    items.append(tuple_of(argument, *map(self._reference, actions)))
+            for argument, transitions in (
+                ("transitions=", generated_transitions(node)),
+                ("defaults=", generated_defaults(node)),
+            ):
+                if transitions:
+                    found = [self._on(machine, node.path, each) for each in transitions]
+                    items.append(tuple_of(argument, *found))
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
 
     def _ways(self, machine: Machine) -> Iterator[Display]:
         listed = {
-            path: [
-                (feature, transition)
-                for state in node.elements
-                for feature in ("transitions", "defaults")
-                for transition in getattr(state, feature)
-                if not is_core_trigger(transition)
-            ]
+            path: (generated_transitions(node), generated_defaults(node))
             for path, node in machine.nodes.items()
         }
         for way in walks(machine, listed):
@@ -290,13 +289,13 @@ class Machines:
                 ),
             )
 
-    def _named(self, trigger: Any) -> str:
+    def _named(self, trigger: jaus.MessageDef | str) -> str:
         """Returns the name of a trigger as a Python string."""
         return python_string(
             trigger if isinstance(trigger, str) else self._view(trigger).class_name
         )
 
-    def _on(self, machine: Machine, path: str, transition: Any) -> Display:
+    def _on(self, machine: Machine, path: str, transition: jaus.Transition) -> Display:
         items: list[str | Display] = [self._trigger(transition)]
         guard = parse_guard(transition.guard)
         if guard is not None:
@@ -310,7 +309,7 @@ class Machines:
             items.append(f"kind=Kind.{transition.kind.name.upper()}")
         return call("On", *items)
 
-    def _trigger(self, transition: Any) -> str:
+    def _trigger(self, transition: jaus.Transition) -> str:
         if transition.message is not None:
             return self._view(transition.message).class_name
         event = event_name(transition.event)
@@ -325,17 +324,17 @@ class Machines:
         function = {AllOf: "all_of", AnyOf: "any_of"}[type(guard)]
         return call(f"{before}{function}", *map(self._condition, guard.operands))
 
-    def _reference(self, action: Any) -> str:
+    def _reference(self, action: jaus.Action) -> str:
         return f"self.{self._action_methods[_key(action)].name}"
 
 
-def messages_of(services: Iterable[Any]) -> list[Any]:
+def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
     """Returns the messages that trigger transitions of services or that actions send.
 
     Args:
-        services: `jaus.Service` elements, each after those that it inherits.
+        services: Services, each after those that it inherits.
     """
-    found: dict[Any, None] = {}
+    found: dict[jaus.MessageDef | None, None] = {}
     for machine in machines_of(services):
         for state in (state for node in machine.nodes.values() for state in node.elements):
             transitions = [*state.transitions, *state.defaults]
@@ -345,19 +344,26 @@ def messages_of(services: Iterable[Any]) -> list[Any]:
                     actions += transition.actions
                     found[transition.message] = None
             found.update(dict.fromkeys(action.sends for action in actions))
-    found.pop(None, None)
-    return list(found)
+    return [message for message in found if message is not None]
 
 
-def is_core_trigger(transition: Any) -> bool:
-    """Tells whether the services of the runtime act on the message of a transition themselves.
+def generated_transitions(node: Node) -> list[jaus.Transition]:
+    """Returns the transitions of a state that are generated: those that the runtime leaves."""
+    found = (each for state in node.elements for each in state.transitions)
+    return [each for each in found if not is_core_trigger(each)]
 
-    Args:
-        transition: The `jaus.Transition`.
-    """
+
+def generated_defaults(node: Node) -> list[jaus.Transition]:
+    """Returns the default transitions of a state that are generated."""
+    found = (each for state in node.elements for each in state.defaults)
+    return [each for each in found if not is_core_trigger(each)]
+
+
+def is_core_trigger(transition: jaus.Transition) -> bool:
+    """Tells whether the services of the runtime act on the message of a transition themselves."""
     message = transition.message
     owner = None if message is None else message.eContainer()
-    return str(getattr(owner, "urn", "")) in components.RUNTIME_SERVICES
+    return owner is not None and owner.urn in components.RUNTIME_SERVICES
 
 
 def _attribute(machine: Machine) -> str:
@@ -373,12 +379,12 @@ def _note(use: _Use, kind: str | None, *, is_plain: bool) -> None:
     use.is_plain = use.is_plain or is_plain
 
 
-def _key(action: Any) -> tuple[str, int]:
+def _key(action: jaus.Action) -> tuple[str, int]:
     sent = action.sends
     return _action_name(action), int(str(sent.code), 16) if sent is not None else -1
 
 
-def _action_name(action: Any) -> str:
+def _action_name(action: jaus.Action) -> str:
     """Returns the name of an action, without what AS5684 puts before it.
 
     Its Send stands for all messages that a service sends: each has a method of its own.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.docstrings import clean, docstring, sentence
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
     from jausml.generators.jaus_component.machine_views import EventView, MachineView
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus
+    from jausml.metamodel.classes.system import System
 
 _ARGUMENT = 8
 
@@ -70,13 +72,13 @@ class ComponentView:
     """A modelled component.
 
     Args:
-        component: The `jaus.Component`.
-        system: The `system.System` that owns it.
+        component: The component.
+        system: The system that owns it.
         source: Model file.
     """
 
-    component: Any
-    system: Any
+    component: jaus.Component
+    system: System
     source: str
 
     @property
@@ -121,13 +123,13 @@ class ComponentView:
     # -- messages --------------------------------------------------------------------------------
 
     @functools.cached_property
-    def _services(self) -> tuple[Any, ...]:
+    def _services(self) -> tuple[jaus.Service, ...]:
         """Provided services whose messages the component itself handles, bases first."""
         provided = components.with_inherited(self.component.provides)
         return tuple(s for s in provided if s.urn not in components.RUNTIME_SERVICES)
 
     @functools.cached_property
-    def _messages(self) -> dict[Any, MessageView]:
+    def _messages(self) -> dict[jaus.MessageDef, MessageView]:
         """Every message of the component by model element."""
         used = components.with_inherited(self.component.uses)
         services = [*self._services, *(s for s in used if s.urn not in components.RUNTIME_SERVICES)]
@@ -148,11 +150,12 @@ class ComponentView:
         """Class name and bytes of an example of each message of the package, as tuples."""
         return tuple(hexadecimal(v.class_name, example_bytes(v), 4) for v in self.messages)
 
-    def _query_of(self, connection: Any) -> Any:
+    def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:
             return connection.query
         report = connection.message
-        query = components.query_for(report, [report.eContainer()])
+        service = report.eContainer()
+        query = components.query_for(report, [service]) if service is not None else None
         if query is None:
             raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
         return query
@@ -240,7 +243,7 @@ class ComponentView:
             if each.silent:
                 yield each.silent
 
-    def _handler(self, message: Any, service: Any) -> Handler:
+    def _handler(self, message: jaus.MessageDef, service: jaus.Service) -> Handler:
         view, guard = self._messages[message], guard_of(message, service)
         whom = GUARD_TEXTS[guard]
         if guard == "READY" and may_set_limits(message):
@@ -254,7 +257,7 @@ class ComponentView:
         )
         return Handler(view, method, condition(message, guard))
 
-    def _answer(self, query: Any, report: Any) -> Answer:
+    def _answer(self, query: jaus.MessageDef, report: jaus.MessageDef) -> Answer:
         asked, told = self._messages[query], self._messages[report]
         stem = names.snake_case(told.class_name).removeprefix("report_")
         method = Method(
@@ -266,7 +269,7 @@ class ComponentView:
         )
         return Answer(asked, told, method)
 
-    def _received(self, connection: Any) -> Received:
+    def _received(self, connection: jaus.ServiceConnection) -> Received:
         view = self._messages[connection.message]
         identity = f"connection:{connection.name}"
         name = f"on_{names.snake_case(str(connection.name))}"
@@ -291,7 +294,7 @@ class ComponentView:
         return Received(connection, query, view, peer, method, silent)
 
     @functools.cached_property
-    def _peer_of(self) -> dict[Any, Peer]:
+    def _peer_of(self) -> dict[jaus.Component, Peer]:
         scope = names.Scope(frozenset(["CODE", "NAME"]))
         controlled = list(self.component.controls)
         providers = [connection.provider for connection in self.component.connections]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.languages.guards import parse_guard
 from jausml.semantics.inherited_machines import (
@@ -16,7 +16,12 @@ from jausml.semantics.inherited_machines import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import TypeAlias
+
+    from jausml.metamodel.classes import jaus
+
+    Listed: TypeAlias = Mapping[str, tuple[Sequence[jaus.Transition], Sequence[jaus.Transition]]]
 
 LONGEST = 200
 """Ways of one machine; a test of more would say nothing new."""
@@ -33,7 +38,7 @@ class Step:
         state: Path of the state.
     """
 
-    trigger: Any
+    trigger: jaus.MessageDef | str
     refused: int
     state: str
 
@@ -49,14 +54,14 @@ class _Place:
     remembered: tuple[str, ...] = ()
 
 
-def walks(machine: Machine, transitions: dict[str, list[tuple[str, Any]]]) -> list[Walk]:
+def walks(machine: Machine, transitions: Listed) -> list[Walk]:
     """Returns the ways from the start of a machine over each transition from each state.
 
     The way to a state tells what its pushes have remembered, and so where a pop leads.
 
     Args:
         machine: The machine.
-        transitions: Transitions to look at by the path of their state, as (feature, transition).
+        transitions: Transitions to look at by the path of their state: its own, and its defaults.
     """
     found: list[Walk] = []
     reached: set[str] = set()
@@ -79,9 +84,7 @@ def walks(machine: Machine, transitions: dict[str, list[tuple[str, Any]]]) -> li
     return found[:LONGEST]
 
 
-def _steps(
-    machine: Machine, place: _Place, transitions: dict[str, list[tuple[str, Any]]]
-) -> Iterator[tuple[Step, _Place]]:
+def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tuple[Step, _Place]]:
     listed = list(_listed(place.state, transitions))
     triggers = {_trigger(transition): None for _, transition in listed}
     for trigger in triggers:
@@ -97,23 +100,23 @@ def _steps(
             refused += 1
 
 
-def _listed(state: str, transitions: dict[str, list[tuple[str, Any]]]) -> Iterator[tuple[str, Any]]:
+def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transition]]:
     """Yields transitions in the order in which they are tried, with the paths of their states."""
     path = state
     while path:
-        order = ("transitions", "defaults") if path == state else ("defaults", "transitions")
-        for wanted in order:
-            for feature, transition in transitions.get(path, ()):
-                if feature == wanted:
-                    yield path, transition
+        own, defaults = transitions.get(path, ((), ()))
+        for transition in (*own, *defaults) if path == state else (*defaults, *own):
+            yield path, transition
         path = path.rpartition(".")[0]
 
 
-def _trigger(transition: Any) -> Any:
+def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:
     return transition.message or event_name(transition.event) or None
 
 
-def _after(machine: Machine, place: _Place, path: str, transition: Any) -> _Place | None:
+def _after(
+    machine: Machine, place: _Place, path: str, transition: jaus.Transition
+) -> _Place | None:
     """Returns where a transition leads, None when the core services have a say in it."""
     kind = transition.kind.name
     if kind == "pop":

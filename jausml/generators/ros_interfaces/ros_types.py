@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.ros_interfaces.definitions import (
     ConstantLine,
@@ -11,34 +11,36 @@ from jausml.generators.ros_interfaces.definitions import (
     FieldLine,
 )
 from jausml.interfaces.definitions import FieldType
-from jausml.interfaces.parsing import PARTS
+from jausml.metamodel.classes import ros
+from jausml.semantics.installed import kind_of, package_of, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.semantics.installed import InterfaceType
 
-def package_files(package: Any, source: str) -> Iterator[DefinitionFile]:
+
+def package_files(package: ros.InterfacePackage, source: str) -> Iterator[DefinitionFile]:
     """Yields the definition files of a package.
 
     Args:
-        package: The `ros.InterfacePackage`.
+        package: The package.
         source: Model file.
     """
     name = str(package.name)
-    kinds = (("msg", package.messages), ("srv", package.services), ("action", package.actions))
-    for kind, elements in kinds:
-        for element in elements:
-            parts = [element] if kind == "msg" else [getattr(element, part) for part in PARTS[kind]]
-            sections = [_section(part, name) for part in parts]
-            if kind != "msg" and element.documentation:
-                # What stands at the head of the file is said of the whole.
-                texts = (str(element.documentation), sections[0].comment)
-                sections[0].comment = "\n\n".join(filter(None, texts))
-            identity = f"interface:{name}/{element.name}"
-            yield DefinitionFile(name, str(element.name), kind, tuple(sections), identity, source)
+    elements: list[InterfaceType] = [*package.messages, *package.services, *package.actions]
+    for element in elements:
+        kind = kind_of(element)
+        sections = [_section(part, name) for part in parts_of(element)]
+        if kind != "msg" and element.documentation:
+            # What stands at the head of the file is said of the whole.
+            texts = (str(element.documentation), sections[0].comment)
+            sections[0].comment = "\n\n".join(filter(None, texts))
+        identity = f"interface:{name}/{element.name}"
+        yield DefinitionFile(name, str(element.name), kind, tuple(sections), identity, source)
 
 
-def _section(message: Any, package: str) -> DefinitionSection:
+def _section(message: ros.MessageType, package: str) -> DefinitionSection:
     constants = [
         ConstantLine(
             str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")
@@ -49,30 +51,28 @@ def _section(message: Any, package: str) -> DefinitionSection:
     return DefinitionSection(str(message.documentation or ""), constants, fields)
 
 
-def _field(field: Any, package: str) -> FieldLine:
+def _field(field: ros.Field, package: str) -> FieldLine:
     common = (field.arrayKind.name, field.arraySize)
-    if field.eClass.name == "PrimitiveField":
+    if isinstance(field, ros.PrimitiveField):
         kind = FieldType(field.type.name, "", field.stringBound, *common)
         comment = described(field.documentation, field.units, limits_of(field))
         return FieldLine(str(field.name), kind, comment, field.defaultValue)
+    if not isinstance(field, ros.MessageField):
+        raise TypeError(f"{field.name} is a field of no known kind")
     target = field.messageType
-    owner = str(target.eContainer().name)
+    owner = package_of(target)
     kind = FieldType(str(target.name), owner if owner != package else "", 0, *common)
     return FieldLine(str(field.name), kind, described(field.documentation, field.units))
 
 
-def limits_of(field: Any) -> str:
-    """Returns the range of a field in words, empty without one.
-
-    Args:
-        field: A `ros.PrimitiveField`.
-    """
+def limits_of(field: ros.PrimitiveField) -> str:
+    """Returns the range of a field in words, empty without one."""
     if field.minimum < field.maximum:
         return f"{field.minimum:.15g} to {field.maximum:.15g}"
     return ""
 
 
-def described(documentation: Any, units: Any, limits: str = "") -> str:
+def described(documentation: str | None, units: str | None, limits: str = "") -> str:
     """Returns what is said about a field: its documentation, its unit and its range.
 
     The unit stands in square brackets, from where rosidl and the importer take it; brackets of the

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.generators.ros_interfaces.definitions import DefinitionFile
+    from jausml.metamodel.classes.system import System
 
 
 class InterfacesView:
     """An ament_cmake package of interfaces.
 
     Args:
-        system: The `system.System`, whose version and maintainer it has.
+        system: The system, whose version and maintainer it has.
         name: Name of the package.
         description: What it is for.
         files: Its definition files.
@@ -22,7 +23,12 @@ class InterfacesView:
     """
 
     def __init__(
-        self, system: Any, name: str, description: str, files: Sequence[DefinitionFile], source: str
+        self,
+        system: System,
+        name: str,
+        description: str,
+        files: Sequence[DefinitionFile],
+        source: str,
     ) -> None:
         self.name = name
         self.description = description

@@ -6,7 +6,7 @@ import functools
 import math
 import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import call_args, python_literal, python_string
@@ -23,8 +23,15 @@ from jausml.generators.common.ros import (
 from jausml.generators.python.names import Scope, class_name, package_name, snake_case
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from jausml.metamodel.classes import ros
+
+    Endpoint: TypeAlias = ros.TopicEndpoint | ros.ServiceEndpoint
+
     from collections.abc import Iterable, Mapping
 
+NamedT = TypeVar("NamedT", bound="ros.NamedElement")
 _LONG = 2**63
 _DESCRIPTION = 70
 """Characters of a piece of a description, with room for escapes."""
@@ -143,12 +150,12 @@ class NodeView:
     """A modelled node.
 
     Args:
-        node: The `ros.Node`.
+        node: The node.
         system: Name of the system, which is the default of documentation.
         source: Model file.
     """
 
-    node: Any
+    node: ros.Node
     system: str
     source: str
 
@@ -309,12 +316,13 @@ class NodeView:
         )
 
     @functools.cached_property
-    def _names(self) -> Mapping[Any, str]:
+    def _names(self) -> Mapping[Endpoint, str]:
         """Name of each endpoint in Python."""
         node = self.node
         timer = {"on_timer"} if self.frequency else set()
-        sending = _python_names((*node.publishers, *node.serviceClients))
-        return sending | _python_names((*node.subscriptions, *node.serviceServers), timer)
+        sending: list[Endpoint] = [*node.publishers, *node.serviceClients]
+        receiving: list[Endpoint] = [*node.subscriptions, *node.serviceServers]
+        return _python_names(sending) | _python_names(receiving, timer)
 
     @functools.cached_property
     def _type_names(self) -> Mapping[RosType, str]:
@@ -324,15 +332,17 @@ class NodeView:
             _BASE_NAMES | {self.class_name, self.base_name},
         )
 
-    def _topic(self, element: Any, summary: str) -> EndpointView:
+    def _topic(self, element: ros.TopicEndpoint, summary: str) -> EndpointView:
         summary = f"{summary} the topic '{element.topic}'."
         return self._endpoint(element, element.topic, qos(element.qos), summary)
 
-    def _service(self, element: Any, summary: str) -> EndpointView:
+    def _service(self, element: ros.ServiceEndpoint, summary: str) -> EndpointView:
         summary = f"{summary} the service '{element.service}'."
         return self._endpoint(element, element.service, Qos((), ()), summary)
 
-    def _endpoint(self, element: Any, ros_name: str, profile: Qos, summary: str) -> EndpointView:
+    def _endpoint(
+        self, element: Endpoint, ros_name: str, profile: Qos, summary: str
+    ) -> EndpointView:
         kind = ros_type(element.type)
         return EndpointView(
             name=self._names[element],
@@ -352,14 +362,14 @@ def _import(endpoint: EndpointView) -> tuple[str, str]:
     return endpoint.type.module, name if name == local else f"{name} as {local}"
 
 
-def _python_names(elements: Iterable[Any], taken: Iterable[str] = ()) -> dict[Any, str]:
+def _python_names(elements: Iterable[NamedT], taken: Iterable[str] = ()) -> dict[NamedT, str]:
     """Returns the end of each element's names: behind a prefix no keyword and no builtin is hit."""
     scope = Scope(frozenset(taken))
     names = {each: scope.claim(snake_case(f"on_{each.name}")) for each in elements}
     return {element: name.removeprefix("on_") for element, name in names.items()}
 
 
-def _parameter(parameter: Any, name: str) -> ParameterView:
+def _parameter(parameter: ros.Parameter, name: str) -> ParameterView:
     default = parameter_value(parameter)
     limits: tuple[float, float] = (parameter.minimum, parameter.maximum)
     range_class = ""
