@@ -15,6 +15,7 @@ from jausml.importers.jsidl.building import DEEPEST
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.languages.guards import GuardError, parse_guard
+from jausml.metamodel.classes import jaus
 from jausml.model.values import show, suggest
 from jausml.model.words import parts, snake_case
 
@@ -49,13 +50,13 @@ class BehaviourBuilder:
         self._known = names
         self._guards: dict[str, str] = {}
 
-    def machines(self, place: Place) -> list[Any]:
+    def machines(self, place: Place) -> list[jaus.StateMachine]:
         """Makes the machines.
 
         Args:
             place: The element protocol_behavior.
         """
-        made: dict[str, Any] = {}
+        made: dict[str, jaus.StateMachine] = {}
         starts = [child for child in place.node.children if child.tag == "start"]
         for child in place.node.children:
             if child.tag != "state_machine":
@@ -69,7 +70,9 @@ class BehaviourBuilder:
         self._check_starts(place, starts, made)
         return list(made.values())
 
-    def _check_starts(self, place: Place, starts: list[Node], made: dict[str, Any]) -> None:
+    def _check_starts(
+        self, place: Place, starts: list[Node], made: dict[str, jaus.StateMachine]
+    ) -> None:
         for start in starts:
             name = last(start.get("state_machine_name"))
             if name and name not in made:
@@ -79,7 +82,7 @@ class BehaviourBuilder:
 
     # -- states ----------------------------------------------------------------------------------
 
-    def _machine(self, place: Place, starts: list[Node]) -> Any:
+    def _machine(self, place: Place, starts: list[Node]) -> jaus.StateMachine:
         name = last(place.node.get("name"))
         path = next(
             (
@@ -100,10 +103,10 @@ class BehaviourBuilder:
                     self._builder.set(state, "transitions", made)
         said = documentation(place.node)
         return self._builder.new(
-            "StateMachine", place, name=name, documentation=said, states=states
+            jaus.StateMachine, place, name=name, documentation=said, states=states
         )
 
-    def _states(self, place: Place, start: list[str], outer: list[str]) -> list[Any]:
+    def _states(self, place: Place, start: list[str], outer: list[str]) -> list[jaus.State]:
         """Makes the states inside a state or machine.
 
         Args:
@@ -128,13 +131,15 @@ class BehaviourBuilder:
                 states.append(self._state(at, inside, [*outer, name], is_initial=is_initial))
         return states
 
-    def _state(self, place: Place, start: list[str], path: list[str], *, is_initial: bool) -> Any:
+    def _state(
+        self, place: Place, start: list[str], path: list[str], *, is_initial: bool
+    ) -> jaus.State:
         if len(path) > DEEPEST:
             self._findings.report("JML612", place, "states are nested too deeply")
         inside = self._states(place, start, path) if len(path) <= DEEPEST else []
         children = [Place(place.document, child) for child in place.node.children]
         return self._builder.new(
-            "State",
+            jaus.State,
             place,
             name=path[-1],
             documentation=documentation(place.node),
@@ -153,7 +158,7 @@ class BehaviourBuilder:
 
     # -- transitions -----------------------------------------------------------------------------
 
-    def _transitions(self, place: Place) -> list[Any]:
+    def _transitions(self, place: Place) -> list[jaus.Transition]:
         """Makes the transitions directly inside an element, those for all triggers last."""
         made = []
         for tag in ("transition", "default_transition"):
@@ -162,14 +167,14 @@ class BehaviourBuilder:
                     made.append(self._transition(Place(place.document, child)))
         return [each for each in made if each is not None]
 
-    def _transition(self, place: Place) -> Any:
+    def _transition(self, place: Place) -> jaus.Transition | None:
         trigger = self._trigger(place)
         if trigger is None:
             return None
         kind, target = self._kind(place)
         guard, said = self._guard(place)
         return self._builder.new(
-            "Transition",
+            jaus.Transition,
             place,
             **trigger,
             kind=kind,
@@ -278,11 +283,11 @@ class BehaviourBuilder:
 
     # -- actions ---------------------------------------------------------------------------------
 
-    def _actions(self, place: Place, *, has_sender: bool = False) -> list[Any]:
+    def _actions(self, place: Place, *, has_sender: bool = False) -> list[jaus.Action]:
         steps = [Place(place.document, c) for c in place.node.children if c.tag in _STEPS]
         return [self._action(each, has_sender=has_sender) for each in steps]
 
-    def _action(self, place: Place, *, has_sender: bool) -> Any:
+    def _action(self, place: Place, *, has_sender: bool) -> jaus.Action:
         name = last(place.node.get("name"))
         nodes = [child for child in place.node.children if child.tag == "argument"]
         arguments = [folded(each.get("value")) for each in nodes]
@@ -290,7 +295,7 @@ class BehaviourBuilder:
         if name == _SEND and arguments:
             name, sends = self._send(place, arguments, has_sender=has_sender)
         return self._builder.new(
-            "Action",
+            jaus.Action,
             place,
             name=name,
             sends=sends,
@@ -298,7 +303,9 @@ class BehaviourBuilder:
             documentation=documentation(place.node, *nodes),
         )
 
-    def _send(self, place: Place, arguments: list[str], *, has_sender: bool) -> tuple[str, Any]:
+    def _send(
+        self, place: Place, arguments: list[str], *, has_sender: bool
+    ) -> tuple[str, jaus.MessageDef | None]:
         """Returns the name of an action that sends, and the message if the model can say it."""
         wanted = arguments[0].strip("'\" ")
         quoted = [text.strip("'\" ") for text in arguments[1:] if text[:1] in ("'", '"')]

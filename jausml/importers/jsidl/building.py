@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.metamodel import FeatureKind, ValueKind
 from jausml.metamodel.filling import link, new_object, set_value, set_values
 
 if TYPE_CHECKING:
     from jausml.importers.jsidl.findings import Place
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
+
+ElementT = TypeVar("ElementT", bound="EObject")
 
 MOST_ELEMENTS = 50_000
 DEEPEST = 50
@@ -30,11 +33,11 @@ class Builder:
         self.model = model
         self._made = 0
 
-    def new(self, class_name: str, place: Place, **features: Any) -> Any:
+    def new(self, kind: type[ElementT], place: Place, /, **features: Any) -> ElementT:
         """Makes an element.
 
         Args:
-            class_name: Name of its class in the jaus metamodel.
+            kind: Its class.
             place: Where it comes from.
             features: Its features: values, names of literals, elements, or lists of these. None
                 leaves a feature alone.
@@ -45,8 +48,7 @@ class Builder:
         self._made += 1
         if self._made > MOST_ELEMENTS:
             raise TooMuchError
-        table = self.model.metamodels.classes[f"jaus.{class_name}"]
-        obj = new_object(table)
+        obj: ElementT = new_object(self.model.metamodels.table_of(kind))
         for name, value in features.items():
             if value is not None:
                 self.set(obj, name, value)
@@ -54,7 +56,7 @@ class Builder:
         self.model.adopt(place.document, place.node)
         return obj
 
-    def set(self, obj: Any, name: str, value: Any) -> None:
+    def set(self, obj: EObject, name: str, value: Any) -> None:
         """Sets a feature of an element, or adds to one with many values.
 
         Args:

@@ -6,13 +6,14 @@ about its layout by itself.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.importers.jsidl.building import DEEPEST, Builder
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
 from jausml.importers.jsidl.values import INT, LONG, Values, documentation, folded, joined, largest
 from jausml.importers.jsidl.vocabulary import CONTAINERS, FIELDS
+from jausml.metamodel.classes import jaus
 from jausml.model.values import show
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 _ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
 _BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}
 _DECLARED = "declared_"
+
+
+Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
+"""Class and features of a field."""
 
 
 class FieldBuilder:
@@ -38,7 +43,7 @@ class FieldBuilder:
         self._findings = findings
         self._values = Values(scopes, findings)
         self._open: list[Place] = []
-        self._kinds: dict[str, Callable[[Scope, Place], tuple[str, dict[str, Any]]]] = {
+        self._kinds: dict[str, Callable[[Scope, Place], Made]] = {
             "record": self._record,
             "sequence": self._sequence,
             "list": self._list,
@@ -53,7 +58,7 @@ class FieldBuilder:
             "variable_format_field": self._variable_format_field,
         }
 
-    def field(self, scope: Scope, place: Place) -> Any:
+    def field(self, scope: Scope, place: Place) -> jaus.Field | None:
         """Makes a field or container.
 
         Args:
@@ -131,11 +136,11 @@ class FieldBuilder:
 
     # -- containers ------------------------------------------------------------------------------
 
-    def _record(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
-        return "Record", self._members(scope, place, (*FIELDS, "array"))
+    def _record(self, scope: Scope, place: Place) -> Made:
+        return jaus.Record, self._members(scope, place, (*FIELDS, "array"))
 
-    def _sequence(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
-        return "Sequence", self._members(scope, place, CONTAINERS)
+    def _sequence(self, scope: Scope, place: Place) -> Made:
+        return jaus.Sequence, self._members(scope, place, CONTAINERS)
 
     def _members(self, scope: Scope, place: Place, kinds: Sequence[str]) -> dict[str, Any]:
         vector = self._child(place, "presence_vector")
@@ -148,13 +153,13 @@ class FieldBuilder:
             "fields": self._fields(scope, members),
         }
 
-    def _list(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _list(self, scope: Scope, place: Place) -> Made:
         element = self._only(place, self._parts(place, CONTAINERS), "container")
         features = self._count(scope, place, "Count")
         features["element"] = self.field(scope, element) if element else None
-        return "List", features
+        return jaus.List, features
 
-    def _variant(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _variant(self, scope: Scope, place: Place) -> Made:
         options = self._parts(place, CONTAINERS)
         tag = self._needed(place, "vtag_field")
         tag_type = self._values.unsigned_type(tag) if tag else None
@@ -170,29 +175,29 @@ class FieldBuilder:
                 self._findings.report("JML626", tag.at("max_count"), message, hint)
         options_made = self._fields(scope, options)
         said = documentation(tag.node) if tag else None
-        return "Variant", {"tagType": tag_type, "options": options_made, "documentation": said}
+        return jaus.Variant, {"tagType": tag_type, "options": options_made, "documentation": said}
 
-    def _array(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _array(self, scope: Scope, place: Place) -> Made:
         element = self._only(place, self._parts(place, (*FIELDS, "array")), "field")
         dimensions = self._children(place, "dimension")
         if not dimensions:
             self._findings.report("JML604", place, f"array {_name(place)} has no <dimension>")
         sizes = [self._values.integer(scope, each, "size", (1, INT[1])) for each in dimensions]
         made = self.field(scope, element) if element else None
-        return "Array", {
+        return jaus.Array, {
             "element": made,
             "dimensions": [size for size in sizes if size is not None],
             "documentation": documentation(*(each.node for each in dimensions)),
         }
 
-    def _fields(self, scope: Scope, places: Sequence[Place]) -> list[Any]:
+    def _fields(self, scope: Scope, places: Sequence[Place]) -> list[jaus.Field]:
         made = [self.field(scope, place) for place in places]
         return [each for each in made if each is not None]
 
     # -- fields ----------------------------------------------------------------------------------
 
-    def _fixed_field(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
-        return "FixedField", self._number(scope, place)
+    def _fixed_field(self, scope: Scope, place: Place) -> Made:
+        return jaus.FixedField, self._number(scope, place)
 
     def _number(self, scope: Scope, place: Place) -> dict[str, Any]:
         units = self._values.text(place, "field_units")
@@ -206,16 +211,16 @@ class FieldBuilder:
             "documentation": documentation(scale.node) if scale else None,
         }
 
-    def _scale(self, scope: Scope, place: Place) -> Any:
+    def _scale(self, scope: Scope, place: Place) -> jaus.ScaleRange:
         return self._builder.new(
-            "ScaleRange",
+            jaus.ScaleRange,
             place,
             lower=self._values.real(scope, place, "real_lower_limit"),
             upper=self._values.real(scope, place, "real_upper_limit"),
             rounding=self._values.choice(place, "integer_function", _ROUNDINGS),
         )
 
-    def _value_set(self, scope: Scope, place: Place) -> Any:
+    def _value_set(self, scope: Scope, place: Place) -> jaus.ValueSet | None:
         if self._values.flag(place, "offset_to_lower_limit"):
             message = "the integers of this value set count from its lower limit on the wire"
             self._findings.report("JML613", place.at("offset_to_lower_limit"), message)
@@ -223,13 +228,13 @@ class FieldBuilder:
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
-        return self._builder.new("ValueSet", place, values=values)
+        return self._builder.new(jaus.ValueSet, place, values=values)
 
-    def _value(self, scope: Scope, place: Place) -> Any:
+    def _value(self, scope: Scope, place: Place) -> jaus.Value:
         said = documentation(place.node)
         if place.node.tag == "value_enum":
             return self._builder.new(
-                "EnumeratedValue",
+                jaus.EnumeratedValue,
                 place,
                 documentation=said,
                 name=self._values.text(place, "enum_const"),
@@ -238,7 +243,7 @@ class FieldBuilder:
         lower = self._values.choice(place, "lower_limit_type", _BOUNDS)
         upper = self._values.choice(place, "upper_limit_type", _BOUNDS)
         return self._builder.new(
-            "ValueRange",
+            jaus.ValueRange,
             place,
             documentation=said,
             lower=self._values.real(scope, place, "lower_limit"),
@@ -247,7 +252,7 @@ class FieldBuilder:
             upperInclusive=upper != "exclusive",
         )
 
-    def _variable_field(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _variable_field(self, scope: Scope, place: Place) -> Made:
         choices = self._needed(place, "type_and_units_field")
         alternatives = []
         for each in self._children(choices, "type_and_units_enum") if choices else []:
@@ -258,20 +263,20 @@ class FieldBuilder:
                 index=self._values.integer(scope, each, "index"),
                 documentation=said,
             )
-            alternatives.append(self._builder.new("Alternative", each, **features))
+            alternatives.append(self._builder.new(jaus.Alternative, each, **features))
         if choices and not alternatives:
             self._findings.report("JML604", choices, f"{_name(place)} has no alternative")
         said = documentation(choices.node) if choices else None
-        return "VariableField", {"alternatives": alternatives, "documentation": said}
+        return jaus.VariableField, {"alternatives": alternatives, "documentation": said}
 
-    def _bit_field(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _bit_field(self, scope: Scope, place: Place) -> Made:
         parts = [self._sub_field(scope, each) for each in self._children(place, "sub_field")]
         if not parts:
             self._findings.report("JML604", place, f"bit_field {_name(place)} has no <sub_field>")
         field_type = self._values.unsigned_type(place)
-        return "BitField", {"type": field_type, "subFields": parts}
+        return jaus.BitField, {"type": field_type, "subFields": parts}
 
-    def _sub_field(self, scope: Scope, place: Place) -> Any:
+    def _sub_field(self, scope: Scope, place: Place) -> jaus.SubField:
         bits = self._needed(place, "bit_range")
         values = self._child(place, "value_set")
         first, last = (
@@ -279,7 +284,7 @@ class FieldBuilder:
             for name in ("from_index", "to_index")
         )
         return self._builder.new(
-            "SubField",
+            jaus.SubField,
             place,
             name=self._values.text(place, "name"),
             documentation=documentation(place.node, bits.node if bits else None),
@@ -288,25 +293,25 @@ class FieldBuilder:
             values=self._value_set(scope, values) if values else None,
         )
 
-    def _fixed_length_string(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _fixed_length_string(self, scope: Scope, place: Place) -> Made:
         length = self._values.integer(scope, place, "string_length", (1, INT[1]))
-        return "FixedLengthString", {"length": length}
+        return jaus.FixedLengthString, {"length": length}
 
-    def _variable_length_string(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
-        return "VariableLengthString", self._count(scope, place, "Length")
+    def _variable_length_string(self, scope: Scope, place: Place) -> Made:
+        return jaus.VariableLengthString, self._count(scope, place, "Length")
 
-    def _variable_length_field(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _variable_length_field(self, scope: Scope, place: Place) -> Made:
         data_format = self._values.text(place, "field_format") or None
-        return "VariableLengthField", {
+        return jaus.VariableLengthField, {
             "format": data_format,
             **self._count(scope, place, "Length"),
         }
 
-    def _variable_format_field(self, scope: Scope, place: Place) -> tuple[str, dict[str, Any]]:
+    def _variable_format_field(self, scope: Scope, place: Place) -> Made:
         choices = self._needed(place, "format_field")
         formats = [
             self._builder.new(
-                "Format",
+                jaus.Format,
                 each,
                 name=self._values.text(each, "field_format"),
                 documentation=documentation(each.node),
@@ -318,7 +323,7 @@ class FieldBuilder:
             self._findings.report("JML604", choices, f"{_name(place)} has no format")
         features = self._count(scope, place, "Length")
         said = joined(documentation(choices.node if choices else None), features["documentation"])
-        return "VariableFormatField", {
+        return jaus.VariableFormatField, {
             **features,
             "formats": formats,
             "documentation": said,

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.importers.jsidl.building import MOST_ELEMENTS, Builder, TooMuchError
@@ -30,6 +30,7 @@ from jausml.importers.jsidl.services import (
 )
 from jausml.importers.jsidl.values import Values
 from jausml.metamodel import load_metamodels
+from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
@@ -52,7 +53,7 @@ class ImportResult:
     """
 
     model: Model
-    sets: list[Any]
+    sets: list[jaus.ServiceSet]
     diagnostics: list[Diagnostic]
 
     @property
@@ -152,7 +153,7 @@ class _Import:
         for source in sources:
             self._read(source)
         self._scopes.link()
-        sets: list[Any] = []
+        sets: list[jaus.ServiceSet] = []
         try:
             services = self._services()
             sets = self._sets(grouped(services))
@@ -245,12 +246,12 @@ class _Import:
 
     # -- sets ------------------------------------------------------------------------------------
 
-    def _sets(self, groups: list[SetOfServices]) -> list[Any]:
+    def _sets(self, groups: list[SetOfServices]) -> list[jaus.ServiceSet]:
         alone = len(groups) == 1
         pairs = []
         for group in groups:
             root = self._builder.new(
-                "ServiceSet",
+                jaus.ServiceSet,
                 _stand_in(group.place),
                 name=(self._name if alone else None) or group.name,
                 version=(self._version if alone else None) or group.version,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
 from jausml.model.reading.reader import read_models
@@ -21,13 +21,13 @@ def library_model() -> Model:
     return model
 
 
-def services_by_urn(model: Model) -> dict[str, dict[str, Any]]:
+def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:
     """Returns the services of a model by URN and version.
 
     Args:
-        model: Any model.
+        model: A model.
     """
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, dict[str, jaus.Service]] = {}
     for service in model.instances(jaus.Service):
         found.setdefault(service.urn, {})[service.version] = service
     return found

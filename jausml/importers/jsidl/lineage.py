@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.semantics.inherited_machines import CORE_EVENTS
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable
 
+    from jausml.metamodel.classes import jaus
 
-def lineage(service: Any) -> list[Any]:
+
+def lineage(service: jaus.Service | None) -> list[jaus.Service]:
     """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
-    found: dict[Any, None] = {}
+    found: dict[jaus.Service, None] = {}
     while service is not None and service not in found:
         found[service] = None
         service = service.inherits
     return list(found)
 
 
-def bases_first(services: Iterable[Any]) -> list[Any]:
+def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services in an order in which each follows those that it inherits."""
     return sorted(services, key=lambda service: len(lineage(service)))
 
@@ -37,9 +39,9 @@ class KnownNames:
         events: Names of its internal events, inherited ones and those of the core included.
     """
 
-    def __init__(self, service: Any, declared: Container[str]) -> None:
-        self.inputs: dict[str, Any] = {}
-        self.outputs: dict[str, Any] = {}
+    def __init__(self, service: jaus.Service, declared: Container[str]) -> None:
+        self.inputs: dict[str, jaus.MessageDef] = {}
+        self.outputs: dict[str, jaus.MessageDef] = {}
         self.events: set[str] = set(CORE_EVENTS)
         self._declared = declared
         for each in lineage(service):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from jausml.importers.jsidl.lineage import bases_first
 from jausml.model.values import show, suggest
@@ -68,7 +68,7 @@ def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
                     findings.report("JML624", model.location(element), message, hint)
 
 
-def _first_element(machine: Machine, paths: Iterable[str]) -> Any:
+def _first_element(machine: Machine, paths: Iterable[str]) -> jaus.State | None:
     for path in paths:
         node = machine.nodes.get(path)
         if node is not None and node.elements:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import Declaration, Scope, Scopes
 from jausml.importers.jsidl.values import Values, documentation, folded, joined
 from jausml.importers.jsidl.vocabulary import CONTAINERS
+from jausml.metamodel.classes import jaus
 from jausml.model.values import show
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class MessageBuilder:
         self._findings = findings
         self._values = Values(scopes, findings)
 
-    def message(self, scope: Scope, place: Place) -> Any:
+    def message(self, scope: Scope, place: Place) -> jaus.MessageDef | None:
         """Makes a message.
 
         Args:
@@ -55,7 +56,7 @@ class MessageBuilder:
         self._check_footer(target)
         body, said = self._body(target)
         return self._builder.new(
-            "MessageDef",
+            jaus.MessageDef,
             place,
             name=self._values.text(place, "name"),
             documentation=self._said(place, target.place, said),
@@ -64,7 +65,7 @@ class MessageBuilder:
             body=body,
         )
 
-    def event(self, scope: Scope, place: Place) -> Any:
+    def event(self, scope: Scope, place: Place) -> jaus.InternalEvent | None:
         """Makes an internal event; arguments and result as for `message`."""
         target = self._fields.resolve(Declaration(scope, place))
         if target is None:
@@ -73,7 +74,7 @@ class MessageBuilder:
         self._check_footer(target)
         body, said = self._body(target)
         return self._builder.new(
-            "InternalEvent",
+            jaus.InternalEvent,
             place,
             name=self._values.text(place, "name"),
             documentation=self._said(place, target.place, said),
@@ -117,7 +118,7 @@ class MessageBuilder:
             self._findings.report("JML602", second, message, "put both into a sequence")
         return found[0] if found else None
 
-    def _body(self, target: Declaration) -> tuple[Any, str | None]:
+    def _body(self, target: Declaration) -> tuple[jaus.Field | None, str | None]:
         body = self._part(target, "body")
         if body is None:
             return None, None

@@ -5,25 +5,29 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from jausml.importers.jsidl.findings import Findings, Place
 from jausml.importers.jsidl.scopes import matches, pick_version
 from jausml.importers.jsidl.values import Values, documentation, folded, joined
+from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Related
 from jausml.model.values import show, suggest
 from jausml.model.words import snake_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Hashable, Iterable, Mapping
 
     from jausml.importers.jsidl.building import Builder
     from jausml.importers.jsidl.messages import MessageBuilder
     from jausml.importers.jsidl.scopes import Scope
+    from jausml.metamodel.classes.ecore import EObject
+
+MadeT = TypeVar("MadeT")
 
 _VERSION = re.compile("[0-9]{1,3}[.][0-9]{1,3}")
 
-ByUrn = dict[str, dict[str, Any]]
+ByUrn: TypeAlias = "dict[str, dict[str, jaus.Service]]"
 """Services by URN and version."""
 
 
@@ -32,7 +36,7 @@ class ImportedService:
     """A service and the element of JSIDL that it was made of."""
 
     scope: Scope
-    service: Any
+    service: jaus.Service
 
     @property
     def place(self) -> Place:
@@ -65,12 +69,13 @@ class ServiceBuilder:
             scope: Its element, and where its names are looked up.
         """
         place = scope.place
-        inputs = self._made(scope, ("message_set", "input_set"), "message_def")
-        outputs = self._made(scope, ("message_set", "output_set"), "message_def")
-        events = self._made(scope, ("internal_events_set",), "event_def")
+        make = self._messages.message
+        inputs = _made(scope, ("message_set", "input_set"), "message_def", make)
+        outputs = _made(scope, ("message_set", "output_set"), "message_def", make)
+        events = _made(scope, ("internal_events_set",), "event_def", self._messages.event)
         self._report_clients(place)
         made = self._builder.new(
-            "Service",
+            jaus.Service,
             place,
             name=self._values.text(place, "name"),
             documentation=_said(place),
@@ -90,20 +95,6 @@ class ServiceBuilder:
             return None
         return version or None
 
-    def _made(self, scope: Scope, path: Iterable[str], kind: str) -> list[Any]:
-        places = [scope.place]
-        for tag in path:
-            places = [each for place in places for each in _children(place, tag)]
-        make = self._messages.message if kind == "message_def" else self._messages.event
-        tags = (kind, f"declared_{kind}")
-        found = [
-            make(scope, Place(place.document, child))
-            for place in places
-            for child in place.node.children
-            if child.tag in tags
-        ]
-        return [each for each in found if each is not None]
-
     def _report_clients(self, place: Place) -> None:
         for references in _children(place, "references"):
             for client in _children(references, "client_of"):
@@ -113,12 +104,31 @@ class ServiceBuilder:
                 self._findings.report("JML626", client, message, hint)
 
 
+def _made(
+    scope: Scope,
+    path: Iterable[str],
+    kind: str,
+    make: Callable[[Scope, Place], MadeT | None],
+) -> list[MadeT]:
+    places = [scope.place]
+    for tag in path:
+        places = [each for place in places for each in _children(place, tag)]
+    tags = (kind, f"declared_{kind}")
+    found = [
+        make(scope, Place(place.document, child))
+        for place in places
+        for child in place.node.children
+        if child.tag in tags
+    ]
+    return [each for each in found if each is not None]
+
+
 def find_inherited(
     service: ImportedService,
     imported: ByUrn,
     library: Callable[[], ByUrn],
     findings: Findings,
-) -> Any:
+) -> jaus.Service | None:
     """Returns the service that a service inherits, None without one or after a report.
 
     A service of the very version is taken from the files, then from the library; then another
@@ -163,7 +173,7 @@ def find_inherited(
 
 def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
     """Returns services by URN and version, and reports those that are there twice."""
-    found: dict[str, dict[str, Any]] = {}
+    found: ByUrn = {}
     first: dict[tuple[str, str], Place] = {}
     for each in services:
         urn, version = each.service.urn, each.service.version
@@ -192,7 +202,7 @@ class SetOfServices:
     name: str
     version: str
     place: Place
-    services: list[Any]
+    services: list[jaus.Service]
 
 
 def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
@@ -201,11 +211,11 @@ def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
     A service_set of a file is a set. Other services belong together by their URN: what stands
     before its last colon names the set. Versions of one service become sets of their own.
     """
-    groups: dict[Any, list[ImportedService]] = {}
-    taken: set[tuple[Any, str]] = set()
+    groups: dict[Hashable, list[ImportedService]] = {}
+    taken: set[tuple[Hashable, str]] = set()
     for each in services:
         owner = each.place.node.parent
-        key: Any = owner if owner is not None else str(each.service.urn).rpartition(":")[0]
+        key: Hashable = owner if owner is not None else str(each.service.urn).rpartition(":")[0]
         if (key, each.service.name) in taken:
             key = (key, each.service.version)
         taken.add((key, each.service.name))
@@ -229,16 +239,16 @@ def _group(members: list[ImportedService]) -> SetOfServices:
     )
 
 
-def identifiers(sets: Iterable[tuple[Any, SetOfServices]]) -> Mapping[Any, str]:
+def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:
     """Returns the ids of sets, services and messages, each unique within a document.
 
     Args:
         sets: The elements of the sets with what they were made of.
     """
-    found: dict[Any, str] = {}
+    found: dict[EObject, str] = {}
     taken: set[str] = set()
 
-    def name(element: Any, wanted: str) -> str:
+    def name(element: EObject, wanted: str) -> str:
         identifier, number = wanted, 1
         while identifier in taken:
             number += 1

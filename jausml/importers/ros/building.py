@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.interfaces.parsing import PARTS
 from jausml.languages.units import UnitError, parse_unit
 from jausml.metamodel import FeatureKind, ValueKind
+from jausml.metamodel.classes import ros
 from jausml.metamodel.filling import link, new_object, set_value
 from jausml.model.xmi.parsing import Node
 
 if TYPE_CHECKING:
     from jausml.interfaces import Definition, FieldDefinition, Section
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
+    from jausml.semantics.installed import InterfaceType
 
 _FEATURES = {"msg": "messages", "srv": "services", "action": "actions"}
-_CLASSES = {"srv": "ServiceType", "action": "ActionType"}
+ElementT = TypeVar("ElementT", bound="EObject")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,16 +28,16 @@ class Use:
     """A field whose type is a message type that is still to be found.
 
     Attributes:
-        element: The `ros.MessageField`.
+        element: The field in the model.
         field: What the definition says.
         owner: The message type that has the field.
         package: Name of the package of the owner.
         document: The file.
     """
 
-    element: Any
+    element: ros.MessageField
     field: FieldDefinition
-    owner: Any
+    owner: ros.MessageType
     package: str
     document: Document
 
@@ -55,22 +58,27 @@ class Builder:
         self._with_comments = comments
         self.uses: list[Use] = []
 
-    def package(self, name: str, document: Document | None) -> Any:
+    def package(self, name: str, document: Document | None) -> ros.InterfacePackage:
         """Makes a package.
 
         Args:
             name: Its name.
             document: The file that stands for it in messages.
         """
-        package = self._new("InterfacePackage", name=name)
+        package = self._new(ros.InterfacePackage, name=name)
         if document is not None:
             node = self._adopt(package, document, 1, 1)
             document.root_nodes.append(node)
         return package
 
     def interface(
-        self, package: Any, name: str, kind: str, definition: Definition, document: Document
-    ) -> Any:
+        self,
+        package: ros.InterfacePackage,
+        name: str,
+        kind: str,
+        definition: Definition,
+        document: Document,
+    ) -> InterfaceType:
         """Makes a message, service or action and adds it to its package.
 
         Args:
@@ -81,10 +89,13 @@ class Builder:
             document: The file.
         """
         place = (package.name, document)
+        element: InterfaceType
         if kind == "msg":
             element = self._message(name, definition.sections[0], *place)
         else:
-            element = self._new(_CLASSES[kind], name=name)
+            made: type[ros.ServiceType | ros.ActionType]
+            made = ros.ServiceType if kind == "srv" else ros.ActionType
+            element = self._new(made, name=name)
             self._adopt(element, document, 1, 1)
             head = definition.sections[0]
             self._document(element, head.comment)
@@ -95,7 +106,7 @@ class Builder:
         self._set(package, _FEATURES[kind], element)
         return element
 
-    def set(self, element: Any, name: str, value: Any) -> None:
+    def set(self, element: EObject, name: str, value: Any) -> None:
         """Sets a feature, or adds to one with many values.
 
         Args:
@@ -105,51 +116,54 @@ class Builder:
         """
         self._set(element, name, value)
 
-    def _message(self, name: str, section: Section, package: str, document: Document) -> Any:
-        message = self._new("MessageType", name=name)
+    def _message(
+        self, name: str, section: Section, package: str, document: Document
+    ) -> ros.MessageType:
+        message = self._new(ros.MessageType, name=name)
         self._adopt(message, document, section.line, 1)
         self._document(message, section.comment)
         for field in section.fields:
             element = self._field(field)
             self._adopt(element, document, field.line, field.column)
             self._set(message, "fields", element)
-            if not field.type.is_primitive:
+            if isinstance(element, ros.MessageField):
                 self.uses.append(Use(element, field, message, package, document))
         for constant in section.constants:
             features = {"name": constant.name, "type": constant.type, "value": constant.value}
-            element = self._new("Constant", **features)
-            self._adopt(element, document, constant.line, constant.column)
-            self._document(element, constant.comment)
-            self._set(message, "constants", element)
+            made = self._new(ros.Constant, **features)
+            self._adopt(made, document, constant.line, constant.column)
+            self._document(made, constant.comment)
+            self._set(message, "constants", made)
         return message
 
-    def _field(self, field: FieldDefinition) -> Any:
+    def _field(self, field: FieldDefinition) -> ros.Field:
         kind = field.type
+        element: ros.Field
         common = {"name": field.name, "arrayKind": kind.array, "arraySize": kind.array_size}
         if kind.is_primitive:
             element = self._new(
-                "PrimitiveField", **common, type=kind.name, stringBound=kind.string_bound
+                ros.PrimitiveField, **common, type=kind.name, stringBound=kind.string_bound
             )
             if field.default is not None:
                 self._set(element, "defaultValue", field.default)
         else:
-            element = self._new("MessageField", **common)
+            element = self._new(ros.MessageField, **common)
         self._document(element, field.comment)
         if self._with_comments and _is_unit(field.units):
             self._set(element, "units", field.units)
         return element
 
-    def _document(self, element: Any, comment: str) -> None:
+    def _document(self, element: EObject, comment: str) -> None:
         if comment and self._with_comments:
             self._set(element, "documentation", comment)
 
-    def _new(self, class_name: str, **features: Any) -> Any:
-        element = new_object(self._model.metamodels.classes[f"ros.{class_name}"])
+    def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
+        element: ElementT = new_object(self._model.metamodels.table_of(kind))
         for name, value in features.items():
             self._set(element, name, value)
         return element
 
-    def _set(self, element: Any, name: str, value: Any) -> None:
+    def _set(self, element: EObject, name: str, value: Any) -> None:
         feature = self._model.metamodels.class_of(element).features[name]
         if feature.kind is not FeatureKind.ATTRIBUTE:
             link(element, feature, value)
@@ -159,7 +173,7 @@ class Builder:
             value = data_type.literals[value]
         set_value(element, feature, value)
 
-    def _adopt(self, element: Any, document: Document, line: int, column: int) -> Node:
+    def _adopt(self, element: EObject, document: Document, line: int, column: int) -> Node:
         node = Node(str(element.eClass.name), [], {}, None, (line, column, 0))
         node.obj = element
         self._model.adopt(document, node)

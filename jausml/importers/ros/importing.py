@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.importers.ros.building import Builder, Use
 from jausml.importers.ros.rules import ROS_RULES
@@ -45,7 +45,7 @@ class ImportResult:
     """
 
     model: Model
-    packages: list[Any]
+    packages: list[ros.InterfacePackage]
     diagnostics: list[Diagnostic]
 
     @property
@@ -90,9 +90,9 @@ class _Import:
         self._with_library = with_library
         self._model = Model([], load_metamodels())
         self._builder = Builder(self._model, comments=comments)
-        self._types: dict[tuple[str, str], Any] = {}
-        self._library: dict[tuple[str, str], Any] | None = None
-        self._packages: dict[str, Any] = {}
+        self._types: dict[tuple[str, str], ros.MessageType] = {}
+        self._library: dict[tuple[str, str], ros.MessageType] | None = None
+        self._packages: dict[str, ros.InterfacePackage] = {}
         self._found: dict[Diagnostic, None] = {}
 
     def run(self, sources: list[PackageSource]) -> ImportResult:
@@ -132,7 +132,7 @@ class _Import:
             self._define(package, file, document)
         self._packages[source.name] = package or self._builder.package(source.name, None)
 
-    def _define(self, package: Any, file: Source, document: Document) -> None:
+    def _define(self, package: ros.InterfacePackage, file: Source, document: Document) -> None:
         place = Location(file.path)
         if file.data is None:
             self._report("JML001", place, file.fault)
@@ -158,7 +158,7 @@ class _Import:
         if len(definition.sections) != len(PARTS[file.kind]):
             return
         element = self._builder.interface(package, file.name, file.kind, definition, document)
-        if file.kind == "msg":
+        if isinstance(element, ros.MessageType):
             self._types[package.name, file.name] = element
 
     # -- message types ---------------------------------------------------------------------------
@@ -182,7 +182,7 @@ class _Import:
             return
         self._builder.set(use.element, "messageType", target)
 
-    def _type(self, package: str, name: str, place: Location) -> Any:
+    def _type(self, package: str, name: str, place: Location) -> ros.MessageType | None:
         """Returns a message type: imported, of the library, or of a package imported along."""
         if package not in self._packages and (package, name) not in self._shipped:
             self._import_along(package, place)
@@ -199,7 +199,7 @@ class _Import:
         return [*self._types, *self._shipped]
 
     @property
-    def _shipped(self) -> dict[tuple[str, str], Any]:
+    def _shipped(self) -> dict[tuple[str, str], ros.MessageType]:
         """The message types of the library, which is read when a field needs one of it."""
         if self._library is None:
             self._library = {}
@@ -208,7 +208,7 @@ class _Import:
         return self._library
 
     def _report_cycles(self) -> None:
-        done: set[Any] = set()
+        done: set[ros.MessageType] = set()
         for (package, name), message in self._types.items():
             cycle = _cycle(message, done)
             if cycle:
@@ -221,7 +221,7 @@ class _Import:
         self._found[Diagnostic(rule, severity, place, message, hint)] = None
 
 
-def library_types(model: Model) -> dict[tuple[str, str], Any]:
+def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
     """Returns the message types of the shipped library by package and name.
 
     Args:
@@ -253,9 +253,9 @@ def _document(file: Source) -> Document:
     return document
 
 
-def _cycle(start: Any, done: set[Any]) -> list[Any]:
+def _cycle(start: ros.MessageType, done: set[ros.MessageType]) -> list[ros.MessageType]:
     """Returns the message types from one to itself, first and last the same; empty without."""
-    path: list[Any] = [start]
+    path: list[ros.MessageType] = [start]
     pending = [iter(_held(start))]
     while pending:
         held = next(pending[-1], None)
@@ -271,6 +271,6 @@ def _cycle(start: Any, done: set[Any]) -> list[Any]:
     return []
 
 
-def _held(message: Any) -> list[Any]:
-    fields = [each for each in message.fields if each.eClass.name == "MessageField"]
+def _held(message: ros.MessageType) -> list[ros.MessageType]:
+    fields = [each for each in message.fields if isinstance(each, ros.MessageField)]
     return [each.messageType for each in fields if each.messageType is not None]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.model.documents import Document
 from jausml.model.model import Model
@@ -14,9 +14,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.importers.ros.importing import ImportResult
+    from jausml.metamodel.classes import ros
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.semantics.installed import InterfaceType
 
 
-def placed(result: ImportResult, places: Mapping[Path, Sequence[Any]]) -> Model:
+def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePackage]]) -> Model:
     """Returns the model of the documents to be written, in which every type has its id.
 
     An id is the name of the type; where a document holds several packages, the package stands
@@ -52,7 +55,7 @@ def placed(result: ImportResult, places: Mapping[Path, Sequence[Any]]) -> Model:
     return model
 
 
-def _types(package: Any) -> Iterator[Any]:
+def _types(package: ros.InterfacePackage) -> Iterator[InterfaceType]:
     yield from package.messages
     for service in package.services:
         yield from (service, service.request, service.response)
@@ -60,7 +63,7 @@ def _types(package: Any) -> Iterator[Any]:
         yield from (action, action.goal, action.result, action.feedback)
 
 
-def _elements(model: Model, root: Any) -> Iterator[Any]:
+def _elements(model: Model, root: EObject) -> Iterator[EObject]:
     pending = [root]
     while pending:
         element = pending.pop()
@@ -69,7 +72,7 @@ def _elements(model: Model, root: Any) -> Iterator[Any]:
         pending += model.owned(element)
 
 
-def _stand_in(element: Any) -> Node:
+def _stand_in(element: EObject) -> Node:
     node = Node(str(element.eClass.name), [], {}, None, (1, 1, 0))
     node.obj = element
     return node
