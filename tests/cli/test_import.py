@@ -99,6 +99,7 @@ def test_name_and_version_of_the_set(jausml, folder):
     assert 'name="hoist" version="7.1"' in (folder / "out.xmi").read_text()
 
 
+@pytest.mark.slow
 def test_comparison_with_the_library(jausml, folder):
     done = jausml("import", "jsidl", "winch", "--compare-library")
     assert done.exit_code == 1

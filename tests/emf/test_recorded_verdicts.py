@@ -54,6 +54,7 @@ def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("saved", SYSTEMS, ids=lambda path: path.stem)
 def test_saved_again_generates_the_same(saved: Path, tmp_path: Path) -> None:
     place = saved.relative_to(HERE / "resaved")

@@ -7,9 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 RUN = Path(__file__).parents[2] / "fuzz" / "run.py"
 
 
+@pytest.mark.slow
 def test_bodies_are_refused_or_go_out_as_they_came() -> None:
     done = subprocess.run(
         [sys.executable, str(RUN), "bodies", "--plain", "--runs", "20000", "--seed", "7"],

@@ -66,6 +66,7 @@ def test_is_formatted_and_clean(workspace: Path) -> None:
     run("-m", "ruff", "check", "--select", RULES, *docs, *isolated, str(workspace))
 
 
+@pytest.mark.slow
 def test_is_typed(workspace: Path) -> None:
     packages = [each.name for each in sorted(workspace.iterdir()) if (each / each.name).is_dir()]
     (workspace.parent / "mypy.ini").write_text(MYPY, encoding="utf-8")

@@ -182,6 +182,7 @@ def outcomes(folder):
     return dict(zip([None, *DAMAGES], zip(codes, outputs, strict=True), strict=True))
 
 
+@pytest.mark.slow
 def test_the_generated_tests_pass(outcomes):
     code, output = outcomes[None]
     assert code == 0, output

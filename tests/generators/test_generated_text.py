@@ -56,6 +56,7 @@ def test_ruff_finds_nothing(generated: Path) -> None:
     run("ruff", "check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
+@pytest.mark.slow
 def test_mypy_finds_nothing(generated: Path) -> None:
     run("mypy", "--strict", "--explicit-package-bases", ".", cwd=generated)
 

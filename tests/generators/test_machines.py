@@ -90,6 +90,7 @@ def test_ruff_finds_nothing(workspace):
     run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
 
 
+@pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
     run("-m", "mypy", "--strict", "-p", "spot", cwd=workspace, workspace=workspace)
     run("-m", "mypy", "--strict", "spot/test/test_spot.py", cwd=workspace, workspace=workspace)
@@ -194,6 +195,7 @@ def test_rules_and_targets_agree_on_what_the_runtime_takes():
     assert KEPT_BY_RUNTIME == components.RUNTIME_SERVICES
 
 
+@pytest.mark.slow
 def test_drift_tells_new_and_former_methods(tmp_path):
     model = tmp_path / "lamp.xmi"
     text = MODEL.read_text("utf-8")

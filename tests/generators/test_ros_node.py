@@ -84,6 +84,7 @@ def test_ruff_finds_nothing(case, tmp_path):
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_mypy_is_content(workspace, tmp_path):
     (tmp_path / "mypy.ini").write_text(MYPY)
     packages = [workspace / name for name in ("everything", "odometry", "idle")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -59,6 +60,7 @@ def read(folder, data):
     return read_models([path], project_root=folder, notations=NOTATIONS)
 
 
+@pytest.mark.slow
 @given(text=mutations())
 @settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 def test_mutations(text, tmp_path_factory):

@@ -92,6 +92,7 @@ def test_the_list_has_each_map_and_no_other() -> None:
     assert set(ready_maps()) <= set(re.findall(r"`(\w+)`", text))
 
 
+@pytest.mark.slow
 def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
     """The tests that come with the generated bridges check them."""
     packages = [workspace / f"{stem}_bridge" for stem in ready_maps()]

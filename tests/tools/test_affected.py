@@ -1,0 +1,103 @@
+"""What changed decides which tests run, and those nearest to it come first."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from affected import affected, changed_files
+
+ROOT = Path(__file__).resolve().parents[2]
+FILES = {
+    "jausml/__init__.py": "",
+    "jausml/words.py": "",
+    "jausml/lines.py": "from jausml import words",
+    "jausml/pages.py": "from jausml.lines import wrap",
+    "jausml/books.py": "from jausml import pages",
+    "jausml/shelves.py": "import jausml.books",
+    "jausml/alone/__init__.py": "",
+    "jausml/alone/templates/page.j2": "",
+    "tests/conftest.py": "",
+    "tests/paper.py": "from jausml import words",
+    "tests/test_lines.py": "from jausml.lines import wrap",
+    "tests/test_words.py": "import jausml.words",
+    "tests/test_books.py": "from jausml import books",
+    "tests/test_shelves.py": "from jausml import shelves",
+    "tests/test_paper.py": "from paper import sheet",
+    "tests/test_alone.py": "def test():\n    import jausml.alone",
+    "tools/press.py": "",
+    "tests/tools/test_press.py": "import press",
+}
+LIST = "import sys, pathlib, affected; print(*affected.affected(pathlib.Path.cwd(), sys.argv[1:]))"
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def listed(checkout):
+    """Names the test files for changed files, in a process that finds the checkout's package."""
+
+    def run(*changed):
+        command = [sys.executable, "-c", f"import sys; sys.path.insert(0, '.'); {LIST}", *changed]
+        environment = {"PYTHONPATH": str(ROOT / "tools")}
+        result = subprocess.run(
+            command, cwd=checkout, env=environment, capture_output=True, text=True, timeout=60
+        )
+        assert result.returncode == 0, result.stderr
+        return [Path(each).relative_to(checkout).as_posix() for each in result.stdout.split()]
+
+    return run
+
+
+def test_the_nearest_come_first_and_the_far_not_at_all(listed):
+    expected = ["test_words", "test_paper", "test_lines", "test_books"]
+    assert listed("jausml/words.py") == [f"tests/{name}.py" for name in expected]
+
+
+def test_a_changed_test_comes_before_all(listed):
+    assert listed("jausml/words.py", "tests/test_shelves.py")[0] == "tests/test_shelves.py"
+
+
+def test_files_that_tests_import_count_for_them(listed):
+    assert listed("tests/paper.py") == ["tests/test_paper.py"]
+    assert listed("tools/press.py") == ["tests/tools/test_press.py"]
+    assert len(listed("tests/conftest.py")) == 7
+
+
+def test_what_is_no_module_counts_as_its_package(listed):
+    assert listed("jausml/alone/templates/page.j2") == ["tests/test_alone.py"]
+
+
+def test_what_nothing_imports_needs_no_test(listed):
+    assert listed("README.md", "docs/index.md") == []
+
+
+def test_changed_files_are_those_since_the_branch_left(checkout):
+    def git(*arguments):
+        names = ("-c", "user.name=a", "-c", "user.email=a@example.org")
+        subprocess.run(["git", *names, *arguments], cwd=checkout, check=True, capture_output=True)
+
+    git("init", "--initial-branch=main")
+    git("add", ".")
+    git("commit", "-m", "start")
+    assert changed_files(checkout) == []
+    git("switch", "-c", "topic")
+    (checkout / "jausml" / "words.py").write_text("a = 1\n", encoding="utf-8")
+    git("commit", "-am", "change")
+    (checkout / "jausml" / "lines.py").write_text("", encoding="utf-8")
+    (checkout / "new ones.py").write_text("", encoding="utf-8")
+    assert changed_files(checkout) == ["jausml/lines.py", "jausml/words.py", "new ones.py"]
+    assert changed_files(checkout, "HEAD") == ["jausml/lines.py", "new ones.py"]
+
+
+def test_a_change_of_units_runs_the_tests_of_units():
+    first, *_ = affected(ROOT, ["jausml/languages/units.py"])
+    assert first.name == "test_units.py"

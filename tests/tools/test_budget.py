@@ -1,0 +1,30 @@
+"""A run of tests ends in the time that it has."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SUPPORT = Path(__file__).resolve().parents[1] / "support"
+
+
+@pytest.mark.parametrize(("seconds", "outcome"), [("100", "2 passed"), ("0", "2 skipped")])
+def test_what_is_left_is_skipped_and_counted(tmp_path, seconds, outcome):
+    file = tmp_path / "test_two.py"
+    file.write_text("def test_one(): pass\ndef test_other(): pass\n", encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-rs", "-p", "budget", "--budget", seconds, file]
+    result = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(SUPPORT)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert result.returncode == 0
+    assert outcome in result.stdout
+    assert ("out of time" in result.stdout) == (seconds == "0")

@@ -1,0 +1,142 @@
+"""The test files that a change can break, nearest first.
+
+A test file is as far from a changed module as imports lead from the one to the other. Of files
+equally far, one whose name or folder is that of the module is nearer. What is no Python (templates,
+metamodels, grammars) counts as the modules of the package that it lies in.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+import grimp
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+PACKAGE = "jausml"
+FAR = 3
+"""Imports beyond which a test file says little about a module."""
+
+
+def changed_files(root: Path, base: str = "") -> list[str]:
+    """Files that differ from where this branch left `main`, and files that git does not know yet.
+
+    Args:
+        root: the checkout
+        base: the commit to compare with, instead of the one where the branch left
+    """
+
+    def git(*arguments: str) -> list[str]:
+        command = ["git", "-C", str(root), *arguments]
+        result = subprocess.run(command, check=False, capture_output=True, text=True)
+        return result.stdout.split("\0" if "-z" in arguments else None)
+
+    start = base or "".join(git("merge-base", "HEAD", "main")) or "HEAD"
+    names = git("diff", "--name-only", "-z", start)
+    names += git("ls-files", "--others", "--exclude-standard", "-z")
+    return sorted({name for name in names if name})
+
+
+def affected(root: Path, changed: Iterable[str]) -> list[Path]:
+    """Returns the test files that changed files can break, the nearest first."""
+    graph = grimp.build_graph(PACKAGE, cache_dir=None)
+    imports = {module: graph.find_modules_that_directly_import(module) for module in graph.modules}
+    names = list(changed)
+    modules = _modules(root, names, graph.modules)
+    distances = _distances(modules, imports)
+    words = set(re.findall(r"[a-z]+", " ".join(modules))) - {PACKAGE}
+    files = {root / name for name in names}
+    tests = _TestFiles(root, graph.modules)
+    ranked = []
+    for test in tests.files:
+        place = test.relative_to(root).as_posix()
+        likeness = len(words & set(re.findall(r"[a-z]+", place)))
+        reached = [distances[name] for name in tests.imported(test) if name in distances]
+        ranks = [distance - likeness for distance in reached if distance <= FAR]
+        # What changed itself comes first, and what all tests share last.
+        ranks += [-FAR] if test in files else []
+        ranks += [FAR if path.name == "conftest.py" else 0 for path in tests.support(test) & files]
+        if ranks:
+            ranked.append((min(ranks), place))
+    return [root / place for _, place in sorted(ranked)]
+
+
+def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
+    """The modules that changed files are, or that lie beside or above what is no module."""
+    found = set()
+    for name in changed:
+        parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
+        if parts[0] != PACKAGE:
+            continue
+        module = ".".join(parts)
+        if module in known:
+            found.add(module)
+            continue
+        folder = (root / name).parent
+        while not (folder / "__init__.py").exists() and folder != root:
+            folder = folder.parent
+        package = ".".join(folder.relative_to(root).parts)
+        found |= {each for each in known if each == package or each.startswith(f"{package}.")}
+    return found
+
+
+def _distances(modules: set[str], importers: Mapping[str, set[str]]) -> dict[str, int]:
+    """How many imports lead from each module to the nearest of some modules."""
+    distances = dict.fromkeys(modules, 0)
+    pending = list(modules)
+    while pending:
+        module = pending.pop(0)
+        for importer in importers[module]:
+            if importer not in distances:
+                distances[importer] = distances[module] + 1
+                pending.append(importer)
+    return distances
+
+
+class _TestFiles:
+    """The test files, and what each imports by itself or through files beside it."""
+
+    def __init__(self, root: Path, known: set[str]) -> None:
+        folder = root / "tests"
+        self.files = sorted(folder.rglob("test_*.py"))
+        self._known = known
+        self._named = defaultdict(list)
+        for path in folder.rglob("*.py"):
+            self._named[path.stem].append(path)
+        for path in (root / "tools").glob("*.py"):
+            self._named[path.stem].append(path)
+        self._names: dict[Path, set[str]] = {}
+
+    def support(self, file: Path) -> set[Path]:
+        """A test file, what it imports of files of the tests, and the conftest files above it."""
+        found: set[Path] = set()
+        pending = [file, *(each for each in self._named["conftest"] if each.parent in file.parents)]
+        while pending:
+            path = pending.pop()
+            if path not in found:
+                found.add(path)
+                for name in self._imports(path):
+                    pending += self._named.get(name, ())
+        return found
+
+    def imported(self, file: Path) -> set[str]:
+        """The modules of the package that a test file imports, by itself or through its support."""
+        names = set().union(*map(self._imports, self.support(file)))
+        return names & self._known
+
+    def _imports(self, path: Path) -> set[str]:
+        if path not in self._names:
+            names = set()
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Import):
+                    names |= {each.name for each in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.module:
+                    names |= {f"{node.module}.{each.name}" for each in node.names} | {node.module}
+            self._names[path] = names
+        return self._names[path]
