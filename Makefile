@@ -6,7 +6,8 @@ READY := .venv/.ready
 # Compiled tests and modules are kept: without them each process compiles them anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test coverage live lint format bench fuzz emf reference types clean
+.PHONY: help demo quick test test-slow coverage live lint format bench fuzz emf reference \
+	types release-check clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -19,13 +20,21 @@ $(READY): pyproject.toml
 demo: $(READY)  ## generate the example system, drive it through a turn, draw the result
 	$(BIN)/python models/catvehicle/demo.py
 
+quick: $(READY)  ## lint, and the tests that a change since main can break
+	$(BIN)/python tools/quick.py
+
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part; nothing chosen (5) is no failure.
 test: $(READY)  ## every test
 	$(BIN)/python -m pytest --durations=15 -n auto --dist worksteal $(TESTS) || test $$? -eq 5
 
-coverage: $(READY)  ## every test, and which lines none of them runs
-	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered $(TESTS)
+test-slow: export JAUSML_EXAMPLES ?= 200
+test-slow: export PYTEST_ADDOPTS ?= --timeout=1200
+test-slow: test  ## every test, with 200 random examples for each property
+
+coverage: $(READY)  ## every test, and which lines none of them runs; fails below the agreed share
+	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered \
+	  $(if $(TESTS),--cov-fail-under=0) $(TESTS)
 
 live: $(READY)  ## the tests with real processes: rclpy, sockets, tshark
 	$(BIN)/python -m pytest -m live -n auto --dist worksteal $(TESTS)
@@ -58,6 +67,9 @@ reference: $(READY)  ## write docs/reference/ anew
 
 types: $(READY)  ## write the stubs of the metamodels' classes anew
 	$(BIN)/python tools/build_model_types.py
+
+release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest dependency versions
+	$(BIN)/python tools/release_check.py
 
 clean:  ## remove what make has made
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out

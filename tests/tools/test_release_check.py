@@ -1,0 +1,43 @@
+"""What a release must have, without building one."""
+
+from __future__ import annotations
+
+from importlib import metadata
+
+import pytest
+from release_check import NotReleasableError, check_version, lowest
+
+CHANGELOG = "# Changelog\n\n## [Unreleased]\n\n## [1.2.3] - 2026-01-02\n"
+
+
+def test_a_version_with_a_day_and_without_a_tag_is_free():
+    check_version("1.2.3", CHANGELOG, ["v1.2.2"])
+
+
+@pytest.mark.parametrize(
+    ("version", "tags", "said"),
+    [
+        ("1.2", [], "not of the form"),
+        ("1.2.3.dev1", [], "not of the form"),
+        ("1.2.3", ["v1.2.3"], "raise __version__"),
+        ("1.3.0", [], "no heading `## [1.3.0] - YYYY-MM-DD`"),
+    ],
+)
+def test_a_version_is_refused(version, tags, said):
+    with pytest.raises(NotReleasableError) as caught:
+        check_version(version, CHANGELOG, tags)
+    assert said in str(caught.value)
+
+
+def test_lowest_versions_are_those_of_the_bounds():
+    requirements = ["a>=1.2,<2", "b==3", 'c>=1; extra == "dev"', "d[x]<9,>=4"]
+    assert lowest(requirements) == ["a==1.2", "b==3", "d==4"]
+
+
+def test_a_requirement_without_a_lower_bound_is_refused():
+    with pytest.raises(NotReleasableError, match="a<2 has no lower bound"):
+        lowest(["a<2"])
+
+
+def test_each_dependency_of_the_project_has_a_lowest_version():
+    assert "pyecore==0.15.2" in lowest(metadata.requires("jausml"))

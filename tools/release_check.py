@@ -1,0 +1,176 @@
+"""Whether this checkout can be released: version, changelog, tag, wheel, sdist, dependencies.
+
+Builds the sdist and from it the wheel, installs the wheel in an environment of its own, once with
+the newest and once with the lowest versions of its dependencies, and uses it there. All steps run;
+the end says which failed. Packages come from the index that pip is set to.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+import venv
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from packaging.requirements import Requirement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+ROOT = Path(__file__).resolve().parent.parent
+RELEASE = re.compile(r"\d+\.\d+\.\d+")
+EXAMPLE = "minimal/minimal.xmi"
+SMOKE = (
+    *("tests/metamodel/test_shipped.py", "tests/model"),
+    *("tests/text/test_parsing.py", "tests/generation/test_plan.py"),
+)
+"""Tests that stand on pyecore, lxml, lark and jinja2, and start no process of ROS."""
+TEST_TOOLS = ("hypothesis", "pytest", "pytest-timeout", "pytest-xdist", "pyyaml")
+
+
+class NotReleasableError(Exception):
+    """A step found what must be mended before a release."""
+
+
+def run(*command: str | Path, cwd: Path = ROOT) -> str:
+    """Runs a command; returns what it printed.
+
+    Raises:
+        NotReleasableError: it failed.
+    """
+    result = subprocess.run(
+        list(map(str, command)), cwd=cwd, check=False, capture_output=True, text=True
+    )
+    if result.returncode:
+        said = "\n".join((result.stdout + result.stderr).splitlines()[-30:])
+        raise NotReleasableError(f"{' '.join(map(str, command))}\n{said}")
+    return result.stdout
+
+
+def check_version(version: str, changelog: str, tags: Iterable[str]) -> None:
+    """Checks that a version is one, is not taken, and stands in the changelog with its day.
+
+    Raises:
+        NotReleasableError: it is not so.
+    """
+    if not RELEASE.fullmatch(version):
+        raise NotReleasableError(f"the version {version} is not of the form 1.2.3")
+    if f"v{version}" in tags:
+        raise NotReleasableError(f"the tag v{version} is there: raise __version__")
+    if not re.search(
+        rf"^## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d$", changelog, re.MULTILINE
+    ):
+        raise NotReleasableError(f"CHANGELOG.md has no heading `## [{version}] - YYYY-MM-DD`")
+
+
+def lowest(requirements: Iterable[str]) -> list[str]:
+    """Constraints that hold each required distribution to the lowest version that it may have.
+
+    Raises:
+        NotReleasableError: a requirement has no lower bound.
+    """
+    constraints = []
+    for text in requirements:
+        requirement = Requirement(text)
+        if requirement.marker and not requirement.marker.evaluate({"extra": ""}):
+            continue
+        bounds = [each.version for each in requirement.specifier if each.operator in (">=", "==")]
+        if not bounds:
+            raise NotReleasableError(f"{requirement} has no lower bound")
+        constraints.append(f"{requirement.name}=={bounds[0]}")
+    return constraints
+
+
+def build(place: Path) -> Path:
+    """Builds sdist and wheel; returns the wheel."""
+    run(sys.executable, "-m", "build", "--outdir", place, ROOT)
+    (wheel,) = place.glob("*.whl")
+    return wheel
+
+
+def environment(place: Path, *packages: str | Path) -> Path:
+    """Makes an environment with packages; returns its folder of programs."""
+    venv.create(place, with_pip=True)
+    run(place / "bin" / "python", "-m", "pip", "install", "--quiet", *packages)
+    return place / "bin"
+
+
+def use(programs: Path, place: Path) -> None:
+    """Asks an installed jausml for its version, validates an example and generates from it."""
+    place.mkdir()
+    code = "import jausml, pathlib; print(pathlib.Path(jausml.__file__).parent / 'models')"
+    models = Path(run(programs / "python", "-c", code, cwd=place).strip())
+    run(programs / "jausml", "--version", cwd=place)
+    run(programs / "jausml", "validate", models / EXAMPLE, cwd=place)
+    run(programs / "jausml", "generate", models / EXAMPLE, "-o", "out", cwd=place)
+
+
+class Release:
+    """The steps of the check, in a folder of their own."""
+
+    def __init__(self, place: Path) -> None:
+        self._place = place
+        self._wheel = Path()
+
+    def steps(self) -> dict[str, Callable[[], None]]:
+        """The steps by what they check."""
+        return {
+            "nothing is uncommitted": self.clean,
+            "version, changelog and tag agree": self.version,
+            "sdist and wheel are built": self.built,
+            "the wheel works with the newest dependencies": self.newest,
+            "it works with the lowest dependencies": self.lowest,
+        }
+
+    def clean(self) -> None:
+        """Checks that what is built is what is committed."""
+        if changed := run("git", "status", "--porcelain"):
+            raise NotReleasableError(changed)
+
+    def version(self) -> None:
+        """Checks the version."""
+        changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+        code = "import jausml; print(jausml.__version__)"
+        version = run(sys.executable, "-c", code).strip()
+        check_version(version, changelog, run("git", "tag").split())
+
+    def built(self) -> None:
+        """Builds."""
+        self._wheel = build(self._place / "dist")
+
+    def newest(self) -> None:
+        """Installs the wheel as a user does, and uses it."""
+        use(environment(self._place / "newest", self._wheel), self._place / "newest-work")
+
+    def lowest(self) -> None:
+        """Installs the wheel with the lowest versions, uses it, and runs tests beside it."""
+        constraints = self._place / "lowest.txt"
+        constraints.write_text("\n".join(lowest(metadata.requires("jausml") or ())) + "\n")
+        programs = environment(
+            self._place / "lowest", "--constraint", constraints, self._wheel, *TEST_TOOLS
+        )
+        use(programs, self._place / "lowest-work")
+        run(programs / "python", "-m", "pytest", "-q", "-n", "auto", *SMOKE)
+
+
+def main() -> int:
+    """Command line entry."""
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for name, step in Release(Path(folder)).steps().items():
+            try:
+                step()
+            except NotReleasableError as error:
+                failed += 1
+                print(f"FAILED: {name}\n{error}")
+            else:
+                print(f"ok: {name}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
