@@ -17,28 +17,29 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.languages.cursor import Language, LanguageError, TokenCursor
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 LONGEST = 1000
 """Characters of a guard; more is no guard that a person wrote."""
-_DEEPEST = 30
-_TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
-    r"(?P<arguments>\s*\([^()|&!]*\))?|(?P<sign>&&|\|\||[!()]))"
+
+
+class GuardError(LanguageError):
+    """A text is no guard."""
+
+
+_LANGUAGE = Language(
+    noun="guard",
+    tokens=re.compile(
+        r"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
+        r"(?:\s*\([^()|&!]*\))?|(?P<sign>&&|\|\||[!()]))"
+    ),
+    error=GuardError,
+    longest=LONGEST,
+    deepest=30,
 )
-
-
-class GuardError(ValueError):
-    """A text is no guard.
-
-    Attributes:
-        column: Where it goes wrong, from 1.
-    """
-
-    def __init__(self, message: str, column: int) -> None:
-        super().__init__(f"{message} at column {column}")
-        self.column = column
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,6 @@ def parse_guard(text: str | None) -> Guard | None:
     """
     if text is None or not text.strip():
         return None
-    if len(text) > LONGEST:
-        raise GuardError(f"a guard has at most {LONGEST} characters", LONGEST)
     return _Parser(text).whole()
 
 
@@ -105,67 +104,31 @@ def conditions(guard: Guard | None) -> Iterator[str]:
 
 class _Parser:
     def __init__(self, text: str) -> None:
-        self._tokens = _tokens(text)
-        self._next = 0
-        self._depth = 0
+        self._cursor = TokenCursor(text, _LANGUAGE)
 
     def whole(self) -> Guard:
         guard = self._any_of()
-        kind, column = self._tokens[self._next]
-        if kind:
-            raise GuardError(f"'{kind}' where the guard should end", column)
+        self._cursor.expect_end()
         return guard
 
     def _any_of(self) -> Guard:
         operands = [self._all_of()]
-        while self._takes("||"):
+        while self._cursor.take("||"):
             operands.append(self._all_of())
         return operands[0] if len(operands) == 1 else AnyOf(tuple(operands))
 
     def _all_of(self) -> Guard:
         operands = [self._single()]
-        while self._takes("&&"):
+        while self._cursor.take("&&"):
             operands.append(self._single())
         return operands[0] if len(operands) == 1 else AllOf(tuple(operands))
 
     def _single(self) -> Guard:
-        text, column = self._tokens[self._next]
-        self._depth += 1
-        if self._depth > _DEEPEST:
-            raise GuardError("too many parentheses", column)
-        try:
-            if self._takes("!"):
-                return Negation(self._single())
-            if self._takes("("):
-                inner = self._any_of()
-                if not self._takes(")"):
-                    raise GuardError("a parenthesis is not closed", column)
-                return inner
-        finally:
-            self._depth -= 1
-        if not text or text in ("&&", "||", ")"):
-            raise GuardError(f"a condition is missing before {text or 'the end'}", column)
-        self._next += 1
-        return Condition(text)
-
-    def _takes(self, sign: str) -> bool:
-        if self._tokens[self._next][0] != sign:
-            return False
-        self._next += 1
-        return True
-
-
-def _tokens(text: str) -> list[tuple[str, int]]:
-    """Returns signs and names of conditions with their columns, and an empty text for the end."""
-    found: list[tuple[str, int]] = []
-    position, end = 0, len(text.rstrip())
-    while position < end:
-        match = _TOKEN.match(text, position)
-        if match is None:
-            start = position + len(text[position:]) - len(text[position:].lstrip())
-            raise GuardError(f"{text[start]!a} belongs in no guard", start + 1)
-        name, sign = match["name"], match["sign"]
-        start = match.start("name") if name else match.start("sign")
-        found.append((name.rpartition(".")[2].strip() if name else sign, start + 1))
-        position = match.end()
-    return [*found, ("", end + 1)]
+        cursor = self._cursor
+        if cursor.take("!"):
+            return Negation(cursor.nested(self._single))
+        if cursor.take("("):
+            return cursor.parenthesized(self._any_of)
+        if cursor.token.kind != "name":
+            raise cursor.error(f"a condition is missing before {cursor.token}")
+        return Condition(cursor.advance().text.rpartition(".")[2].strip())

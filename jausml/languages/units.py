@@ -14,18 +14,18 @@ import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+
+from jausml.languages.cursor import Language, LanguageError, TokenCursor
 
 LONGEST = 200
 """Characters of a unit; more is no unit that a person wrote."""
-_DEEPEST = 10
 _LARGEST_POWER = 9
 
 Dimension = tuple[tuple[str, Fraction], ...]
 """Base quantities with their powers, without zeros, in alphabetic order."""
 
 
-class UnitError(ValueError):
+class UnitError(LanguageError):
     """A text is no unit.
 
     Attributes:
@@ -34,8 +34,7 @@ class UnitError(ValueError):
     """
 
     def __init__(self, message: str, column: int, name: str = "") -> None:
-        super().__init__(f"{message} at column {column}")
-        self.column = column
+        super().__init__(message, column)
         self.name = name
 
 
@@ -75,8 +74,6 @@ def parse_unit(text: str) -> Unit:
     Raises:
         UnitError: The text is no unit; `nearest_units` has suggestions.
     """
-    if len(text) > LONGEST:
-        raise UnitError(f"a unit has at most {LONGEST} characters", LONGEST)
     return _Parser(text).whole()
 
 
@@ -209,115 +206,90 @@ _WORDS = {
 }  # fmt: skip
 
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_TOKEN = re.compile(
-    r"\s*(?:(?P<power>\^\s*[-+]?[0-9]+|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<number>[0-9]+)"
-    r"|(?P<name>°[CF]?|%|[A-Za-zµμΩ]+)|(?P<sign>[-*·./()]))"
+_LANGUAGE = Language(
+    noun="unit",
+    tokens=re.compile(
+        r"\s*(?:(?P<power>\^\s*[-+]?[0-9]+|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<number>[0-9]+)"
+        r"|(?P<name>°[CF]?|%|[A-Za-zµμΩ]+)|(?P<sign>[-*·./()]))"
+    ),
+    error=UnitError,
+    longest=LONGEST,
+    deepest=10,
+    ignores_case=True,
 )
-
-
-class _Token(NamedTuple):
-    kind: str
-    text: str
-    column: int
 
 
 class _Parser:
     """Reads one unit; units that stand side by side are multiplied."""
 
     def __init__(self, text: str) -> None:
-        self._tokens = _tokens(text)
-        self._next = 0
-        self._depth = 0
+        self._cursor = TokenCursor(text, _LANGUAGE)
 
     def whole(self) -> Unit:
         unit = self._product()
-        if self._token.kind != "end":
-            raise UnitError(f"'{self._token.text}' where the unit should end", self._token.column)
+        self._cursor.expect_end()
         return unit
 
-    @property
-    def _token(self) -> _Token:
-        return self._tokens[self._next]
-
-    def _take(self, *texts: str) -> bool:
-        if self._token.kind == "end" or self._token.text.lower() not in texts:
-            return False
-        self._next += 1
-        return True
-
     def _product(self) -> Unit:
+        cursor = self._cursor
         result: Unit | None = None
         is_under = False
-        while self._token.kind != "end" and self._token.text != ")":
-            divides = self._take("/")
-            if self._take("per"):
+        while cursor.token.kind != "end" and cursor.token.text != ")":
+            divides = bool(cursor.take("/"))
+            if cursor.take("per"):
                 is_under = divides = True
             elif result is not None and not divides:
-                self._take("*", "·", ".", "-")
+                cursor.take("*", "·", ".", "-")
             factor = self._factor()
             if divides or is_under:
                 factor = _power(factor, Fraction(-1))
             # Alone, a unit keeps the zero of its scale.
             result = factor if result is None else _times(result, factor)
         if result is None:
-            raise UnitError("a unit is missing", self._token.column)
+            raise cursor.error("a unit is missing")
         return result
 
     def _factor(self) -> Unit:
-        if self._take("square"):
+        if self._cursor.take("square"):
             return _power(self._single(), Fraction(2))
-        if self._take("cubic"):
+        if self._cursor.take("cubic"):
             return _power(self._single(), Fraction(3))
         unit = self._single()
         power = self._power()
         return unit if power == 1 else _power(unit, power)
 
     def _power(self) -> Fraction:
-        token = self._token
-        if self._take("squared"):
+        cursor = self._cursor
+        if cursor.take("squared"):
             return Fraction(2)
-        if self._take("cubed"):
+        if cursor.take("cubed"):
             return Fraction(3)
         # "m2" for m^2; a number anywhere else is no power.
-        if token.kind not in {"power", "number"}:
+        if cursor.token.kind not in {"power", "number"}:
             return Fraction(1)
-        self._next += 1
+        token = cursor.advance()
         value = int(token.text.lstrip("^").strip().translate(_SUPERSCRIPTS))
         if not 0 < abs(value) <= _LARGEST_POWER:
-            raise UnitError(f"{value} is no power of a unit", token.column)
+            raise cursor.error(f"{value} is no power of a unit", token)
         return Fraction(value)
 
     def _single(self) -> Unit:
-        token = self._token
-        if self._take("("):
-            return self._group(token)
+        cursor = self._cursor
+        if cursor.take("("):
+            return cursor.parenthesized(self._product)
+        token = cursor.token
         if token.kind == "number" and token.text == "1":
-            self._next += 1
+            cursor.advance()
             return _SYMBOLS["1"]
         if token.kind != "name":
-            found = f"'{token.text}'" if token.text else "the end"
-            raise UnitError(f"a unit is missing before {found}", token.column)
-        self._next += 1
-        if token.text.lower() in {"degree", "degrees"}:
-            token = self._scale() or token
-        unit = _named(token.text)
+            raise cursor.error(f"a unit is missing before {token}")
+        cursor.advance()
+        name = token.text
+        if name.lower() in {"degree", "degrees"}:
+            name = cursor.take("celsius", "fahrenheit", "kelvin") or name
+        unit = _named(name)
         if unit is None:
-            raise UnitError(f"'{token.text}' is no known unit", token.column, token.text)
-        return unit
-
-    def _scale(self) -> _Token | None:
-        """The word behind `degree` that tells of which temperature scale."""
-        token = self._token
-        return token if self._take("celsius", "fahrenheit", "kelvin") else None
-
-    def _group(self, opening: _Token) -> Unit:
-        self._depth += 1
-        if self._depth > _DEEPEST:
-            raise UnitError("too many parentheses", opening.column)
-        unit = self._product()
-        self._depth -= 1
-        if not self._take(")"):
-            raise UnitError("a parenthesis is not closed", opening.column)
+            raise UnitError(f"'{name}' is no known unit", token.column, name)
         return unit
 
 
@@ -338,17 +310,3 @@ def _named(name: str) -> Unit | None:
             if plain.startswith(prefix) and symbol in _PREFIXED:
                 return _times(_unit(factor), _PREFIXED[symbol])
     return None
-
-
-def _tokens(text: str) -> list[_Token]:
-    found: list[_Token] = []
-    position, end = 0, len(text.rstrip())
-    while position < end:
-        match = _TOKEN.match(text, position)
-        if match is None or match.lastgroup is None:
-            start = position + len(text[position:]) - len(text[position:].lstrip())
-            raise UnitError(f"{text[start]!a} belongs in no unit", start + 1)
-        kind = match.lastgroup
-        found.append(_Token(kind, match[kind], match.start(kind) + 1))
-        position = match.end()
-    return [*found, _Token("end", "", end + 1)]

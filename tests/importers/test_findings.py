@@ -55,7 +55,10 @@ def test_containers(text, hint):
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="1,5"/>', "commas"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="1/0"/>', "divides by zero"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="(2"/>', "not closed"),
-        ('<fixed_length_string name="F" ⟦JML605⟧string_length="2 2"/>', "too much"),
+        (
+            '<fixed_length_string name="F" ⟦JML605⟧string_length="2 2"/>',
+            "where the expression should end",
+        ),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="2^4"/>', "'^'"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length="9e999"/>', "out of all bounds"),
         ('<fixed_length_string name="F" ⟦JML605⟧string_length=""/>', "is empty"),

@@ -9,15 +9,14 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
+from jausml.languages.cursor import Language, TokenCursor
+
 LONGEST = 1000
+"""Characters of an expression; more is none that a person wrote."""
 DEEPEST = 50
+"""Signs and parentheses within each other."""
 _LARGEST_EXPONENT = 400
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:[0-9][0-9,]*\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
-    r"|(?P<sign>[-+*/()]))"
-)
 _NUMBER = re.compile(r"(?:[0-9]+|[0-9]{1,3}(?:,[0-9]{3})+)?\.?[0-9]*(?:[eE]([+-]?[0-9]+))?")
 
 Lookup = Callable[[str], Fraction]
@@ -25,7 +24,24 @@ Lookup = Callable[[str], Fraction]
 
 
 class ExpressionError(ValueError):
-    """A text is no expression, or has no value; the message says why."""
+    """A text is no expression, or has no value; the message says of the text why."""
+
+
+def _malformed(message: str, column: int) -> ExpressionError:
+    return ExpressionError(f"is no expression: {message} at column {column}")
+
+
+_LANGUAGE = Language(
+    noun="expression",
+    tokens=re.compile(
+        r"\s*(?:(?P<number>(?:[0-9][0-9,]*\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+        r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\s*\.\s*[A-Za-z_][A-Za-z0-9_]*)*)"
+        r"|(?P<sign>[-+*/()]))"
+    ),
+    error=_malformed,
+    longest=LONGEST,
+    deepest=DEEPEST,
+)
 
 
 def evaluate(text: str, constant: Lookup) -> Fraction:
@@ -38,88 +54,52 @@ def evaluate(text: str, constant: Lookup) -> Fraction:
     Raises:
         ExpressionError: The text is no expression, divides by zero or is out of all bounds.
     """
-    if len(text) > LONGEST:
-        raise ExpressionError(f"is longer than {LONGEST} characters")
-    parser = _Parser(_tokens(text), constant)
-    value = parser.total(0)
-    if parser.token[0]:
-        raise ExpressionError(f"has '{parser.token[1]}' too much")
-    return value
-
-
-def _tokens(text: str) -> list[tuple[str, str]]:
-    tokens = []
-    at = 0
-    stripped = text.strip()
-    while at < len(stripped):
-        match = _TOKEN.match(stripped, at)
-        if match is None:
-            wrong = stripped[at:].strip()[0]
-            raise ExpressionError(f"has {wrong!a}, which is no part of an expression")
-        kind = str(match.lastgroup)
-        tokens.append((kind, match.group(kind)))
-        at = match.end()
-    if not tokens:
+    if not text.strip():
         raise ExpressionError("is empty")
-    return [*tokens, ("", "")]
+    return _Parser(text, constant).whole()
 
 
 class _Parser:
-    """Recursive descent over the tokens."""
+    """Recursive descent over the tokens, which computes as it reads."""
 
-    def __init__(self, tokens: list[tuple[str, str]], constant: Lookup) -> None:
-        self._tokens = tokens
-        self._at = 0
+    def __init__(self, text: str, constant: Lookup) -> None:
+        self._cursor = TokenCursor(text, _LANGUAGE)
         self._constant = constant
 
-    @property
-    def token(self) -> tuple[str, str]:
-        return self._tokens[self._at]
+    def whole(self) -> Fraction:
+        value = self._total()
+        self._cursor.expect_end()
+        return value
 
-    def total(self, depth: int) -> Fraction:
-        value = self._product(depth)
-        while self.token[1] in ("+", "-"):
-            sign = self._take()
-            right = self._product(depth)
+    def _total(self) -> Fraction:
+        value = self._product()
+        while sign := self._cursor.take("+", "-"):
+            right = self._product()
             value = value + right if sign == "+" else value - right
         return value
 
-    def _product(self, depth: int) -> Fraction:
-        value = self._factor(depth)
-        while self.token[1] in ("*", "/"):
-            sign = self._take()
-            right = self._factor(depth)
+    def _product(self) -> Fraction:
+        value = self._factor()
+        while sign := self._cursor.take("*", "/"):
+            right = self._factor()
             if sign == "/" and not right:
                 raise ExpressionError("divides by zero")
             value = value * right if sign == "*" else value / right
             _check_size(value)
         return value
 
-    def _factor(self, depth: int) -> Fraction:
-        if depth > DEEPEST:
-            raise ExpressionError("is nested too deeply")
-        kind, text = self.token
-        if text in ("+", "-"):
-            self._take()
-            value = self._factor(depth + 1)
-            return -value if text == "-" else value
-        if text == "(":
-            self._take()
-            value = self.total(depth + 1)
-            if self.token[1] != ")":
-                raise ExpressionError("has a parenthesis that is not closed")
-            self._take()
-            return value
-        if kind == "number":
-            return _number(self._take())
-        if kind == "name":
-            return self._constant("".join(self._take().split()))
-        raise ExpressionError(f"has '{text}' where a value is missing" if text else "is incomplete")
-
-    def _take(self) -> str:
-        text = self.token[1]
-        self._at += 1
-        return text
+    def _factor(self) -> Fraction:
+        cursor = self._cursor
+        if sign := cursor.take("+", "-"):
+            value = cursor.nested(self._factor)
+            return -value if sign == "-" else value
+        if cursor.take("("):
+            return cursor.parenthesized(self._total)
+        if cursor.token.kind == "number":
+            return _number(cursor.advance().text)
+        if cursor.token.kind == "name":
+            return self._constant("".join(cursor.advance().text.split()))
+        raise cursor.error(f"a value is missing before {cursor.token}")
 
 
 def _number(text: str) -> Fraction:

@@ -1,6 +1,6 @@
 """Arithmetic expressions of attribute maps: read, evaluated and bounded, and never run as code.
 
-`expression_parsing` has the grammar, `expression_functions` the functions.
+`parsing` has the grammar, `functions` the functions.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ def test_other_texts_are_refused_with_the_column(text, column):
 
 
 def test_bounds_hold():
-    with pytest.raises(GuardError, match="parentheses"):
+    with pytest.raises(GuardError, match="nested too deeply"):
         parse_guard("(" * 400 + "a" + ")" * 400)
     with pytest.raises(GuardError, match="characters"):
         parse_guard("a" * (LONGEST + 1))

@@ -160,7 +160,7 @@ def test_no_value(text):
         ("", 1, "missing before the end"),
         ("1 +", 4, "missing before the end"),
         ("* 2", 1, r"missing before '\*'"),
-        ("(1", 3, "not closed"),
+        ("(1", 1, "not closed"),
         ("1)", 2, "should end"),
         ("a b", 3, "'b' where the expression should end"),
         ("1 < 2 < 3", 7, "joined by"),
@@ -178,7 +178,7 @@ def test_no_value(text):
         ("(" * 100 + "1" + ")" * 100, DEEPEST + 2, "too deeply"),
         ("-" * 500 + "1", DEEPEST + 2, "too deeply"),
         ("1" + "+1" * 200, 1, "within each other"),
-        ("1" * (LONGEST + 1), LONGEST, "at most"),
+        ("1" * (LONGEST + 1), LONGEST, "more than"),
     ],
 )
 def test_no_expression(text, column, message):
