@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -23,6 +23,7 @@ from jausml.validation.report import Report
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
 _XMI, _TEXT = SUFFIXES
@@ -100,7 +101,7 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _written(roots: list[Any], model: Model, target: str) -> str:
+def _written(roots: list[EObject], model: Model, target: str) -> str:
     if target.endswith(_TEXT):
         return to_text(roots, model, target)
     document = model.document_of(roots[0]) if roots else None
@@ -125,7 +126,7 @@ def _left_behind(result: ReadResult, target: str) -> Iterator[str]:
             yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
 
 
-def _summary(roots: list[Any], model: Model) -> str:
+def _summary(roots: list[EObject], model: Model) -> str:
     pending, elements = list(roots), 0
     while pending:
         elements += 1

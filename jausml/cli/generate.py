@@ -30,6 +30,7 @@ from jausml.generation import (
     render,
     unified_diff,
 )
+from jausml.metamodel.classes import bridge, system
 from jausml.model import ReadResult, read_models
 from jausml.text.notation import NOTATIONS, SUFFIX
 from jausml.validation.engine import check
@@ -118,8 +119,8 @@ def command(
         targets = _for_whole_library(targets)
     read = _read(model, project_root, allow_outside=allow_outside)
     if frequency is not None:
-        for bridge in read.model.instances("bridge.Bridge"):
-            bridge.frequency = frequency
+        for owner in read.model.instances(bridge.Bridge):
+            owner.frequency = frequency
     valid = _valid_model(read)
     if any(needs_system(target) for target in targets):
         _require_system(model, valid)
@@ -166,11 +167,11 @@ def _valid_model(read: ReadResult) -> Model:
 
 
 def _require_system(path: str, model: Model) -> None:
-    systems = [root for root in model.documents[0].roots if root.eClass.name == "System"]
+    systems = [root for root in model.documents[0].roots if isinstance(root, system.System)]
     if len(systems) == 1:
         return
     name = click.format_filename(path)
-    maps = model.instances("bridge.AttributeMap", library=False)
+    maps = model.instances(bridge.AttributeMap, library=False)
     if maps and not systems and path.endswith(SUFFIX):
         message = f"{name} holds maps, but no bridge that uses them; add one, for example:"
         raise EnvironmentFault(f"{message}\n\n{_EXAMPLE.format(map=maps[0].name)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -22,6 +22,8 @@ from jausml.validation.report import Report
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from jausml.metamodel.classes import jaus
 
 _SUFFIXES = (".xml", ".jsidl")
 _RENDERERS = {"text": text.render, "json": json.render}
@@ -139,7 +141,7 @@ def _shown(value: str) -> str:
 
 
 def _summary(result: ImportResult) -> str:
-    services: list[Any] = [each for root in result.sets for each in root.services]
+    services: list[jaus.Service] = [each for root in result.sets for each in root.services]
     messages = sum(len(each.inputs) + len(each.outputs) for each in services)
     counts = ((len(result.sets), "set"), (len(services), "service"), (messages, "message"))
     return counted(*counts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -26,6 +26,9 @@ from jausml.model.values import suggest
 from jausml.validation.engine import check
 from jausml.validation.formats import json, text
 from jausml.validation.report import Report
+
+if TYPE_CHECKING:
+    from jausml.metamodel.classes.ros import InterfacePackage
 
 _RENDERERS = {"text": text.render, "json": json.render}
 
@@ -135,7 +138,9 @@ def _report(result: ImportResult) -> Report:
     return Report(result.model, files, tuple(result.diagnostics))
 
 
-def _documents(result: ImportResult, output: str | None) -> list[tuple[str, list[Any], bytes]]:
+def _documents(
+    result: ImportResult, output: str | None
+) -> list[tuple[str, list[InterfacePackage], bytes]]:
     """Returns the files to be written, each with its packages and its bytes."""
     output = output or f"{result.packages[0].name}.xmi"
     if output.endswith(os.sep) or Path(output).is_dir():
@@ -153,7 +158,7 @@ def _documents(result: ImportResult, output: str | None) -> list[tuple[str, list
     return made
 
 
-def _summary(packages: list[Any]) -> str:
+def _summary(packages: list[InterfacePackage]) -> str:
     return counted(
         (len(packages), "package"),
         (sum(len(each.messages) for each in packages), "message"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,10 +14,11 @@ from jausml.model.xmi.writer import UnwritableError, replace_file, to_xmi
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
 
-def document(roots: Sequence[Any], model: Model, output: str) -> bytes:
+def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     """Returns root elements as the bytes of a document.
 
     Args:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.editor.classes import contained_classes, features_of, keywords, table
 from jausml.editor.context import Part, context_at
 from jausml.editor.paths import facts, fields_of, sides_at
 from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
+from jausml.metamodel.classes import jaus, ros
 from jausml.model.values import show
 from jausml.semantics.conversions import conversion_signature
 from jausml.text.keywords import snake_case
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from jausml.editor.names import Declaration
     from jausml.editor.positions import Place
     from jausml.editor.workbench import Workbench
+    from jausml.metamodel.classes.ecore import EEnumLiteral
 
 UNITS = (
     *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),
@@ -134,7 +136,7 @@ def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completi
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    for each in bench.elements(path, "jaus.MessageDef"):
+    for each in bench.elements(path, jaus.MessageDef):
         service = getattr(each.eContainer(), "name", "") or ""
         detail = f"{each.code} {service}".strip()
         name = written_word(each.name or "")
@@ -142,7 +144,7 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
 
 
 def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    for each in bench.elements(path, "ros.MessageType"):
+    for each in bench.elements(path, ros.MessageType):
         package = getattr(each.eContainer(), "name", None)
         if package and each.name:
             name = written_word(f"{package}/{each.name}")
@@ -174,7 +176,7 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         name = f"{before}.{field.name}" if before else field.name
         found = sides.follow(name, is_source=is_source)
         detail = ", ".join(facts(found.attribute())) if found is not None else ""
-        said = getattr(field, "interpretation", None) or field.documentation or ""
+        said = field.documentation or ""
         yield Completion(written_path(name), Kind.FIELD, detail, said)
 
 
@@ -182,19 +184,19 @@ def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Comp
     yield from map(conversion_completion, conversion_literals())
 
 
-def conversion_literals() -> list[Any]:
+def conversion_literals() -> list[EEnumLiteral]:
     """Returns the literals of all conversions."""
     kinds = table("bridge.Conversion").features["kind"].data_type
     return [] if kinds is None else [kinds.literals[each] for each in kinds.legal]
 
 
-def conversion_completion(literal: Any) -> Completion:
+def conversion_completion(literal: EEnumLiteral) -> Completion:
     """Returns a conversion with its signature and what it does."""
     name = str(literal.name)
     return Completion(name, Kind.CONVERSION, signature(literal), documentation(literal))
 
 
-def signature(literal: Any) -> str:
+def signature(literal: EEnumLiteral) -> str:
     """Returns the signature of a conversion, such as `scale(factor): number -> number`."""
     known = conversion_signature(literal)
     arguments = f"({', '.join(known.arguments)})" if known.arguments else ""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from jausml.editor.names import Reference
     from jausml.editor.workbench import Workbench
+    from jausml.metamodel.classes.ecore import EObject
 
 _WORDS = {"WORD", "INDEXED"}
 
@@ -111,11 +112,11 @@ def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
 
 
 def _in_models(bench: Workbench, path: Path, reference: Reference) -> Definition | None:
-    element = bench.find(path, reference.wanted.qualified_name, reference.text)
+    element = bench.find(path, reference.wanted.python_class, reference.text)
     return _element(bench, path, element)
 
 
-def _element(bench: Workbench, path: Path, element: object) -> Definition | None:
+def _element(bench: Workbench, path: Path, element: EObject | None) -> Definition | None:
     place = bench.place_of(path, element) if element is not None else None
     if place is None:
         return None

@@ -13,6 +13,7 @@ from jausml.editor.paths import facts, sides_at
 from jausml.editor.positions import Place
 from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import documentation
+from jausml.metamodel.classes import jaus, ros
 from jausml.model.names import qualified_name
 from jausml.text.keywords import snake_case
 from jausml.text.reading.shaping import word_text
@@ -87,13 +88,10 @@ def _message(bench: Workbench, path: Path, context: Context, token: Token) -> st
     reference = names_in(bench.text(path)).reference_at(_place(token))
     if reference is None:
         return ""
-    wanted = reference.wanted.qualified_name
-    if wanted not in ("jaus.MessageDef", "ros.MessageType"):
+    element = bench.find(path, reference.wanted.python_class, reference.text)
+    if not isinstance(element, (jaus.MessageDef, ros.MessageType)):
         return ""
-    element = bench.find(path, wanted, reference.text)
-    if element is None:
-        return ""
-    code = f" {element.code}" if getattr(element, "code", None) else ""
+    code = f" {element.code}" if isinstance(element, jaus.MessageDef) and element.code else ""
     return _joined([f"**{qualified_name(element)}**{code}", element.documentation])
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
+from jausml.metamodel.classes import jaus, ros
 from jausml.semantics.attributes import UNSTATED, Attribute
 from jausml.semantics.jaus_paths import JausPlace, message_place
 from jausml.semantics.ros_paths import RosPlace
@@ -15,7 +16,11 @@ if TYPE_CHECKING:
 
     from jausml.editor.context import Context
     from jausml.editor.workbench import Workbench
+    from jausml.semantics.attributes import Part
     from jausml.semantics.paths import Place
+
+
+MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,25 +58,33 @@ def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
         path: The file of the text.
         context: The place.
     """
-    jaus = message_at_end(bench, path, context, is_jaus=True)
-    ros = message_at_end(bench, path, context, is_jaus=False)
-    from_jaus = message_place(jaus) if jaus is not None else None
-    from_ros = RosPlace(type=ros, indexed=True) if ros is not None else None
+    message = _at_end(bench, path, context, jaus.MessageDef)
+    kind = _at_end(bench, path, context, ros.MessageType)
+    from_jaus = message_place(message) if message is not None else None
+    from_ros = RosPlace(type=kind, indexed=True) if kind is not None else None
     way = context.around(Direction) or context.around(Vector)
     if isinstance(way, (Direction, Vector)) and way.to_ros:
         return _nested(Sides(from_jaus, from_ros, {}), context)
     return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context)), context)
 
 
-def message_at_end(bench: Workbench, path: Path, context: Context, *, is_jaus: bool) -> Any:
+def message_at_end(
+    bench: Workbench, path: Path, context: Context, *, is_jaus: bool
+) -> jaus.MessageDef | ros.MessageType | None:
     """Returns the message at one end of the map around a place, None when it is not known."""
-    end = context.end_of_map(is_jaus=is_jaus)
-    if end is None:
-        return None
-    return bench.find(path, "jaus.MessageDef" if is_jaus else "ros.MessageType", end.type.text)
+    if is_jaus:
+        return _at_end(bench, path, context, jaus.MessageDef)
+    return _at_end(bench, path, context, ros.MessageType)
 
 
-def fields_of(place: Place | None) -> list[Any]:
+def _at_end(
+    bench: Workbench, path: Path, context: Context, kind: type[MessageT]
+) -> MessageT | None:
+    end = context.end_of_map(is_jaus=kind is jaus.MessageDef)
+    return None if end is None else bench.find(path, kind, end.type.text)
+
+
+def fields_of(place: Place | None) -> list[Part]:
     """Returns the fields that the next step of a path can name."""
     if isinstance(place, JausPlace):
         return [each for each in place.members() or [] if each.name]
@@ -109,7 +122,9 @@ def _nested(sides: Sides, context: Context) -> Sides:
 
 def _element(place: Place | None) -> Place | None:
     is_list = isinstance(place, RosPlace) and place.is_array
-    is_list = is_list or (isinstance(place, JausPlace) and hasattr(place.field, "element"))
+    is_list = is_list or (
+        isinstance(place, JausPlace) and isinstance(place.field, (jaus.List, jaus.Array))
+    )
     return place.element() if place is not None and is_list else None
 
 
@@ -126,7 +141,7 @@ def _joins(bench: Workbench, path: Path, context: Context) -> dict[str, Place]:
                 if isinstance(feature, Feature) and feature.name.text == "type":
                     value = feature.values[0]
                     name = value.text if isinstance(value, Name) else ""
-                    type_ = bench.find(path, "ros.MessageType", name) if name else None
+                    type_ = bench.find(path, ros.MessageType, name) if name else None
                     if type_ is not None:
                         joins[item.name.text] = RosPlace(type=type_, indexed=True)
     return joins

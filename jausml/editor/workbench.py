@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from jausml.editor.names import Names, names_of
 from jausml.model.names import qualified_name
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Diagnostic
     from jausml.model.model import Model
 
@@ -35,6 +36,9 @@ def parsed_text(text: str) -> Parsed:
 def names_in(text: str) -> Names:
     """Returns the names in a text; those of a text just seen are kept."""
     return names_of(parsed_text(text).document)
+
+
+ElementT = TypeVar("ElementT", bound="EObject")
 
 
 @dataclass
@@ -92,26 +96,26 @@ class Workbench:
                 self._library = read_models(files).model
             return self._library
 
-    def elements(self, path: Path, qualified_class: str) -> list[Any]:
+    def elements(self, path: Path, kind: type[ElementT]) -> list[ElementT]:
         """Returns the elements of a class that a text can name: its own, then the library's.
 
         Args:
             path: Real path of the text.
-            qualified_class: Package and class.
+            kind: The class.
         """
         model = self._models.get(path)
-        own = model.instances(qualified_class, library=False) if model is not None else []
-        return own + self.library().instances(qualified_class)
+        own = model.instances(kind, library=False) if model is not None else []
+        return own + self.library().instances(kind)
 
-    def find(self, path: Path, qualified_class: str, name: str) -> Any:
+    def find(self, path: Path, kind: type[ElementT], name: str) -> ElementT | None:
         """Returns the first element of a class that a name means in a text, None without one."""
         wanted = f".{name.replace('/msg/', '/').replace('/', '.')}"
-        for each in self.elements(path, qualified_class):
+        for each in self.elements(path, kind):
             if f".{qualified_name(each)}".endswith(wanted):
                 return each
         return None
 
-    def place_of(self, path: Path, element: Any) -> tuple[Path, int, int] | None:
+    def place_of(self, path: Path, element: EObject) -> tuple[Path, int, int] | None:
         """Returns file, line and column of an element that `elements` gave."""
         for model in (self._models.get(path), self._library):
             document = model.document_of(element) if model is not None else None

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     import re
     from collections.abc import Mapping
 
+    from jausml.metamodel.classes.ecore import EObject
+
 
 class FeatureKind(Enum):
     """What a structural feature holds and how it is written in XMI."""
@@ -139,6 +141,12 @@ class ClassTable:
     subtypes: frozenset[ClassTable] = frozenset()
     id_feature: FeatureTable | None = None
     bounded: tuple[FeatureTable, ...] = ()
+
+    @property
+    def python_class(self) -> type[EObject]:
+        """What pyecore makes the elements from."""
+        made: type[EObject] = self.eclass.python_class
+        return made
 
     def __repr__(self) -> str:
         return f"<class {self.qualified_name}>"

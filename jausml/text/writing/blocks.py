@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
+from jausml.metamodel.classes import bridge
 from jausml.model.xmi.writer import is_written
 from jausml.text.keywords import owning_features, snake_case
 from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value
 from jausml.text.writing.heads import IN_THE_HEAD, documented, head_name, needs_feature
 from jausml.text.writing.literals import attribute_value
-from jausml.text.writing.maps import MAP, MapBuilder, is_map
+from jausml.text.writing.maps import MapBuilder, is_map
 from jausml.text.writing.spacing import space
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.text.writing.references import ReferenceNames
 
 ROOT = Name("root")
@@ -41,13 +43,13 @@ class BlockBuilder:
         self._names = names
         self._maps = MapBuilder(self, names, metamodels)
 
-    def root(self, obj: Any) -> Element | Feature:
+    def root(self, obj: EObject) -> Element | Feature:
         """Returns a root element with all that it owns."""
         if self._metamodels.class_of(obj).qualified_name in _STANDING:
             return self.element(obj)
         return documented(Feature(ROOT, [self._value(obj, with_class=True)]), obj)
 
-    def element(self, obj: Any) -> Element:
+    def element(self, obj: EObject) -> Element:
         """Returns an element as a block by itself."""
         table = self._metamodels.class_of(obj)
         keyword, name, items = Name(snake_case(table.name)), head_name(obj), self._items(obj)
@@ -57,7 +59,7 @@ class BlockBuilder:
             block = Element(None if is_map(items) else keyword, name, items)
         return documented(block, obj)
 
-    def values(self, obj: Any, *, without: frozenset[str]) -> Iterator[Feature]:
+    def values(self, obj: EObject, *, without: frozenset[str]) -> Iterator[Feature]:
         """Yields the attributes and references of an element as features.
 
         Args:
@@ -70,10 +72,10 @@ class BlockBuilder:
             if said_here and feature.kind in _VALUES and is_written(obj, feature):
                 yield self._feature(obj, feature)
 
-    def _items(self, obj: Any) -> list[BlockItem]:
+    def _items(self, obj: EObject) -> list[BlockItem]:
         """Returns what stands in the block of an element, values before owned elements."""
         table = self._metamodels.class_of(obj)
-        if table.qualified_name == MAP:
+        if isinstance(obj, bridge.AttributeMap):
             return list(self._maps.items(obj))
         items: list[BlockItem] = [*self.values(obj, without=IN_THE_HEAD)]
         for feature in table.features.values():
@@ -82,12 +84,12 @@ class BlockBuilder:
         space(items)
         return items
 
-    def children(self, obj: Any, names: Sequence[str]) -> list[BlockItem]:
+    def children(self, obj: EObject, names: Sequence[str]) -> list[BlockItem]:
         """Returns the elements that an element owns by some features, as items."""
         features = self._metamodels.class_of(obj).features
         return [item for name in names for item in self.owned(obj, features[name])]
 
-    def owned(self, obj: Any, feature: FeatureTable) -> Iterator[BlockItem]:
+    def owned(self, obj: EObject, feature: FeatureTable) -> Iterator[BlockItem]:
         """Yields the elements of one feature."""
         value = getattr(obj, feature.name)
         for each in value if feature.many else [value]:
@@ -98,13 +100,13 @@ class BlockBuilder:
                 continue
             table = self._metamodels.class_of(each)
             is_said_best = table is feature.target and _is_said_by(feature, table)
-            is_unclear = table.qualified_name == MAP and head_name(each) is None
+            is_unclear = isinstance(each, bridge.AttributeMap) and head_name(each) is None
             if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
                 yield self.value_item(each, feature)
             else:
                 yield self.element(each)
 
-    def value_item(self, obj: Any, feature: FeatureTable) -> Feature:
+    def value_item(self, obj: EObject, feature: FeatureTable) -> Feature:
         """Returns an owned element as the value of its feature, `inputs: new message_def A {}`."""
         with_class = (
             self._metamodels.class_of(obj) is not feature.target or head_name(obj) is not None
@@ -112,17 +114,17 @@ class BlockBuilder:
         item = Feature(Name(feature.name), [self._value(obj, with_class=with_class)])
         return documented(item, obj)
 
-    def _is_obvious(self, owner: Any, feature: FeatureTable, table: ClassTable) -> bool:
+    def _is_obvious(self, owner: EObject, feature: FeatureTable, table: ClassTable) -> bool:
         """Tells whether a block of a class goes to a feature of its owner by itself."""
         return owning_features(self._metamodels.class_of(owner), table) == [feature.name]
 
-    def _value(self, obj: Any, *, with_class: bool) -> Element:
+    def _value(self, obj: EObject, *, with_class: bool) -> Element:
         table = self._metamodels.class_of(obj)
         if not with_class:
             return Element(None, None, self._items(obj))
         return Element(Name(snake_case(table.name)), head_name(obj), self._items(obj))
 
-    def _feature(self, obj: Any, feature: FeatureTable) -> Feature:
+    def _feature(self, obj: EObject, feature: FeatureTable) -> Feature:
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [value]
         written: list[Value] = []

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.metamodel.classes import bridge
 from jausml.model.xmi.writer import is_written
+from jausml.semantics.paths import has_source
 from jausml.text.tree import (
     Assignment,
     BlockItem,
@@ -31,12 +33,14 @@ from jausml.text.writing.literals import constant, is_name, number, word_or_cons
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from typing import TypeAlias
 
     from jausml.metamodel import FeatureTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.text.writing.blocks import BlockBuilder
     from jausml.text.writing.references import ReferenceNames
 
-MAP = "bridge.AttributeMap"
+    Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
 
 _ARGUMENT_OF = {
     "expression": "expression",
@@ -62,30 +66,31 @@ class MapBuilder:
         self._names = names
         self._metamodels = metamodels
 
-    def items(self, obj: Any) -> Iterator[BlockItem]:
+    def items(self, obj: bridge.AttributeMap) -> Iterator[BlockItem]:
         """Yields what stands in the block of an attribute map."""
-        ends = {each: self._end(obj, each) for each in ("message", "type")}
+        ends = {"message": self._end(obj, "message", obj.message)}
+        ends["type"] = self._end(obj, "type", obj.type)
         said = {name for name, end in ends.items() if end is not None}
         yield from (end for end in ends.values() if end is not None)
         yield from self._blocks.values(obj, without=IN_THE_HEAD | said)
         yield from (self._table(each) for each in obj.tables)
-        yield from (self._blocks.element(each) for each in [*obj.quantities, *obj.joins])
-        for direction in ("toRos", "toJaus"):
-            yield from self._directions(obj, self._feature(obj, direction))
+        yield from map(self._blocks.element, obj.quantities)
+        yield from map(self._blocks.element, obj.joins)
+        yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
+        yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
         yield from (self._vector(each) for each in obj.vectors)
 
-    def _end(self, obj: Any, name: str) -> End | None:
+    def _end(self, obj: bridge.AttributeMap, name: str, target: EObject | None) -> End | None:
         """Returns the clause of one end, None when it cannot be named."""
-        target = getattr(obj, name)
         if target is None:
             return None
         found = self._names.name(obj, target, self._feature(obj, name))
         return End(name == "message", found, None) if isinstance(found, Name) else None
 
-    def _feature(self, obj: Any, name: str) -> FeatureTable:
+    def _feature(self, obj: EObject, name: str) -> FeatureTable:
         return self._metamodels.class_of(obj).features[name]
 
-    def _table(self, obj: Any) -> Table | Element:
+    def _table(self, obj: bridge.ValueTable) -> Table | Element:
         sayable = is_name(obj.name) and _can_be_documented(obj, *obj.entries)
         if not sayable or any(None in (each.jaus, each.ros) for each in obj.entries):
             return self._blocks.element(obj)
@@ -95,7 +100,7 @@ class MapBuilder:
         ]
         return documented(Table(Name(obj.name), pairs), obj)
 
-    def _vector(self, obj: Any) -> Vector | Element:
+    def _vector(self, obj: bridge.TestVector) -> Vector | Element:
         given = [_vector_entry(each) for each in obj.given]
         expected = [_vector_entry(each) for each in obj.expected]
         entries = [each for each in [*given, *expected] if each is not None]
@@ -103,14 +108,16 @@ class MapBuilder:
             return self._blocks.element(obj)
         if not _can_be_documented(obj):
             return self._blocks.element(obj)
-        to_ros = _literal(obj.direction) == "jausToRos"
+        to_ros = obj.direction.name == "jausToRos"
         vector = Vector(Name(obj.name), to_ros, entries[: len(given)], entries[len(given) :])
         return documented(vector, obj)
 
-    def _directions(self, obj: Any, feature: FeatureTable) -> Iterator[Direction | Feature]:
+    def _directions(
+        self, assignments: Sequence[bridge.Assignment], feature: FeatureTable
+    ) -> Iterator[Direction | Feature]:
         """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
         direction: Direction | None = None
-        for each in getattr(obj, feature.name):
+        for each in assignments:
             arrow = self._arrow(each)
             if arrow is None:
                 if direction is not None:
@@ -124,41 +131,42 @@ class MapBuilder:
         if direction is not None:
             yield direction
 
-    def _arrow(self, obj: Any) -> Assignment | Ignored | None:
+    def _arrow(self, obj: bridge.Assignment) -> Assignment | Ignored | None:
         """Returns an assignment as an arrow, None when no arrow says exactly this."""
         targets = _paths(obj.target)
         if targets is None:
             return None
-        kind = str(obj.eClass.name)
-        if kind == "Ignore":
+        if isinstance(obj, bridge.Ignore):
             is_sayable = len(targets) == 1 and _can_be_documented(obj)
             return documented(Ignored(targets[0]), obj) if is_sayable else None
-        sources = self._sources(obj, kind)
+        sources = self._sources(obj)
         if not sources:
             return None
         arrow = Assignment(sources, targets)
         arrow.items += self._blocks.values(obj, without=_BY_ARROW)
-        if kind in ("FieldAssignment", "ListAssignment"):
+        if isinstance(obj, (bridge.FieldAssignment, bridge.ListAssignment)):
             self._convert(arrow, obj)
-        if kind == "ListAssignment":
+        if isinstance(obj, bridge.ListAssignment):
             arrow.items += self._nested(obj)
             if not any(isinstance(each, Assignment | Ignored) for each in arrow.items):
                 return None
         return documented(arrow, obj)
 
-    def _sources(self, obj: Any, kind: str) -> list[Name | Number | Text | Clock] | None:
-        if kind == "ClockAssignment":
+    def _sources(self, obj: bridge.Assignment) -> list[Name | Number | Text | Clock] | None:
+        if isinstance(obj, bridge.ClockAssignment):
             return [Clock()]
-        if kind == "ConstantAssignment":
+        if isinstance(obj, bridge.ConstantAssignment):
             return [constant(obj.value)] if obj.value is not None else None
-        if kind == "MessageAssignment" and obj.map is None:
+        if not has_source(obj) or (isinstance(obj, bridge.MessageAssignment) and obj.map is None):
             return None
         paths = _paths(obj.source)
         if paths is None or obj.source in ("true", "false"):
             return None
         return list(paths)
 
-    def _convert(self, arrow: Assignment, obj: Any) -> None:
+    def _convert(
+        self, arrow: Assignment, obj: bridge.FieldAssignment | bridge.ListAssignment
+    ) -> None:
         calls = [self._call(each) for each in obj.conversions]
         sayable = [each for each in calls if each is not None]
         if len(sayable) == len(calls):
@@ -166,7 +174,7 @@ class MapBuilder:
         else:
             arrow.items += [self._blocks.element(each) for each in obj.conversions]
 
-    def _call(self, obj: Any) -> Call | None:
+    def _call(self, obj: bridge.Conversion) -> Call | None:
         """Returns a conversion as a call, None when it has what no call of its kind takes."""
         table = self._metamodels.class_of(obj)
         given = [
@@ -174,7 +182,7 @@ class MapBuilder:
             for name, each in table.features.items()
             if name != "kind" and is_written(obj, each)
         ]
-        kind = _literal(obj.kind)
+        kind = obj.kind.name
         if not given:
             return Call(Name(kind))
         holder = _ARGUMENT_OF.get(kind, "quantity" if "quantity" in given else "arguments")
@@ -192,7 +200,7 @@ class MapBuilder:
             return Call(Name(kind), (Name(value),)) if is_name(value) else None
         return Call(Name(kind), (Text(value),))
 
-    def _nested(self, obj: Any) -> Iterator[BlockItem]:
+    def _nested(self, obj: bridge.ListAssignment) -> Iterator[BlockItem]:
         feature = self._feature(obj, "assignments")
         for each in obj.assignments:
             yield self._arrow(each) or self._blocks.value_item(each, feature)
@@ -207,10 +215,6 @@ def _are(kind: type, values: list[Any]) -> bool:
     return all(isinstance(each, kind) for each in values)
 
 
-def _literal(value: Any) -> str:
-    return str(getattr(value, "literal", None) or getattr(value, "name", value))
-
-
 def _paths(text: str | None) -> list[Name] | None:
     """Returns the paths of a source or target, None when commas stand otherwise than usual."""
     paths = (text or "").split(", ")
@@ -221,7 +225,7 @@ def _is_path(text: str) -> bool:
     return text == "." or ("," not in text and is_name(text.removeprefix("/")))
 
 
-def _vector_entry(obj: Any) -> VectorEntry | None:
+def _vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
     tolerance = number(obj.tolerance)
     if not _is_path(obj.path or "") or obj.value is None or not isinstance(tolerance, Number):
         return None
@@ -231,6 +235,6 @@ def _vector_entry(obj: Any) -> VectorEntry | None:
     )
 
 
-def _can_be_documented(*elements: Any) -> bool:
+def _can_be_documented(*elements: Documented) -> bool:
     texts = [each.documentation for each in elements]
     return all(text is None or is_comment(text) for text in texts)

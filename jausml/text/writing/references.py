@@ -9,12 +9,12 @@ import os
 from collections import Counter
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import count
 from jausml.model.documents import Document
-from jausml.model.names import NameFinder
+from jausml.model.names import NameFinder, name_of
 from jausml.model.reading.reader import read_models
 from jausml.model.uris import LIBRARY_URI, UriFault, library_root
 from jausml.model.xmi.parsing import Node
@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
-_Reference: TypeAlias = "tuple[Any, Any, FeatureTable]"
+_Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
 """Who refers, to what, by which feature."""
 
 _PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
@@ -43,7 +44,7 @@ class ReferenceNames:
         path: The file of the document.
     """
 
-    def __init__(self, roots: Sequence[Any], model: Model, path: Path) -> None:
+    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
         self._model = model
         self._folder = Path(os.path.realpath(path)).parent
         self._library = Path(os.path.realpath(library_root()))
@@ -66,7 +67,7 @@ class ReferenceNames:
             *(Text(Path(each).as_posix()) for each in files),
         ]
 
-    def name(self, owner: Any, target: Any, feature: FeatureTable) -> Name | Href:
+    def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
         """Returns how an element is referred to: by its shortest name, else by file and fragment.
 
         Args:
@@ -80,7 +81,7 @@ class ReferenceNames:
         found = self._name(owner, target, feature)
         return Name(found) if found is not None else self.href(target)
 
-    def href(self, target: Any) -> Href:
+    def href(self, target: EObject) -> Href:
         """Returns how an element is referred to by file and fragment.
 
         Args:
@@ -93,14 +94,14 @@ class ReferenceNames:
             return Href(f"#{self._fragments[target]}")
         return Href(external_href(target, self._model, self._folder))
 
-    def is_apart(self, obj: Any) -> bool:
+    def is_apart(self, obj: EObject) -> bool:
         """Tells whether an owned element is the root of another document, which keeps it."""
         document = self._model.document_of(obj)
         if document is None or document is self._home:
             return False
         return document.root_position(obj) is not None
 
-    def _name(self, owner: Any, target: Any, feature: FeatureTable) -> str | None:
+    def _name(self, owner: EObject, target: EObject, feature: FeatureTable) -> str | None:
         wanted = cast("ClassTable", feature.target)
         for text in self._candidates(target):
             found = is_name(text) and self._finder.find(text, wanted, self._document, owner)
@@ -108,7 +109,7 @@ class ReferenceNames:
                 return text
         return None
 
-    def _candidates(self, target: Any) -> Iterator[str]:
+    def _candidates(self, target: EObject) -> Iterator[str]:
         """Yields the names of an element, the best first: ROS types of elsewhere by package."""
         steps = _path(target)
         qualified_class = self._model.metamodels.class_of(target).qualified_name
@@ -151,7 +152,7 @@ class ReferenceNames:
                     for target in value if feature.many else [value]:
                         yield obj, target, feature
 
-    def _owned(self, obj: Any) -> Iterator[tuple[Any, str]]:
+    def _owned(self, obj: EObject) -> Iterator[tuple[EObject, str]]:
         """Yields the elements that an element owns in this document, with the step to each."""
         for feature in self._model.metamodels.class_of(obj).features.values():
             if feature.kind is FeatureKind.CONTAINMENT and count(obj, feature):
@@ -161,9 +162,9 @@ class ReferenceNames:
                     steps = [(each, f"@{feature.name}.{i}") for i, each in enumerate(value)]
                 yield from (step for step in steps if not self.is_apart(step[0]))
 
-    def _name_fragments(self, roots: Sequence[Any]) -> dict[Any, str]:
+    def _name_fragments(self, roots: Sequence[EObject]) -> dict[EObject, str]:
         """Returns the elements in document order with their paths by features, as EMF has them."""
-        fragments: dict[Any, str] = {}
+        fragments: dict[EObject, str] = {}
         several = len(roots) > 1
         pending = [(root, f"/{i}" if several else "/") for i, root in enumerate(roots)][::-1]
         while pending:
@@ -172,7 +173,7 @@ class ReferenceNames:
             pending += [(each, f"{at}/{step}") for each, step in self._owned(obj)][::-1]
         return fragments
 
-    def _node(self, obj: Any, parent: Node | None) -> Node:
+    def _node(self, obj: EObject, parent: Node | None) -> Node:
         """Returns an element and all that it owns as light nodes, which a document consists of."""
         node = Node("", [], {}, parent, (1, 1, 0))
         node.obj = obj
@@ -197,12 +198,13 @@ def _library_document(path: Path, metamodels: Metamodels) -> Document:
     return read_models([path], metamodels=metamodels).model.documents[0]
 
 
-def _path(obj: Any) -> list[str]:
+def _path(obj: EObject) -> list[str]:
     """Returns the names that lead to an element; empty when it has none itself."""
-    if not getattr(obj, "name", None):
+    if not name_of(obj):
         return []
-    steps = []
-    while obj is not None:
-        steps.append(getattr(obj, "name", None))
-        obj = obj.eContainer()
+    steps: list[str] = []
+    around: EObject | None = obj
+    while around is not None:
+        steps.append(name_of(around))
+        around = around.eContainer()
     return [each for each in reversed(steps) if each]

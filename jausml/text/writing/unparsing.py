@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.model.names import name_of
 from jausml.model.xmi.writer import UnwritableError, is_written
 from jausml.text.reading.comments import lists_of
 from jausml.text.reading.parsing import DEEPEST, LONGEST
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Sequence
 
+    from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
 _PARTS = {
@@ -29,7 +31,7 @@ _PARTS = {
 may then stand by themselves."""
 
 
-def to_text(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> str:
+def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
     """Returns root elements with all that they own as ros2jaus text in its canonical layout.
 
     Args:
@@ -51,7 +53,7 @@ def to_text(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
     return text
 
 
-def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) -> Document:
+def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> Document:
     """Returns root elements with all that they own as a syntax tree.
 
     Args:
@@ -77,11 +79,11 @@ def to_tree(roots: Sequence[Any], model: Model, path: str | os.PathLike[str]) ->
     return document
 
 
-def _parts(root: Any, builder: BlockBuilder, model: Model, path: Path) -> list[BlockItem]:
+def _parts(root: EObject, builder: BlockBuilder, model: Model, path: Path) -> list[BlockItem]:
     """Returns what stands in a root that follows from the file and its contents; else nothing."""
     table = model.metamodels.class_of(root)
     names = _PARTS.get(table.qualified_name)
-    if names is None or root.name != system_name(path):
+    if names is None or name_of(root) != system_name(path):
         return []
     others = (each for name, each in table.features.items() if name not in ("name", *names))
     if any(is_written(root, each) for each in others):
