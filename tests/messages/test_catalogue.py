@@ -165,7 +165,7 @@ def test_a_model_that_cannot_be_read_says_where(tmp_path):
     [
         (
             '<body xsi:type="jaus:TypeReference" name="B" target="//@services.0/@inputs.0/@body"/>',
-            "SetLamp.B: the type reference refers to itself",
+            "SetLamp.B: the type reference leads to no type",
         ),
         (
             '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:List" name="L">'
