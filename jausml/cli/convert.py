@@ -14,8 +14,8 @@ from jausml.model.diagnostics import Severity
 from jausml.model.identifiers import name_identifiers
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.xmi.writer import UnwritableError, to_xmi
+from jausml.text.comments import ordinary_comments
 from jausml.text.notation import NOTATIONS
-from jausml.text.reading.comments import ordinary_comments
 from jausml.text.writing.unparsing import to_text
 from jausml.validation.formats import text
 from jausml.validation.report import Report

@@ -13,10 +13,19 @@ from typing import TYPE_CHECKING
 
 from jausml.editor.classes import class_of, class_of_value, feature_named, table
 from jausml.editor.positions import Place, end_of
-from jausml.text.reading.comments import lists_of
 from jausml.text.reading.scanning import scan
 from jausml.text.reading.shaping import Items
-from jausml.text.tree import Assignment, Direction, Document, Element, End, Feature, Item, Vector
+from jausml.text.tree import (
+    Assignment,
+    Direction,
+    Document,
+    Element,
+    End,
+    Feature,
+    Item,
+    Vector,
+    lists_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""The words that stand for classes, `message_def` for MessageDef, and where their blocks go."""
+"""Keywords: those of the language, and those that stand for classes (`message_def`)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.metamodel import ClassTable, Metamodels
+
+KEYWORDS = ("import", "JAUS", "ROS", "struct", "table", "vector", "ignore", "clock", "new")
+"""Words that are names only in back quotes."""
 
 _WORD_STARTS = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])")
 _QUALITY_OF_SERVICE = ("QoS", "Qos")

@@ -7,7 +7,13 @@ out anew without a loss. Names stand in it without back quotes, texts without qu
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+UNBOUNDED = "*"
+"""The size of a member that is a sequence of any length."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,3 +268,34 @@ class Document:
 
     items: list[Import | BlockItem] = field(default_factory=list)
     closing: list[str] = field(default_factory=list)
+
+
+def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
+    """Returns the lists of an item, each with the comments before its closing bracket.
+
+    Args:
+        item: The item.
+
+    Returns:
+        The lists in order; None for the comments where none are kept.
+    """
+    if isinstance(item, (Element, Assignment)):
+        return [(item.items, item.closing)]
+    if isinstance(item, Direction):
+        return [(item.assignments, item.closing)]
+    if isinstance(item, Table):
+        return [(item.entries, item.closing)]
+    if isinstance(item, Vector):
+        return [(item.given, None), (item.expected, item.closing)]
+    if isinstance(item, Feature):
+        return [(each.items, each.closing) for each in item.values if isinstance(each, Element)]
+    if isinstance(item, Member):
+        return [(item.type if isinstance(item.type, list) else [], None), (item.features, None)]
+    if isinstance(item, End):
+        return [([] if item.members is None else item.members, None), (item.features, None)]
+    return []
+
+
+def is_map(items: Iterable[Item]) -> bool:
+    """Tells whether a block is that of an attribute map by what stands in it."""
+    return any(isinstance(each, End | Direction) for each in items)

@@ -10,8 +10,8 @@ import pytest
 
 from jausml.editor.classes import keywords
 from jausml.editor.completion import conversion_literals
+from jausml.text.keywords import KEYWORDS
 from jausml.text.notation import SUFFIX
-from jausml.text.reading.expectations import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = json.loads((FOLDER / "syntaxes" / "ros2jaus.tmLanguage.json").read_text("utf-8"))

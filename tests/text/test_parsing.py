@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.text.reading.expectations import KEYWORDS
-from jausml.text.reading.parsing import DEEPEST, LONGEST, MOST_FAULTS, parse
+from jausml.text.bounds import DEEPEST, LONGEST
+from jausml.text.keywords import KEYWORDS
+from jausml.text.reading.parsing import MOST_FAULTS, parse
 from jausml.text.tree import (
     Assignment,
     Clock,

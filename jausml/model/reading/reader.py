@@ -14,8 +14,8 @@ from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
 from jausml.model.names import NameFinder
-from jausml.model.reading.building import DocumentBuilder
 from jausml.model.reading.conformance import check_bounds
+from jausml.model.reading.elements import ElementBuilder
 from jausml.model.reading.problems import Place, Problems
 from jausml.model.reading.references import Resolution
 from jausml.model.reading.surroundings import Surroundings, in_order_of_import
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.model.notation import Fault, Notation, Written
-    from jausml.model.reading.assigning import Reference
+    from jausml.model.reading.elements import Reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,8 +206,8 @@ class _Reading:
         self._builder(document).build(result.root)
         return None
 
-    def _builder(self, document: Document) -> DocumentBuilder:
-        return DocumentBuilder(
+    def _builder(self, document: Document) -> ElementBuilder:
+        return ElementBuilder(
             self._metamodels, self._model, self._problems, self._references, document
         )
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
     from jausml.model.names import NameFinder
-    from jausml.model.reading.assigning import Reference
+    from jausml.model.reading.elements import Reference
     from jausml.model.reading.problems import Problems
     from jausml.model.xmi.parsing import Node
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Related
 from jausml.model.names import NameFinder, qualified_name
-from jausml.model.reading.naming import target_class
+from jausml.model.reading.classes import target_class
 from jausml.model.values import show
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.model.reading.assigning import Reference
+    from jausml.model.reading.elements import Reference
     from jausml.model.reading.problems import Problems
 
 _FEW = 6

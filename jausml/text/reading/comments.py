@@ -6,34 +6,17 @@ item that has no list there goes before the item. What stands before a closing b
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.text.comments import documentation_text, is_documentation
 from jausml.text.reading.shaping import Items
-from jausml.text.tree import (
-    Assignment,
-    Direction,
-    Document,
-    Element,
-    End,
-    Feature,
-    Item,
-    Member,
-    Table,
-    Vector,
-)
+from jausml.text.tree import Document, Item, Vector, lists_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from lark import Token
-
-_APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
-"""Texts, quoted names and comments: within one there is none of the others."""
-_LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")
-_LINE_BREAK = re.compile(r"(?<!\n)\n(?!\n)")
-_ESCAPED_END = re.compile(r"\*\\(\\*)/")
 
 
 @dataclass(slots=True)
@@ -55,47 +38,6 @@ def attach(document: Document, comments: Sequence[Token]) -> None:
     """
     far = (1 << 60, 0)
     _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
-
-
-def is_documentation(comment: str) -> bool:
-    """Tells whether a comment documents what stands behind it.
-
-    Args:
-        comment: The comment with its marks.
-    """
-    is_marked = comment.startswith("/**") and comment[3] not in "*/"
-    return is_marked and bool(documentation_text(comment))
-
-
-def ordinary_comments(text: str) -> list[str]:
-    """Returns the comments of a text that document nothing, in order.
-
-    Args:
-        text: A text without syntax errors.
-    """
-    found = (match.group() for match in _APART.finditer(text))
-    return [each for each in found if each[0] == "/" and not is_documentation(each)]
-
-
-def documentation_text(comment: str) -> str:
-    r"""Returns what a documentation comment says, without its marks and the stars of its lines.
-
-    A line break stands for a blank; empty lines stand between paragraphs.
-
-    Args:
-        comment: The comment with its marks. `*\/` in it stands for `*/`.
-    """
-    first, *further = comment[3:-2].split("\n")
-    lines = [each.strip(" \t\r") for each in (first, *map(_without_star, further))]
-    text = "\n".join(lines).strip("\n")
-    return _ESCAPED_END.sub(r"*\1/", _LINE_BREAK.sub(" ", text))
-
-
-def _without_star(line: str) -> str:
-    match = _LINE_START.match(line)
-    if match is None or "*" not in match.group():
-        return line.lstrip(" \t\r")
-    return line[match.end() :]
 
 
 def _ordinary(comment: Token) -> str:
@@ -198,32 +140,6 @@ def _bodies(item: Item) -> Iterator[_Body]:
                 # What stands before the arrow, on lines of its own, is about what stands behind it.
                 start = _end(item.given[-1])
             yield _Body(items, closing, start, items.end)
-
-
-def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
-    """Returns the lists of an item, each with the comments before its closing bracket.
-
-    Args:
-        item: The item.
-
-    Returns:
-        The lists in order; None for the comments where none are kept.
-    """
-    if isinstance(item, (Element, Assignment)):
-        return [(item.items, item.closing)]
-    if isinstance(item, Direction):
-        return [(item.assignments, item.closing)]
-    if isinstance(item, Table):
-        return [(item.entries, item.closing)]
-    if isinstance(item, Vector):
-        return [(item.given, None), (item.expected, item.closing)]
-    if isinstance(item, Feature):
-        return [(each.items, each.closing) for each in item.values if isinstance(each, Element)]
-    if isinstance(item, Member):
-        return [(item.type if isinstance(item.type, list) else [], None), (item.features, None)]
-    if isinstance(item, End):
-        return [([] if item.members is None else item.members, None), (item.features, None)]
-    return []
 
 
 def _position(token: Token) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""A text that was parsed, on its way to elements."""
+"""Text documents: parsed texts on their way to elements."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from jausml.model.notation import Fault
 from jausml.model.notation import Import as ImportedUri
 from jausml.text.reading import imports
-from jausml.text.reading.building import BlockBuilder
 from jausml.text.reading.declaring.declaring import Declarer
-from jausml.text.reading.map_building import MapBuilder
+from jausml.text.reading.elements import ElementReader
+from jausml.text.reading.maps import MapReader
 from jausml.text.reading.members import MemberCheck
 from jausml.text.reading.nodes import NodeMaker
-from jausml.text.reading.roots import RootBuilder
+from jausml.text.reading.roots import RootReader
 from jausml.text.tree import Import
 
 if TYPE_CHECKING:
@@ -40,10 +40,11 @@ class TextDocument:
     ) -> None:
         self._nodes = NodeMaker(metamodels)
         self._nodes.faults += faults
-        blocks = BlockBuilder(metamodels, self._nodes)
-        self._maps = MapBuilder(metamodels, self._nodes, blocks)
-        self._roots = RootBuilder(metamodels, self._nodes, blocks, path)
-        self._declarer = Declarer(metamodels, self._nodes, blocks, path, self._roots.types)
+        elements = ElementReader(metamodels, self._nodes)
+        self._maps = MapReader(metamodels, self._nodes, elements)
+        elements.special |= self._maps.special
+        self._roots = RootReader(metamodels, self._nodes, elements, path)
+        self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
         self.imports: list[ImportedUri] = []
         for item in document.items:
             if isinstance(item, Import):

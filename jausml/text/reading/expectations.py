@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model.values import nearest
+from jausml.text.keywords import KEYWORDS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from lark import Token
-
-KEYWORDS = ("import", "JAUS", "ROS", "struct", "table", "vector", "ignore", "clock", "new")
-"""Words that are names only in back quotes."""
 
 _KEYWORD_TYPES = {word.upper() for word in KEYWORDS}
 _STARTERS = {"WORD", "INDEXED", "NUMBER", "TEXT", *_KEYWORD_TYPES}

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from jausml.model.xmi.parsing import Node
     from jausml.text.reading.declaring.common import Types
-    from jausml.text.reading.map_building import WrittenEnd
+    from jausml.text.reading.maps import WrittenEnd
     from jausml.text.tree import End, Member, Span
 
 _GROUPS = frozenset({"Record", "Sequence"})

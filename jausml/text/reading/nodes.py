@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model.notation import BY_NAME, Fault
-from jausml.model.reading.naming import XSI
+from jausml.model.reading.classes import XSI
 from jausml.model.xmi.parsing import Node
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.reading.comments import attach
 from jausml.text.reading.expectations import describe, suggestion
 from jausml.text.reading.scanning import Fault, language, scan
@@ -20,12 +21,8 @@ from jausml.text.tree import Document, Span
 if TYPE_CHECKING:
     from lark import Token
 
-__all__ = ["DEEPEST", "LONGEST", "MOST_FAULTS", "Fault", "Parsed", "parse"]
+__all__ = ["MOST_FAULTS", "Fault", "Parsed", "parse"]
 
-LONGEST = 4 * 1024 * 1024
-"""Characters that a text may have."""
-DEEPEST = 64
-"""How deep brackets may be nested."""
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
 

@@ -1,20 +1,19 @@
-"""The root elements of a text, with those that nobody writes."""
+"""Root elements of a text, with the implied ones that nobody writes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
-from jausml.text.reading.building import is_map
 from jausml.text.root_names import package_name, system_name
-from jausml.text.tree import Element, Feature, Member
+from jausml.text.tree import Element, Feature, Member, is_map
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.metamodel import ClassTable, Metamodels
     from jausml.model.xmi.parsing import Node
-    from jausml.text.reading.building import BlockBuilder
+    from jausml.text.reading.elements import ElementReader
     from jausml.text.reading.nodes import NodeMaker
     from jausml.text.tree import Item, Span
 
@@ -22,22 +21,22 @@ _ROOTS = ("system.System", "bridge.MapLibrary", "jaus.ServiceSet", "ros.Interfac
 _ROOT_FEATURE = "root"
 
 
-class RootBuilder:
-    """Builds the root elements of a document.
+class RootReader:
+    """Makes the root elements of a document.
 
     Args:
         metamodels: The metamodels of the elements.
         nodes: Makes the nodes.
-        blocks: Builds blocks.
+        elements: Reads blocks.
         path: The file, which gives names to implicit roots.
     """
 
     def __init__(
-        self, metamodels: Metamodels, nodes: NodeMaker, blocks: BlockBuilder, path: Path
+        self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, path: Path
     ) -> None:
         self._metamodels = metamodels
         self._nodes = nodes
-        self._blocks = blocks
+        self._elements = elements
         self._path = path
         self._implicit: dict[str, Node] = {}
         self.roots: list[Node] = []
@@ -53,15 +52,15 @@ class RootBuilder:
         elif isinstance(item, Member):
             self._type(item)
         else:
-            self._blocks.misplaced(item)
+            self._elements.misplaced(item)
 
     def _element(self, block: Element) -> None:
-        table = self._blocks.class_of(block)
-        if is_map(block):
+        table = self._elements.class_of(block)
+        if block.keyword is None and is_map(block.items):
             owner = self._owner("bridge.MapLibrary", block.span)
-            self._blocks.owned_map(owner, block)
+            self._elements.owned_map(owner, block)
         elif table is None:
-            self._blocks.report_unknown(block)
+            self._elements.report_unknown(block)
         elif table.qualified_name in _ROOTS:
             self._explicit(table, block)
         else:
@@ -71,12 +70,12 @@ class RootBuilder:
                 hint = f"write it where it belongs, or root: new {block_words(block)} {{ ... }}"
                 self._nodes.fault("JML702", block.span, message, hint)
             else:
-                self._blocks.element(self._owner(taking, block.span), block)
+                self._elements.element(self._owner(taking, block.span), block)
 
     def _explicit(self, table: ClassTable, block: Element) -> None:
         node = self._nodes.root(table, block.span)
         self.roots.append(node)
-        self._blocks.fill(node, block)
+        self._elements.fill(node, block)
 
     def _feature(self, item: Feature) -> None:
         """Takes `root: new component x { ... }`, which makes a root of any element."""
@@ -89,9 +88,9 @@ class RootBuilder:
         for block in blocks:
             if item.documentation and not block.documentation:
                 block.documentation = item.documentation
-            table = self._blocks.class_of(block)
+            table = self._elements.class_of(block)
             if table is None:
-                self._blocks.report_unknown(block)
+                self._elements.report_unknown(block)
             else:
                 self._explicit(table, block)
 

@@ -8,6 +8,7 @@ import re
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.text.tree import (
+    UNBOUNDED,
     Assignment,
     Call,
     Clock,
@@ -36,9 +37,6 @@ if TYPE_CHECKING:
     from lark import Token
 
 T = TypeVar("T")
-
-UNBOUNDED = "*"
-"""The size of a member that is a sequence of any length."""
 
 _ESCAPE = re.compile(r"\\(u[0-9a-fA-F]{4}|.)", re.DOTALL)
 _QUOTED = re.compile(r"`((?:[^`\\\n]|\\.)*)`")

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from jausml.text.reading.shaping import UNBOUNDED
 from jausml.text.tree import (
+    UNBOUNDED,
     Assignment,
     Call,
     Clock,

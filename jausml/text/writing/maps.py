@@ -1,4 +1,4 @@
-"""Attribute maps in their own notation: both ends, arrows, tables and test vectors.
+"""Writer of attribute maps in their own notation: both ends, arrows, tables and test vectors.
 
 What an arrow, a table or a vector cannot say exactly is said by a uniform block in its place.
 """
@@ -37,11 +37,12 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.text.writing.blocks import BlockBuilder
+    from jausml.text.writing.elements import ElementWriter
     from jausml.text.writing.references import ReferenceNames
 
     Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
 
+MAP = "bridge.AttributeMap"
 _ARGUMENT_OF = {
     "expression": "expression",
     "with_units": "units",
@@ -52,17 +53,19 @@ _ARGUMENT_OF = {
 _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
 
 
-class MapBuilder:
-    """Builds the maps of one document.
+class MapWriter:
+    """Writes the maps of one document.
 
     Args:
-        blocks: Builds what is written as uniform blocks.
+        elements: Writes uniform blocks.
         names: How the document refers to elements.
         metamodels: The metamodels of the elements.
     """
 
-    def __init__(self, blocks: BlockBuilder, names: ReferenceNames, metamodels: Metamodels) -> None:
-        self._blocks = blocks
+    def __init__(
+        self, elements: ElementWriter, names: ReferenceNames, metamodels: Metamodels
+    ) -> None:
+        self._elements = elements
         self._names = names
         self._metamodels = metamodels
 
@@ -72,10 +75,10 @@ class MapBuilder:
         ends["type"] = self._end(obj, "type", obj.type)
         said = {name for name, end in ends.items() if end is not None}
         yield from (end for end in ends.values() if end is not None)
-        yield from self._blocks.values(obj, without=IN_THE_HEAD | said)
+        yield from self._elements.values(obj, without=IN_THE_HEAD | said)
         yield from (self._table(each) for each in obj.tables)
-        yield from map(self._blocks.element, obj.quantities)
-        yield from map(self._blocks.element, obj.joins)
+        yield from map(self._elements.element, obj.quantities)
+        yield from map(self._elements.element, obj.joins)
         yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
         yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
         yield from (self._vector(each) for each in obj.vectors)
@@ -93,7 +96,7 @@ class MapBuilder:
     def _table(self, obj: bridge.ValueTable) -> Table | Element:
         sayable = is_name(obj.name) and _can_be_documented(obj, *obj.entries)
         if not sayable or any(None in (each.jaus, each.ros) for each in obj.entries):
-            return self._blocks.element(obj)
+            return self._elements.element(obj)
         pairs = [
             documented(Entry(word_or_constant(each.jaus), word_or_constant(each.ros)), each)
             for each in obj.entries
@@ -105,9 +108,9 @@ class MapBuilder:
         expected = [_vector_entry(each) for each in obj.expected]
         entries = [each for each in [*given, *expected] if each is not None]
         if len(entries) < len(given) + len(expected) or not is_name(obj.name):
-            return self._blocks.element(obj)
+            return self._elements.element(obj)
         if not _can_be_documented(obj):
-            return self._blocks.element(obj)
+            return self._elements.element(obj)
         to_ros = obj.direction.name == "jausToRos"
         vector = Vector(Name(obj.name), to_ros, entries[: len(given)], entries[len(given) :])
         return documented(vector, obj)
@@ -123,7 +126,7 @@ class MapBuilder:
                 if direction is not None:
                     yield direction
                 direction = None
-                yield self._blocks.value_item(each, feature)
+                yield self._elements.value_item(each, feature)
                 continue
             if direction is None:
                 direction = Direction(feature.name == "toRos")
@@ -143,7 +146,7 @@ class MapBuilder:
         if not sources:
             return None
         arrow = Assignment(sources, targets)
-        arrow.items += self._blocks.values(obj, without=_BY_ARROW)
+        arrow.items += self._elements.values(obj, without=_BY_ARROW)
         if isinstance(obj, (bridge.FieldAssignment, bridge.ListAssignment)):
             self._convert(arrow, obj)
         if isinstance(obj, bridge.ListAssignment):
@@ -172,7 +175,7 @@ class MapBuilder:
         if len(sayable) == len(calls):
             arrow.conversions = sayable
         else:
-            arrow.items += [self._blocks.element(each) for each in obj.conversions]
+            arrow.items += [self._elements.element(each) for each in obj.conversions]
 
     def _call(self, obj: bridge.Conversion) -> Call | None:
         """Returns a conversion as a call, None when it has what no call of its kind takes."""
@@ -203,12 +206,7 @@ class MapBuilder:
     def _nested(self, obj: bridge.ListAssignment) -> Iterator[BlockItem]:
         feature = self._feature(obj, "assignments")
         for each in obj.assignments:
-            yield self._arrow(each) or self._blocks.value_item(each, feature)
-
-
-def is_map(items: Sequence[BlockItem]) -> bool:
-    """Tells whether a block is that of a map by what stands in it, so that it needs no keyword."""
-    return any(isinstance(each, End | Direction) for each in items)
+            yield self._arrow(each) or self._elements.value_item(each, feature)
 
 
 def _are(kind: type, values: list[Any]) -> bool:

@@ -1,4 +1,4 @@
-"""Models to ros2jaus text: the syntax tree of a model, laid out."""
+"""Writer of models as ros2jaus text: the syntax tree of a model, laid out."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from jausml.model.names import name_of
 from jausml.model.xmi.writer import UnwritableError, is_written
-from jausml.text.reading.comments import lists_of
-from jausml.text.reading.parsing import DEEPEST, LONGEST
+from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.root_names import system_name
-from jausml.text.tree import BlockItem, Document, Element, Import, Item
+from jausml.text.tree import BlockItem, Document, Element, Import, Item, lists_of
 from jausml.text.writing import layout
-from jausml.text.writing.blocks import BlockBuilder
+from jausml.text.writing.elements import ElementWriter
+from jausml.text.writing.maps import MAP, MapWriter
 from jausml.text.writing.references import ReferenceNames
 from jausml.text.writing.spacing import space_document
 
@@ -65,21 +65,22 @@ def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
         UnwritableError: A reference leads nowhere, as `to_text` says.
     """
     names = ReferenceNames(roots, model, Path(path))
-    builder = BlockBuilder(model.metamodels, names)
+    elements = ElementWriter(model.metamodels, names)
+    elements.special[MAP] = MapWriter(elements, names, model.metamodels).items
     document = Document()
     document.items += [Import(target) for target in names.imports]
     implied: set[str] = set()
     for root in roots:
         qualified_class = model.metamodels.class_of(root).qualified_name
-        parts = [] if qualified_class in implied else _parts(root, builder, model, Path(path))
+        parts = [] if qualified_class in implied else _parts(root, elements, model, Path(path))
         if parts:
             implied.add(qualified_class)
-        document.items += parts or [builder.root(root)]
+        document.items += parts or [elements.root(root)]
     space_document(document.items)
     return document
 
 
-def _parts(root: EObject, builder: BlockBuilder, model: Model, path: Path) -> list[BlockItem]:
+def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> list[BlockItem]:
     """Returns what stands in a root that follows from the file and its contents; else nothing."""
     table = model.metamodels.class_of(root)
     names = _PARTS.get(table.qualified_name)
@@ -88,7 +89,7 @@ def _parts(root: EObject, builder: BlockBuilder, model: Model, path: Path) -> li
     others = (each for name, each in table.features.items() if name not in ("name", *names))
     if any(is_written(root, each) for each in others):
         return []
-    parts = builder.children(root, names)
+    parts = elements.children(root, names)
     return parts if all(isinstance(each, Element) for each in parts) else []
 
 

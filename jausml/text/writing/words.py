@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from jausml.text.reading.comments import documentation_text, is_documentation
-from jausml.text.reading.expectations import KEYWORDS
+from jausml.text.comments import documentation_text, is_documentation
+from jausml.text.keywords import KEYWORDS
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")

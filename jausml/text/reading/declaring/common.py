@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import Metamodels
     from jausml.model.xmi.parsing import Node
-    from jausml.text.reading.building import BlockBuilder
+    from jausml.text.reading.elements import ElementReader
     from jausml.text.reading.nodes import NodeMaker
     from jausml.text.tree import Member, Name, Span
 
@@ -41,22 +41,22 @@ class Types:
     members: int = 0
 
 
-class Builder:
+class MemberBuilder:
     """Builds members of messages.
 
     Args:
         metamodels: The metamodels of the elements.
         nodes: Makes the nodes.
-        blocks: Builds features.
+        elements: Reads features.
         types: The named types of the text.
     """
 
     def __init__(
-        self, metamodels: Metamodels, nodes: NodeMaker, blocks: BlockBuilder, types: Types
+        self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, types: Types
     ) -> None:
         self._classes = metamodels.classes
         self.nodes = nodes
-        self.blocks = blocks
+        self.elements = elements
         self.types = types
 
     def new(self, owner: Node, feature: str, qualified_class: str, span: Span) -> Node:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.model.notation import Known
     from jausml.model.xmi.parsing import Node
-    from jausml.text.reading.building import BlockBuilder
-    from jausml.text.reading.map_building import WrittenEnd
+    from jausml.text.reading.elements import ElementReader
+    from jausml.text.reading.maps import WrittenEnd
     from jausml.text.reading.nodes import NodeMaker
     from jausml.text.tree import End, Member
 
@@ -35,7 +35,7 @@ class Declarer:
     Args:
         metamodels: The metamodels of the elements.
         nodes: Makes the nodes.
-        blocks: Builds features.
+        elements: Reads features.
         path: The file, which gives names to the roots.
         types: The named types of the text.
     """
@@ -44,17 +44,17 @@ class Declarer:
         self,
         metamodels: Metamodels,
         nodes: NodeMaker,
-        blocks: BlockBuilder,
+        elements: ElementReader,
         path: Path,
         types: Mapping[str, Member],
     ) -> None:
         self._classes = metamodels.classes
         self._nodes = nodes
-        self._blocks = blocks
+        self._elements = elements
         self._path = path
         self.types = Types(types)
-        self._jaus = JausFields(metamodels, nodes, blocks, self.types)
-        self._ros = RosFields(metamodels, nodes, blocks, self.types)
+        self._jaus = JausFields(metamodels, nodes, elements, self.types)
+        self._ros = RosFields(metamodels, nodes, elements, self.types)
         self._packages: dict[str, Node] = {}
         self.roots: list[Node] = []
         self._declaring: set[int] = set()
@@ -112,8 +112,8 @@ class Declarer:
         table = self._classes["jaus.MessageDef"]
         node = self._nodes.element(service, message_feature(written), table, end.span)
         self._nodes.value(node, "name", end.type.text, end.type.span)
-        self._blocks.document(node, end)
-        self._blocks.items(node, end.features)
+        self._elements.document(node, end)
+        self._elements.items(node, end.features)
         if not any(each.name.text == "code" for each in end.features):
             self._assign_code(node, end, used, known)
         if end.members:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.text.reading.declaring.common import Builder
+from jausml.text.reading.declaring.common import MemberBuilder
 from jausml.text.reading.declaring.types import BOOL, NUMBERS, STRING, Size, size_of, type_word
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ VALUE = "value"
 """The member of the records of a list of plain values."""
 
 
-class JausFields(Builder):
+class JausFields(MemberBuilder):
     """Builds the fields of new JAUS messages."""
 
     def body(self, message: Node, end: End) -> None:
@@ -65,15 +65,15 @@ class JausFields(Builder):
         if size is None:
             node = self._single(owner, feature, name, definition.type, member, member.features)
             if node is not None:
-                self.blocks.document(node, member)
+                self.elements.document(node, member)
             return
         is_array = size.is_fixed and not self._is_container(definition.type)
         many = self._array if is_array else self._list
         node = many(owner, feature, size, definition.span)
         self.nodes.value(node, "name", name, member.span)
-        self.blocks.document(node, member)
+        self.elements.document(node, member)
         whole = [each for each in member.features if each.name.text in _OF_THE_WHOLE]
-        self.blocks.items(node, whole)
+        self.elements.items(node, whole)
         facts = [each for each in member.features if each not in whole]
         if not is_array and not self._is_container(definition.type):
             # The elements of a list are containers (AS5684).
@@ -125,7 +125,7 @@ class JausFields(Builder):
         if isinstance(type_, list):
             node = self.new(owner, feature, "jaus.Record", span)
             self.nodes.value(node, "name", name, span)
-            self.blocks.items(node, facts)
+            self.elements.items(node, facts)
             self._members(node, type_)
             return node
         word = type_word(type_.text)
@@ -145,12 +145,12 @@ class JausFields(Builder):
         node = self.new(owner, feature, "jaus.FixedField", span)
         self.nodes.value(node, "type", "uint8" if word == BOOL else word, span)
         limits = [each for each in facts if each.name.text in _LIMITS]
-        self.blocks.items(node, [each for each in facts if each not in limits])
+        self.elements.items(node, [each for each in facts if each not in limits])
         if limits and word.startswith("float"):
             values = self.new(node, "values", "jaus.ValueSet", span)
-            self.blocks.items(self.new(values, "values", "jaus.ValueRange", span), limits)
+            self.elements.items(self.new(values, "values", "jaus.ValueRange", span), limits)
         elif limits and word != BOOL:
-            self.blocks.items(self.new(node, "scale", "jaus.ScaleRange", span), limits)
+            self.elements.items(self.new(node, "scale", "jaus.ScaleRange", span), limits)
         elif limits:
             message = "a bool has no limits"
             self.nodes.fault("JML712", limits[0].span, message, owner=node)
@@ -172,7 +172,7 @@ class JausFields(Builder):
         self.nodes.value(node, "countType", _count_type(bound or _ANY_LENGTH), span)
         if bound:
             self.nodes.value(node, "maximumLength", str(bound), span)
-        self.blocks.items(node, facts)
+        self.elements.items(node, facts)
         return node
 
     def _named_type(self, owner: Node, feature: str, type_: Name, member: Member) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.model.words import words
-from jausml.text.reading.declaring.common import DEEPEST, Builder
+from jausml.text.reading.declaring.common import DEEPEST, MemberBuilder
 from jausml.text.reading.declaring.types import (
     BOOL,
     NUMBERS,
@@ -28,15 +28,15 @@ _PRIMITIVES = NUMBERS | {BOOL, STRING, "wstring"}
 _LIMITS = {"lower": "minimum", "upper": "maximum"}
 
 
-class RosFields(Builder):
+class RosFields(MemberBuilder):
     """Builds new ROS types."""
 
     def message(self, package: Node, name: str, end: End) -> None:
         """Adds the type of an end to a package, with types of its own for its structs."""
         node = self.new(package, "messages", "ros.MessageType", end.span)
         self.nodes.value(node, "name", name, end.type.span)
-        self.blocks.document(node, end)
-        self.blocks.items(node, end.features)
+        self.elements.document(node, end)
+        self.elements.items(node, end.features)
         self._fields(package, node, name, end.members or [])
 
     def _fields(self, package: Node, node: Node, name: str, members: Sequence[Member]) -> None:
@@ -63,8 +63,8 @@ class RosFields(Builder):
             field = self._typed(node, definition.type, member)
         self.nodes.value(field, "name", member.name.text, member.name.span)
         self._size(field, size, member)
-        self.blocks.document(field, member)
-        self.blocks.items(field, [_limited(each) for each in member.features])
+        self.elements.document(field, member)
+        self.elements.items(field, [_limited(each) for each in member.features])
 
     def _typed(self, node: Node, type_: Name, member: Member) -> Node:
         word = type_word(type_.text)

@@ -1,11 +1,11 @@
-"""What stands in attribute maps to nodes: both ends, assignments, tables and test vectors."""
+"""Reader of attribute maps: both ends, assignments, tables and test vectors become nodes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeGuard
 
-from jausml.text.reading.building import decimal
+from jausml.text.reading.elements import decimal
 from jausml.text.tree import (
     Assignment,
     Clock,
@@ -26,11 +26,12 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, Metamodels
     from jausml.model.xmi.parsing import Node
-    from jausml.text.reading.building import BlockBuilder
+    from jausml.text.reading.elements import ElementReader, Special
     from jausml.text.reading.nodes import NodeMaker
     from jausml.text.tree import BlockItem, Call, Item, VectorEntry
 
 MAP = "bridge.AttributeMap"
+LIST = "bridge.ListAssignment"
 _TEXT_ARGUMENTS = {"expression": "expression", "with_units": "units"}
 _NAME_ARGUMENTS = {"look_up": "table", "user": "method"}
 _BOOLEANS = ("true", "false")
@@ -44,22 +45,22 @@ class WrittenEnd:
     node: Node
 
 
-class MapBuilder:
-    """Builds the nodes of what only attribute maps have.
+class MapReader:
+    """Makes the nodes of what only attribute maps have.
 
     Args:
         metamodels: The metamodels of the elements.
         nodes: Makes the nodes.
-        blocks: Builds features and blocks.
+        elements: Reads features and blocks.
     """
 
-    def __init__(self, metamodels: Metamodels, nodes: NodeMaker, blocks: BlockBuilder) -> None:
+    def __init__(self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader) -> None:
         self._classes = metamodels.classes
         self._nodes = nodes
-        self._blocks = blocks
+        self._elements = elements
         self.ends: list[WrittenEnd] = []
-        blocks.special[MAP] = self._item
-        blocks.special["bridge.ListAssignment"] = self._inner_item
+        self.special: dict[str, Special] = {MAP: self._item, LIST: self._inner_item}
+        """What reads the items that only maps and lists have, by qualified class."""
 
     def _item(self, node: Node, item: Item) -> None:
         if isinstance(item, End):
@@ -74,13 +75,13 @@ class MapBuilder:
         elif isinstance(item, Vector):
             self._vector(node, item)
         else:
-            self._blocks.misplaced(item, node)
+            self._elements.misplaced(item, node)
 
     def _inner_item(self, node: Node, item: Item) -> None:
         if isinstance(item, Assignment | Ignored):
             self._assignment(node, "assignments", item)
         else:
-            self._blocks.misplaced(item, node)
+            self._elements.misplaced(item, node)
 
     def _end(self, node: Node, end: End) -> None:
         self.ends.append(WrittenEnd(end, node))
@@ -99,7 +100,7 @@ class MapBuilder:
             self._nodes.value(child, "target", targets, item.targets[0].span)
         for call in item.conversions:
             self._conversion(child, call)
-        self._blocks.items(child, item.items)
+        self._elements.items(child, item.items)
 
     def _source(self, node: Node, item: Assignment) -> None:
         if not item.sources:
@@ -180,7 +181,7 @@ class MapBuilder:
     def _new(self, owner: Node, feature: str, class_name: str, item: Item) -> Node:
         table: ClassTable = self._classes[f"bridge.{class_name}"]
         node = self._nodes.element(owner, feature, table, item.span)
-        self._blocks.document(node, item)
+        self._elements.document(node, item)
         return node
 
     def _undocumented(self, node: Node, item: Item, what: str) -> None:

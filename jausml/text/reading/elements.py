@@ -1,15 +1,15 @@
-"""Blocks of a text to the nodes of elements: classes, owning features, values and references."""
+"""Reader of blocks: classes, owning features, values and references become nodes of elements."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
-from jausml.model.reading.naming import target_class
+from jausml.model.reading.classes import target_class
 from jausml.model.values import nearest, show, suggest
 from jausml.model.xmi.parsing import MAX_DEPTH
 from jausml.text.keywords import classes_by_keyword, owning_features, snake_case
-from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text
+from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text, is_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,8 +24,8 @@ _LOST = "jausml format keeps it, but no model has it"
 DOCUMENTATION = "documentation"
 
 
-class BlockBuilder:
-    """Builds the nodes of elements from their blocks.
+class ElementReader:
+    """Makes the nodes of elements from their blocks.
 
     Args:
         metamodels: The metamodels of the elements.
@@ -38,7 +38,7 @@ class BlockBuilder:
         self._keywords = classes_by_keyword(metamodels)
         self._depth = 0
         self.special: dict[str, Special] = {}
-        """What builds items that the blocks of a class alone have, by qualified class."""
+        """What reads items that the blocks of a class alone have, by qualified class."""
 
     def class_of(self, block: Element) -> ClassTable | None:
         """Returns the class that the words before a block name, None for a map without keyword."""
@@ -120,7 +120,8 @@ class BlockBuilder:
         """Gives an element another one that it owns."""
         table = self.class_of(block)
         features = self._nodes.classes[owner].features
-        if is_map(block) or (table is None and self._may_be_map(owner, block)):
+        is_plain_map = block.keyword is None and is_map(block.items)
+        if is_plain_map or (table is None and self._may_be_map(owner, block)):
             self.owned_map(owner, block)
             return
         if table is None:
@@ -240,12 +241,6 @@ class BlockBuilder:
             what = f"{table.name} may stand in {' or '.join(owning)}"
             hint = f"write {owning[0]}: new {keyword_of(table)} ..."
         self._nodes.fault("JML702", block.span, what, hint, owner=owner)
-
-
-def is_map(block: Element) -> bool:
-    """Tells whether a block is an attribute map, by what stands in it."""
-    kinds = {type(item).__name__ for item in block.items}
-    return block.keyword is None and bool(kinds & {"End", "Direction"})
 
 
 def keyword_of(table: ClassTable) -> str:

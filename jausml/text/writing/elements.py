@@ -1,25 +1,26 @@
-"""Elements of models as uniform blocks: a keyword, a name, and the features between braces."""
+"""Writer of elements as uniform blocks: a keyword, a name, and the features between braces."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
-from jausml.metamodel.classes import bridge
 from jausml.model.xmi.writer import is_written
 from jausml.text.keywords import owning_features, snake_case
-from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value
+from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value, is_map
 from jausml.text.writing.heads import IN_THE_HEAD, documented, head_name, needs_feature
 from jausml.text.writing.literals import attribute_value
-from jausml.text.writing.maps import MapBuilder, is_map
 from jausml.text.writing.spacing import space
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+    from typing import Any
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EObject
     from jausml.text.writing.references import ReferenceNames
+
+    Special = Callable[[Any], Iterator[BlockItem]]
 
 ROOT = Name("root")
 """The feature of a document that makes a root of an element which could not stand there alone."""
@@ -30,8 +31,8 @@ _STANDING = frozenset(
 )
 
 
-class BlockBuilder:
-    """Builds the blocks of one document.
+class ElementWriter:
+    """Makes the blocks of one document.
 
     Args:
         metamodels: The metamodels of the elements.
@@ -41,7 +42,8 @@ class BlockBuilder:
     def __init__(self, metamodels: Metamodels, names: ReferenceNames) -> None:
         self._metamodels = metamodels
         self._names = names
-        self._maps = MapBuilder(self, names, metamodels)
+        self.special: dict[str, Special] = {}
+        """What writes the blocks of a class in a notation of their own, by qualified class."""
 
     def root(self, obj: EObject) -> Element | Feature:
         """Returns a root element with all that it owns."""
@@ -75,8 +77,8 @@ class BlockBuilder:
     def _items(self, obj: EObject) -> list[BlockItem]:
         """Returns what stands in the block of an element, values before owned elements."""
         table = self._metamodels.class_of(obj)
-        if isinstance(obj, bridge.AttributeMap):
-            return list(self._maps.items(obj))
+        if special := self.special.get(table.qualified_name):
+            return list(special(obj))
         items: list[BlockItem] = [*self.values(obj, without=IN_THE_HEAD)]
         for feature in table.features.values():
             if feature.kind is FeatureKind.CONTAINMENT and is_written(obj, feature):
@@ -100,7 +102,7 @@ class BlockBuilder:
                 continue
             table = self._metamodels.class_of(each)
             is_said_best = table is feature.target and _is_said_by(feature, table)
-            is_unclear = isinstance(each, bridge.AttributeMap) and head_name(each) is None
+            is_unclear = table.qualified_name in self.special and head_name(each) is None
             if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
                 yield self.value_item(each, feature)
             else:
