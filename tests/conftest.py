@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import pytest
@@ -48,6 +49,14 @@ def pytest_report_header(config: pytest.Config) -> str:
     if not reason:
         return "network: each process has its own"
     return f"network: shared ({reason}), so that one worker runs all tests marked `ports` or `live`"
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Gives one line for each reason why tests were skipped."""
+    skipped = terminalreporter.getreports("skipped")
+    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+    for reason, count in sorted(reasons.items()):
+        terminalreporter.write_line(f"{count} skipped: {reason}")
 
 
 class PortsInOneWorker(LoadFileScheduling):

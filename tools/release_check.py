@@ -154,7 +154,8 @@ class Release:
             self._place / "lowest", "--constraint", constraints, self._wheel, *TEST_TOOLS
         )
         use(programs, self._place / "lowest-work")
-        run(programs / "python", "-m", "pytest", "-q", "-n", "auto", *SMOKE)
+        # Not `python -m pytest`, which would take jausml from the checkout.
+        run(programs / "pytest", "-q", "-n", "auto", *SMOKE)
 
 
 def main() -> int:
