@@ -1,8 +1,9 @@
 """The test files that a change can break, nearest first.
 
 A test file is as far from a changed module as imports lead from the one to the other. Of files
-equally far, one whose name or folder is that of the module is nearer. What is no Python (templates,
-metamodels, grammars) counts as the modules of the package that it lies in.
+equally far, one whose name or folder is that of the module is nearer; one that has both is near
+though no import leads there, as with verbs that are loaded by name. What is no Python (templates,
+grammars) counts as the modules of the package that it lies in.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 PACKAGE = "jausml"
 FAR = 3
 """Imports beyond which a test file says little about a module."""
+JUDGED = ("metamodels", "models")
+"""Folders of what Eclipse's EMF has judged."""
 
 
 def changed_files(root: Path, base: str = "") -> list[str]:
@@ -50,15 +53,19 @@ def affected(root: Path, changed: Iterable[str]) -> list[Path]:
     names = list(changed)
     modules = _modules(root, names, graph.modules)
     distances = _distances(modules, imports)
-    words = set(re.findall(r"[a-z]+", " ".join(modules))) - {PACKAGE}
+    words = _words(" ".join(modules)) - {PACKAGE}
+    folders = {name.partition("/")[0] for name in names}
+    ends = [_words("/".join(name.rpartition(".")[0].split("/")[-2:])) for name in names]
     files = {root / name for name in names}
     tests = _TestFiles(root, graph.modules)
     ranked = []
     for test in tests.files:
         place = test.relative_to(root).as_posix()
-        likeness = len(words & set(re.findall(r"[a-z]+", place)))
+        likeness = len(words & _words(place))
         reached = [distances[name] for name in tests.imported(test) if name in distances]
         ranks = [distance - likeness for distance in reached if distance <= FAR]
+        ranks += [0] if any(end <= _words(place) for end in ends if end) else []
+        ranks += [0] if test.parent.name == "emf" and folders & set(JUDGED) else []
         # What changed itself comes first, and what all tests share last.
         ranks += [-FAR] if test in files else []
         ranks += [FAR if path.name == "conftest.py" else 0 for path in tests.support(test) & files]
@@ -67,11 +74,17 @@ def affected(root: Path, changed: Iterable[str]) -> list[Path]:
     return [root / place for _, place in sorted(ranked)]
 
 
+def _words(text: str) -> set[str]:
+    return set(re.findall(r"[a-z]+", text))
+
+
 def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
     """The modules that changed files are, or that lie beside or above what is no module."""
     found = set()
     for name in changed:
         parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
+        if parts[0] == "metamodels":
+            found |= {each for each in known if each.startswith(f"{PACKAGE}.metamodel.")}
         if parts[0] != PACKAGE:
             continue
         module = ".".join(parts)

@@ -154,8 +154,9 @@ class Release:
             self._place / "lowest", "--constraint", constraints, self._wheel, *TEST_TOOLS
         )
         use(programs, self._place / "lowest-work")
-        # Not `python -m pytest`, which would take jausml from the checkout.
-        run(programs / "pytest", "-q", "-n", "auto", *SMOKE)
+        # From elsewhere, so that nothing takes jausml from the checkout.
+        tests = [ROOT / test for test in SMOKE]
+        run(programs / "pytest", "-q", "-n", "auto", *tests, cwd=self._place / "lowest-work")
 
 
 def main() -> int:

@@ -27,6 +27,10 @@ FILES = {
     "tests/test_shelves.py": "from jausml import shelves",
     "tests/test_paper.py": "from paper import sheet",
     "tests/test_alone.py": "def test():\n    import jausml.alone",
+    "jausml/cli/__init__.py": "",
+    "jausml/cli/scan.py": "",
+    "tests/cli/test_scan.py": "",
+    "tests/emf/test_emf.py": "",
     "tools/press.py": "",
     "tests/tools/test_press.py": "import press",
 }
@@ -69,11 +73,16 @@ def test_a_changed_test_comes_before_all(listed):
 def test_files_that_tests_import_count_for_them(listed):
     assert listed("tests/paper.py") == ["tests/test_paper.py"]
     assert listed("tools/press.py") == ["tests/tools/test_press.py"]
-    assert len(listed("tests/conftest.py")) == 7
+    assert len(listed("tests/conftest.py")) == 9
 
 
 def test_what_is_no_module_counts_as_its_package(listed):
     assert listed("jausml/alone/templates/page.j2") == ["tests/test_alone.py"]
+
+
+def test_what_is_loaded_by_name_is_found_by_name(listed):
+    assert listed("jausml/cli/scan.py") == ["tests/cli/test_scan.py"]
+    assert listed("models/cli/scan.xmi") == ["tests/cli/test_scan.py", "tests/emf/test_emf.py"]
 
 
 def test_what_nothing_imports_needs_no_test(listed):
