@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.generation.engine import FileTask, Renderer
+from jausml.generation import FileTask, Target, Task, render
 from jausml.generators.python.codec.message_builder import build_messages
 from jausml.generators.python.codec.messages import MessagesModule
+from jausml.generators.python.package import PACKAGE_TEMPLATES
 from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
 
@@ -24,29 +25,30 @@ SOURCE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
 OUTPUT = ROOT / "jausml" / "runtime" / "services" / "messages.py"
 
 
-class CoreMessages:
-    """The target of this tool: one module with every message of the core services."""
+def tasks(model: Model) -> list[Task]:
+    """Returns the one module with every message of the core services.
 
-    name = "core_messages"
-    description = "codecs of the core messages, for the runtime itself"
-    template_folders = (ROOT / "jausml" / "generators" / "python" / "templates",)
+    Args:
+        model: The core service set.
+    """
+    services = list(model.instances(jaus.Service))
+    messages = [m for service in services for m in [*service.inputs, *service.outputs]]
+    module = MessagesModule(
+        summary="The messages of the JAUS core services (AS5710A) and their codecs.",
+        runtime=".",
+        messages=build_messages(messages),
+        source=SOURCE.name,
+        element_id="core_messages",
+    )
+    return [FileTask("messages.py.j2", [module], lambda _: OUTPUT.name)]
 
-    def tasks(self, model: Model) -> list[FileTask[MessagesModule]]:
-        """Returns the one task.
 
-        Args:
-            model: The core service set.
-        """
-        services = list(model.instances(jaus.Service))
-        messages = [m for service in services for m in [*service.inputs, *service.outputs]]
-        module = MessagesModule(
-            summary="The messages of the JAUS core services (AS5710A) and their codecs.",
-            runtime=".",
-            messages=build_messages(messages),
-            source=SOURCE.name,
-            element_id="core_messages",
-        )
-        return [FileTask("messages.py.j2", [module], lambda _: OUTPUT.name)]
+TARGET = Target(
+    name="core_messages",
+    description="Codecs of the core messages, for the runtime itself.",
+    tasks=tasks,
+    template_folders=(PACKAGE_TEMPLATES,),
+)
 
 
 def build() -> str:
@@ -54,7 +56,7 @@ def build() -> str:
     result = read_models([SOURCE])
     if result.diagnostics:
         raise ValueError("\n".join(map(str, result.diagnostics)))
-    (artifact,) = Renderer(CoreMessages(), result.model).render()
+    (artifact,) = render(result.model, [TARGET])
     return artifact.text
 
 

@@ -11,10 +11,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.generation.engine import FileTask, Renderer
+from jausml.generation import FileTask, Target, render
 from jausml.generators.python.codec.message_builder import build_messages
 from jausml.generators.python.codec.message_examples import example_bytes
 from jausml.generators.python.codec.messages import MessagesModule, MessageView
+from jausml.generators.python.package import PACKAGE_TEMPLATES
 from jausml.metamodel.classes import jaus
 from jausml.model import Model, read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
@@ -39,26 +40,21 @@ class Codec(NamedTuple):
     message: type[Message]
 
 
-class Codecs:
-    """A target of the generator: one module with the messages of a service set."""
+def codecs(module: str, views: tuple[MessageView, ...]) -> Target[None]:
+    """Returns a target: one module with the messages of a service set.
 
-    name = "codecs"
-    description = "codecs of a service set of the library"
-    template_folders = (ROOT / "jausml" / "generators" / "python" / "templates",)
-
-    def __init__(self, module: str, views: tuple[MessageView, ...]) -> None:
-        """Names the module.
-
-        Args:
-            module: Its name.
-            views: The messages.
-        """
-        self._module = module
-        self._view = MessagesModule("Messages of the library.", "jausml.runtime", views)
-
-    def tasks(self, _model: object) -> list[FileTask[MessagesModule]]:
-        """Returns the one task."""
-        return [FileTask("messages.py.j2", [self._view], lambda _: f"{self._module}.py")]
+    Args:
+        module: Its name.
+        views: The messages.
+    """
+    view = MessagesModule("Messages of the library.", "jausml.runtime", views)
+    task = FileTask("messages.py.j2", [view], lambda _: f"{module}.py")
+    return Target(
+        name="codecs",
+        description="Codecs of a service set of the library.",
+        tasks=lambda _: [task],
+        template_folders=(PACKAGE_TEMPLATES,),
+    )
 
 
 def views_of(model: Model, path: Path) -> tuple[MessageView, ...]:
@@ -76,7 +72,7 @@ def generated(folder: Path) -> Iterator[Codec]:
     for path in LIBRARY:
         views = views_of(read_models([path]).model, path)
         name = f"fuzzed_{path.stem.replace('-', '_').replace('.', '_')}"
-        (artifact,) = Renderer(Codecs(name, views), None).render()
+        (artifact,) = render(None, [codecs(name, views)])
         (folder / artifact.path).write_text(artifact.text, encoding="utf-8")
         module = importlib.import_module(name)
         yield from (Codec(view, getattr(module, view.class_name)) for view in views)

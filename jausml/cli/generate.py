@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
 from jausml.generation import (
     ActionKind,
-    Artifact,
-    Finding,
     GenerationError,
     InternalError,
-    LibraryTarget,
-    Manifest,
-    Plan,
+    NoSystemError,
     RefusedError,
-    Target,
+    Result,
+    Selection,
+    SelectionError,
     WriteError,
-    apply,
-    drift,
-    is_on_request,
+    generate,
     load_targets,
-    make_plan,
-    needs_system,
-    read_manifest,
-    render,
+    select,
     unified_diff,
 )
-from jausml.metamodel.classes import bridge, system
+from jausml.metamodel.classes import bridge
 from jausml.model import ReadResult, read_models
 from jausml.text.notation import NOTATIONS, SUFFIX
 from jausml.validation.engine import check
@@ -39,8 +32,7 @@ from jausml.validation.formats.text import one_line
 from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
+    from jausml.generation import Plan
     from jausml.model.model import Model
 
 _MODES = ("check", "diff", "dry_run")
@@ -51,12 +43,16 @@ bridge front {{
 }}"""
 
 
-@runtime_checkable
-class LaunchingTarget(Protocol):
-    """A target that knows which processes a workspace has."""
+class WholeLibraryOption(click.Option):
+    """The flag `--all`, whose help is of the installed targets that know it."""
 
-    def processes(self, model: Any) -> Sequence[Mapping[str, Any]]:
-        """Returns what `jausml run` starts, as the manifest records it."""
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Returns the flag and what it asks of each target."""
+        targets = load_targets().values()
+        able = ((target.name, target.whole_library) for target in targets)
+        texts = "; ".join(f"with --target {name} {each.help}" for name, each in able if each)
+        self.help = f"Describe more: {texts}."
+        return super().get_help_record(ctx)
 
 
 @click.command("generate")
@@ -72,8 +68,7 @@ class LaunchingTarget(Protocol):
     "--all",
     "whole_library",
     is_flag=True,
-    help="With --target wireshark: every message of the library, not only those of the system;"
-    " with --target ros_interfaces: every message of the services that the system uses.",
+    cls=WholeLibraryOption,
 )
 @click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
@@ -113,30 +108,16 @@ def command(
     if frequency is not None and not 0 < frequency <= MAXIMUM_RATE:
         raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
     folder = _out_folder(model, out)
-    installed = _installed()
-    targets = _targets(names, installed)
-    if whole_library:
-        targets = _for_whole_library(targets)
+    selection = _selected(names, whole_library=whole_library)
     read = _read(model, project_root, allow_outside=allow_outside)
     if frequency is not None:
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
     valid = _valid_model(read)
-    if any(needs_system(target) for target in targets):
-        _require_system(model, valid)
-    artifacts = _rendered(valid, targets)
-    manifest = read_manifest(folder)
-    plan = make_plan(
-        artifacts,
-        folder,
-        manifest,
-        targets=_covered(targets, manifest, installed) if not names else set(names),
-        force=force,
-        extra=_extra(valid, targets),
-    )
-    findings = drift(artifacts, folder, manifest)
-    _report_drift(findings, folder)
-    _act(plan, chosen[0] if chosen else "write", quiet=quiet)
+    mode = chosen[0] if chosen else "write"
+    result = _generated(valid, selection, folder, force=force, write=mode == "write")
+    _report_drift(result)
+    _report(result, mode, quiet=quiet)
 
 
 def _out_folder(model: str, out: str | None) -> Path:
@@ -166,95 +147,57 @@ def _valid_model(read: ReadResult) -> Model:
     return report.model
 
 
-def _require_system(path: str, model: Model) -> None:
-    systems = [root for root in model.documents[0].roots if isinstance(root, system.System)]
-    if len(systems) == 1:
-        return
-    name = click.format_filename(path)
-    maps = model.instances(bridge.AttributeMap, library=False)
-    if maps and not systems and path.endswith(SUFFIX):
-        message = f"{name} holds maps, but no bridge that uses them; add one, for example:"
-        raise EnvironmentFault(f"{message}\n\n{_EXAMPLE.format(map=maps[0].name)}")
-    found = f"holds {len(systems)} systems" if systems else "holds no system"
-    raise EnvironmentFault(f"{name} {found}; generate needs one")
-
-
-def _installed() -> dict[str, Target[Any]]:
+def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
     try:
-        return load_targets()
+        return select(load_targets(), names, whole_library=whole_library)
+    except SelectionError as error:
+        raise click.UsageError(str(error)) from error
     except GenerationError as error:
         raise EnvironmentFault(str(error)) from error
 
 
-def _targets(names: tuple[str, ...], installed: Mapping[str, Target[Any]]) -> list[Target[Any]]:
-    unknown = [name for name in names if name not in installed]
-    if unknown:
-        known = ", ".join(installed) or "none"
-        raise click.UsageError(f"no target '{unknown[0]}'; installed: {known}")
-    usual = (name for name, target in installed.items() if not is_on_request(target))
-    return [installed[name] for name in sorted(set(names) or usual)]
-
-
-def _for_whole_library(targets: Sequence[Target[Any]]) -> list[Target[Any]]:
-    if not any(isinstance(target, LibraryTarget) for target in targets):
-        raise click.UsageError("--all is an option of --target wireshark and ros_interfaces")
-    return [
-        target.for_whole_library() if isinstance(target, LibraryTarget) else target
-        for target in targets
-    ]
-
-
-def _covered(
-    targets: Sequence[Target[Any]], manifest: Manifest, installed: Mapping[str, Target[Any]]
-) -> set[str]:
-    """Returns the targets whose files a run without --target answers for.
-
-    Those of targets that are no longer installed are among them: nothing produces their files any
-    more. Files of a target that runs on request stay as they are.
-    """
-    asked = {name for name, target in installed.items() if is_on_request(target)}
-    written = {entry.target for entry in manifest.files.values()}
-    return {target.name for target in targets} | (written - asked)
-
-
-def _rendered(model: Model, targets: Sequence[Target[Any]]) -> list[Artifact]:
+def _generated(
+    model: Model, selection: Selection, folder: Path, *, force: bool, write: bool
+) -> Result:
     try:
-        return render(model, targets)
+        return generate(
+            model, selection.targets, folder, kept=selection.kept, force=force, write=write
+        )
     except InternalError:
         raise
+    except NoSystemError as error:
+        raise EnvironmentFault(_no_system(error)) from error
+    except (RefusedError, WriteError) as error:
+        raise EnvironmentFault(f"cannot write into {folder}: {error}") from error
     except GenerationError as error:
         # A target's view found what no rule demands.
         raise click.ClickException(f"cannot generate from this model: {error}") from error
 
 
-def _extra(model: Model, targets: Sequence[Target[Any]]) -> dict[str, Any]:
-    launching = [target for target in targets if isinstance(target, LaunchingTarget)]
-    if not launching:
-        return {}
-    return {"processes": [dict(each) for target in launching for each in target.processes(model)]}
+def _no_system(error: NoSystemError) -> str:
+    if error.systems or not error.maps or not error.path.endswith(SUFFIX):
+        return str(error)
+    message = f"{error.path} holds maps, but no bridge that uses them; add one, for example:"
+    return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 
-def _report_drift(findings: Sequence[Finding], folder: Path) -> None:
-    for finding in findings:
-        place = f"{folder / finding.path}:{finding.line}"
+def _report_drift(result: Result) -> None:
+    for finding in result.drift:
+        place = f"{result.plan.out / finding.path}:{finding.line}"
         click.echo(one_line(f"{place}: {finding.severity}: {finding.message}"), err=True)
         if finding.stub:
             click.echo(finding.stub, err=True, nl=not finding.stub.endswith("\n"))
 
 
-def _act(plan: Plan, mode: str, *, quiet: bool) -> None:
+def _report(result: Result, mode: str, *, quiet: bool) -> None:
+    plan = result.plan
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
     else:
         _list(plan, quiet=quiet)
     for action in plan.refused:
         click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
-    if mode == "write" and not plan.refused:
-        try:
-            apply(plan)
-        except (RefusedError, WriteError) as error:
-            raise EnvironmentFault(f"cannot write into {plan.out}: {error}") from error
-    click.echo(_summary(plan, mode), err=True)
+    click.echo(_summary(result), err=True)
     if plan.refused or (mode == "check" and not plan.is_up_to_date):
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -265,15 +208,16 @@ def _list(plan: Plan, *, quiet: bool) -> None:
             click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
 
 
-def _summary(plan: Plan, mode: str) -> str:
+def _summary(result: Result) -> str:
     words = {
-        ActionKind.CREATE: "to create" if mode != "write" or plan.refused else "created",
-        ActionKind.UPDATE: "to update" if mode != "write" or plan.refused else "updated",
-        ActionKind.DELETE: "to delete" if mode != "write" or plan.refused else "deleted",
+        ActionKind.CREATE: "created" if result.is_written else "to create",
+        ActionKind.UPDATE: "updated" if result.is_written else "to update",
+        ActionKind.DELETE: "deleted" if result.is_written else "to delete",
         ActionKind.KEEP: "kept",
         ActionKind.ORPHAN: "no longer of the model",
         ActionKind.REFUSE: "refused",
     }
+    plan = result.plan
     counts = [f"{len(plan.of(kind))} {word}" for kind, word in words.items() if plan.of(kind)]
     end = "; nothing written" if plan.refused else ""
     return f"{', '.join(counts)} in {click.format_filename(plan.out)}{end}"

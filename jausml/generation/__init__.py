@@ -1,8 +1,6 @@
 """Model to text: render to memory, plan, then act.
 
-    artifacts = render(model, targets)
-    plan = make_plan(artifacts, out, read_manifest(out), targets=None)
-    apply(plan)
+    result = generate(model, targets, out)
 
 Nothing here prints; the command line does.
 """
@@ -11,25 +9,20 @@ from __future__ import annotations
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.drift import Finding, FindingKind, drift
-from jausml.generation.engine import (
-    ArtifactTask,
-    FileTask,
-    TextFile,
-    TextTask,
-    View,
-    render,
-    templates_beside,
+from jausml.generation.errors import (
+    GenerationError,
+    InternalError,
+    NoSystemError,
+    RefusedError,
+    SelectionError,
+    WriteError,
 )
-from jausml.generation.errors import GenerationError, InternalError, RefusedError, WriteError
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
 from jausml.generation.plan import Action, ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.target import (
-    LibraryTarget,
-    Target,
-    is_on_request,
-    load_targets,
-    needs_system,
-)
+from jausml.generation.rendering import render
+from jausml.generation.target import Target, WholeLibrary, load_targets
+from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, View, templates_beside
+from jausml.generation.workspace import Result, Selection, generate, select
 from jausml.generation.writer import apply
 
 __all__ = [
@@ -37,7 +30,6 @@ __all__ = [
     "Action",
     "ActionKind",
     "Artifact",
-    "ArtifactTask",
     "Entry",
     "FileTask",
     "Finding",
@@ -45,25 +37,30 @@ __all__ = [
     "GenerationError",
     "InternalError",
     "Kind",
-    "LibraryTarget",
     "Manifest",
     "MethodContract",
+    "NoSystemError",
     "Plan",
     "RefusedError",
+    "Result",
+    "Selection",
+    "SelectionError",
     "SkeletonContract",
     "Target",
+    "Task",
     "TextFile",
     "TextTask",
     "View",
+    "WholeLibrary",
     "WriteError",
     "apply",
     "drift",
-    "is_on_request",
+    "generate",
     "load_targets",
     "make_plan",
-    "needs_system",
     "read_manifest",
     "render",
+    "select",
     "templates_beside",
     "unified_diff",
 ]

@@ -2,9 +2,35 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 
 class GenerationError(Exception):
     """Base of every error of this layer; its text is meant for people."""
+
+
+class SelectionError(GenerationError):
+    """The targets that the user names do not exist, or not with that option."""
+
+
+class NoSystemError(GenerationError):
+    """The file to generate from does not hold exactly one system.
+
+    Args:
+        path: The file, as it was named.
+        systems: Names of its systems.
+        maps: Names of the attribute maps that the user's files hold.
+    """
+
+    def __init__(self, path: str, systems: Sequence[str], maps: Sequence[str]) -> None:
+        found = f"{len(systems)} systems" if systems else "no system"
+        super().__init__(f"{path} holds {found}; generate needs one")
+        self.path = path
+        self.systems = systems
+        self.maps = maps
 
 
 class InternalError(GenerationError):

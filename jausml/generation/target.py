@@ -1,75 +1,67 @@
-"""Generator targets and how they are found."""
+"""Targets: what each declares of itself, and how they are found."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from jausml.generation.errors import GenerationError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
-    from jausml.generation.engine import ArtifactTask
+    from jausml.generation.tasks import Task
 
 ENTRY_POINT_GROUP = "jausml.targets"
 
-ModelT_contra = TypeVar("ModelT_contra", contravariant=True)
+ModelT = TypeVar("ModelT")
 
 
-class Target(Protocol[ModelT_contra]):
-    """One kind of output, in a folder of its own with views and templates."""
+@dataclass(frozen=True)
+class WholeLibrary(Generic[ModelT]):
+    """That a target can describe more than a system uses (`--all`).
 
-    @property
-    def name(self) -> str:
-        """The name on the command line, equal to the name of the entry point."""
-
-    @property
-    def description(self) -> str:
-        """One line for the list of targets."""
-
-    @property
-    def template_folders(self) -> Sequence[Path]:
-        """Folders of templates in search order; empty when there are none."""
-
-    def tasks(self, model: ModelT_contra) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files to be made for a model, as fresh tasks.
-
-        Args:
-            model: A valid model.
-        """
-
-
-@runtime_checkable
-class LibraryTarget(Protocol):
-    """A target that can describe the shipped library instead of what a system uses of it."""
-
-    def for_whole_library(self) -> Target[Any]:
-        """Returns the target that does."""
-
-
-def is_on_request(target: Target[Any]) -> bool:
-    """Tells whether a target runs only when it is named.
-
-    Such a target says so by an attribute `is_on_request`: what it makes is no part of the
-    workspace.
-
-    Args:
-        target: An installed target.
+    Attributes:
+        help: What it describes then, e.g. `every message of the library`.
+        tasks: The files to be made then.
     """
-    return bool(getattr(target, "is_on_request", False))
+
+    help: str
+    tasks: Callable[[ModelT], Sequence[Task]]
 
 
-def needs_system(target: Target[Any]) -> bool:
-    """Tells whether a target makes something of a system alone.
+@dataclass(frozen=True)
+class Target(Generic[ModelT]):
+    """One kind of output, in a folder of its own with views and templates.
 
-    One that is content with messages or types says so by an attribute `needs_system = False`.
-
-    Args:
-        target: An installed target.
+    Attributes:
+        name: The name on the command line, equal to the name of the entry point.
+        description: One line for the list of targets.
+        tasks: Returns the files to be made for a valid model.
+        template_folders: Folders of templates in search order.
+        is_on_request: Whether it runs only when it is named: what it makes is no part of the
+            workspace.
+        needs_system: Whether it makes something of a system alone, and nothing of mere messages or
+            types.
+        whole_library: What it does with `--all`, or None when it has no such option.
+        processes: Returns what `jausml run` starts, as the manifest records it; None for a target
+            that knows no processes.
     """
-    return bool(getattr(target, "needs_system", True))
+
+    name: str
+    description: str
+    tasks: Callable[[ModelT], Sequence[Task]]
+    template_folders: tuple[Path, ...] = ()
+    is_on_request: bool = False
+    needs_system: bool = True
+    whole_library: WholeLibrary[ModelT] | None = None
+    processes: Callable[[ModelT], Sequence[Mapping[str, Any]]] | None = None
+
+    def for_whole_library(self) -> Target[ModelT]:
+        """Returns the target as `--all` asks for it, or itself when it has no such option."""
+        return replace(self, tasks=self.whole_library.tasks) if self.whole_library else self
 
 
 def load_targets() -> dict[str, Target[Any]]:
@@ -89,10 +81,11 @@ def load_targets() -> dict[str, Target[Any]]:
 
 def _load(entry: EntryPoint) -> Target[Any]:
     try:
-        target: Target[Any] = entry.load()
-        name = target.name
+        target = entry.load()
     except Exception as error:
         raise GenerationError(f"target '{entry.name}' ({entry.value}): {error}") from error
-    if name != entry.name:
-        raise GenerationError(f"target '{entry.name}' ({entry.value}) calls itself '{name}'")
+    if not isinstance(target, Target):
+        raise GenerationError(f"target '{entry.name}' ({entry.value}) is no Target")
+    if target.name != entry.name:
+        raise GenerationError(f"target '{entry.name}' ({entry.value}) calls itself '{target.name}'")
     return target

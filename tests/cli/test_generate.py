@@ -12,8 +12,10 @@ from jausml.generation import (
     Kind,
     MethodContract,
     SkeletonContract,
+    Target,
     TextFile,
     TextTask,
+    WholeLibrary,
 )
 from jausml.metamodel.classes import jaus
 
@@ -32,41 +34,42 @@ CONTRACT = SkeletonContract(
 pytestmark = pytest.mark.usefixtures("folder")
 
 
-class SmallTarget:
-    """Writes one generated file for each component, and a skeleton."""
-
-    name = "small"
-    description = "For tests."
-    template_folders = ()
-
-    def tasks(self, model):
-        components = model.instances(jaus.Component)
-        bases = [
-            TextFile(f"{c.name}_base.py", f"ADDRESS = {c.address!r}\n", f"component:{c.name}", "m")
-            for c in components
-        ]
-        skeleton = TextTask(
-            [TextFile("sensor.py", SKELETON, "component:sensor", "m")], kind=Kind.SKELETON
-        )
-        skeleton.contract = lambda _: CONTRACT
-        return [TextTask(bases), skeleton]
-
-    def processes(self, model):
-        return [{"name": c.name} for c in model.instances(jaus.Component)]
+def small_tasks(model):
+    components = model.instances(jaus.Component)
+    bases = [
+        TextFile(f"{c.name}_base.py", f"ADDRESS = {c.address!r}\n", f"component:{c.name}", "m")
+        for c in components
+    ]
+    skeleton = TextTask(
+        [TextFile("sensor.py", SKELETON, "component:sensor", "m")],
+        kind=Kind.SKELETON,
+        contract=lambda _: CONTRACT,
+    )
+    return [TextTask(bases), skeleton]
 
 
-class BrokenTarget(SmallTarget):
-    """Fails."""
+def processes(model):
+    return [{"name": c.name} for c in model.instances(jaus.Component)]
 
-    name = "broken"
 
-    def tasks(self, _):
-        return [TextTask([TextFile("a.py", "def", "x", "m")])]
+def one_file(path, text):
+    return lambda _: [TextTask([TextFile(path, text, "x", "m")])]
+
+
+SMALL = Target("small", "A generated file for each component.", small_tasks, processes=processes)
+BROKEN = Target("broken", "Fails.", one_file("a.py", "def"))
+ASKED = Target(
+    "asked",
+    "Runs when it is named.",
+    one_file("asked.lua", "-- some\n"),
+    is_on_request=True,
+    whole_library=WholeLibrary("everything", one_file("asked.lua", "-- all\n")),
+)
 
 
 @pytest.fixture(autouse=True)
 def targets(monkeypatch):
-    installed = {"small": SmallTarget()}
+    installed = {"small": SMALL}
     monkeypatch.setattr(generate, "load_targets", lambda: installed)
     return installed
 
@@ -164,7 +167,7 @@ def test_component_that_is_gone(jausml, model_text):
 
 
 def test_only_some_targets(jausml, targets):
-    targets["broken"] = BrokenTarget()
+    targets["broken"] = BROKEN
     assert jausml("generate", "good.xmi", "--target", "small").exit_code == 0
     result = jausml("generate", "good.xmi", "--target", "smal")
     assert result.exit_code == 2
@@ -172,7 +175,7 @@ def test_only_some_targets(jausml, targets):
 
 
 def test_faulty_target_is_an_internal_error_and_writes_nothing(jausml, folder, targets):
-    targets["broken"] = BrokenTarget()
+    targets["broken"] = BROKEN
     result = jausml("generate", "good.xmi")
     assert result.exit_code == 3
     assert "a.py would not be readable" in result.stderr
@@ -206,25 +209,9 @@ def test_output_that_cannot_be_written(jausml):
     assert jausml("generate", ".").exit_code == 2
 
 
-class AskedTarget(SmallTarget):
-    """Runs when it is named."""
-
-    name = "asked"
-    is_on_request = True
-
-    def __init__(self, messages="some"):
-        self.messages = messages
-
-    def for_whole_library(self):
-        return AskedTarget("all")
-
-    def tasks(self, _):
-        return [TextTask([TextFile("asked.lua", f"-- {self.messages}\n", "asked", "m")])]
-
-
 @pytest.fixture
 def asked(targets):
-    targets["asked"] = AskedTarget()
+    targets["asked"] = ASKED
 
 
 @pytest.mark.usefixtures("asked")
@@ -266,5 +253,5 @@ def test_all_reaches_the_target_that_knows_it(jausml, folder):
 def test_all_without_such_a_target_is_a_usage_error(jausml, folder, arguments):
     result = jausml("generate", "good.xmi", "-o", "out", "--all", *arguments)
     assert result.exit_code == 2
-    assert "--all is an option of --target wireshark" in result.stderr
+    assert "--all is an option of --target asked" in result.stderr
     assert not (folder / "out").exists()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -108,50 +108,35 @@ class ComponentView:
         return gen.SkeletonContract(self.class_name, f"{self.class_name}Base", methods)
 
 
-@dataclass
-class ToyTarget:
-    """Components as Python packages."""
-
-    template_folders: tuple[Path, ...]
-    name: str = "toy"
-    description: str = "Toy packages."
-
-    def tasks(self, model):
-        views = [ComponentView(component) for component in model]
-        return [
-            gen.FileTask("base.py.j2", views, lambda v: f"{v.name}/{v.name}_base.py"),
-            gen.FileTask(
-                "user.py.j2",
-                views,
-                lambda v: f"{v.name}/{v.name}.py",
-                kind=gen.Kind.SKELETON,
-                contract=lambda v: v.contract,
-            ),
-            gen.FileTask("package.xml.j2", views, lambda v: f"{v.name}/package.xml"),
-            gen.FileTask("params.yaml.j2", views, lambda v: f"{v.name}/config/params.yaml"),
-            gen.FileTask("data.json.j2", views, lambda v: f"{v.name}/data.json"),
-            gen.TextTask(
-                gen.TextFile(f"{v.name}/resource/{v.name}", "", v.element_id, v.source)
-                for v in views
-            ),
-        ]
+def toy_tasks(model):
+    views = [ComponentView(component) for component in model]
+    return [
+        gen.FileTask("base.py.j2", views, lambda v: f"{v.name}/{v.name}_base.py"),
+        gen.FileTask(
+            "user.py.j2",
+            views,
+            lambda v: f"{v.name}/{v.name}.py",
+            kind=gen.Kind.SKELETON,
+            contract=lambda v: v.contract,
+        ),
+        gen.FileTask("package.xml.j2", views, lambda v: f"{v.name}/package.xml"),
+        gen.FileTask("params.yaml.j2", views, lambda v: f"{v.name}/config/params.yaml"),
+        gen.FileTask("data.json.j2", views, lambda v: f"{v.name}/data.json"),
+        gen.TextTask(
+            [gen.TextFile(f"{v.name}/resource/{v.name}", "", v.element_id, v.source) for v in views]
+        ),
+    ]
 
 
-@dataclass
-class NotesTarget:
-    """One text file for each component, in a second target."""
-
-    name: str = "notes"
-    description: str = "Notes."
-    template_folders: tuple[Path, ...] = field(default=())
-
-    def tasks(self, model):
-        return [
-            gen.TextTask(
+def notes_tasks(model):
+    return [
+        gen.TextTask(
+            [
                 gen.TextFile(f"notes/{c.name}.md", f"# {c.name}\n", f"component:{c.name}", "toy")
                 for c in model
-            )
-        ]
+            ]
+        )
+    ]
 
 
 @dataclass
@@ -207,12 +192,12 @@ def templates(tmp_path):
 
 @pytest.fixture
 def toy(templates):
-    return ToyTarget((templates,))
+    return gen.Target("toy", "Toy packages.", toy_tasks, (templates,))
 
 
 @pytest.fixture
 def notes():
-    return NotesTarget()
+    return gen.Target("notes", "One file for each component.", notes_tasks)
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
 import pytest
 
@@ -126,18 +127,10 @@ def test_a_file_of_the_user_is_not_overwritten_on_the_first_run(workspace, vehic
 
 def test_a_skeleton_that_becomes_generated_stays_the_users_even_with_force(workspace, vehicle, toy):
     workspace.write([vehicle])
-    tasks = toy.tasks
+    base, skeleton, *others = toy.tasks([vehicle])
+    tasks = [base, replace(skeleton, kind=gen.Kind.GENERATED), *others]
 
-    class AllGenerated:
-        name, description = toy.name, toy.description
-        template_folders = toy.template_folders
-
-        def tasks(self, model):
-            changed = tasks(model)
-            changed[1].kind = gen.Kind.GENERATED
-            return changed
-
-    plan = workspace.plan([vehicle], [AllGenerated()], force=True)
+    plan = workspace.plan([vehicle], [replace(toy, tasks=lambda _: tasks)], force=True)
 
     assert kinds(plan)[SKELETON] == "refuse"
 
@@ -207,7 +200,7 @@ def test_a_partial_run_leaves_the_files_of_other_targets(workspace, vehicle, arm
 
 def test_a_partial_run_may_not_take_the_file_of_another_target(workspace, vehicle, notes):
     workspace.write([vehicle], [notes])
-    thief = type(notes)(name="thief")
+    thief = replace(notes, name="thief")
 
     plan = workspace.plan([vehicle], [thief])
 

@@ -9,20 +9,8 @@ import pytest
 from jausml import generation as gen
 from jausml.generation import target as target_module
 
-
-class Named:
-    description = "A target."
-    template_folders = ()
-
-    def __init__(self, name):
-        self.name = name
-
-    def tasks(self, model):  # noqa: ARG002
-        return []
-
-
-ALPHA = Named("alpha")
-BETA = Named("beta")
+ALPHA = gen.Target("alpha", "A target.", lambda _: [])
+BETA = gen.Target("beta", "A target.", lambda _: [])
 
 
 @pytest.fixture
@@ -55,7 +43,7 @@ def test_targets_are_sorted_by_name(install):
         ([("alpha", "here:ALPHA"), ("alpha", "here:BETA")], "two installed targets have the name"),
         ([("alpha", "here:BETA")], "calls itself 'beta'"),
         ([("gone", "no_such_module_here:X")], r"target 'gone' \(no_such_module_here:X\)"),
-        ([("odd", "os:sep")], "has no attribute 'name'"),
+        ([("odd", "os:sep")], "is no Target"),
     ],
 )
 def test_a_broken_installation_is_told(install, entries, message):

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from jausml.generation.engine import FileTask, Renderer
+from jausml.generation import FileTask, Target
+from jausml.generation import render as render_targets
 from jausml.generators.python.codec.fields import Tag
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.messages import MessagesModule, MessageView
@@ -39,24 +40,12 @@ LIBRARY_FILES = {
 }
 
 
-class OneModule:
-    """A target of one module of messages."""
-
-    name = "messages"
-    description = ""
-    template_folders = (TEMPLATES,)
-
-    def __init__(self, view: MessagesModule) -> None:
-        self.view = view
-
-    def tasks(self, _model: object) -> list[FileTask[MessagesModule]]:
-        return [FileTask("messages.py.j2", [self.view], lambda _: "messages.py")]
-
-
 def render(messages: tuple[MessageView, ...], summary: str = "Messages of a test.") -> str:
     """Returns the text of a module with the codecs."""
     view = MessagesModule(summary, "jausml.runtime", messages, "test.xmi", "test")
-    (artifact,) = Renderer(OneModule(view), None).render()
+    task = FileTask("messages.py.j2", [view], lambda _: "messages.py")
+    target = Target("messages", "", lambda _: [task], template_folders=(TEMPLATES,))
+    (artifact,) = render_targets(None, [target])
     return artifact.text
 
 

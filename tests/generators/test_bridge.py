@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import InternalError, Kind, render
+from jausml.generation.system import system_of
 from jausml.generators.bridge.checks.ends import Ends
 from jausml.generators.bridge.checks.samples import sample_of
 from jausml.generators.bridge.target import TARGET
 from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common.system import system_of
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 
+from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
-from jausml.generation.engine import render
 from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models

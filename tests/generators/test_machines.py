@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 
-from jausml.generation.engine import render
+from jausml.generation import render
 from jausml.generators.common import components
 from jausml.generators.jaus_component.diagrams import guard_text
 from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS

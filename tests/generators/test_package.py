@@ -15,7 +15,7 @@ import setuptools
 from lxml import etree
 
 from jausml.generation import GenerationError
-from jausml.generators.common.system import source_of, system_of
+from jausml.generation.system import source_of, system_of
 from jausml.generators.python.package import PackageView, package_view
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.runtime.target import TARGET as RUNTIME
@@ -210,7 +210,7 @@ def test_the_source_is_named_without_its_folder():
 
 def test_a_workspace_is_made_of_exactly_one_system():
     library = read_models([ROOT / "models" / "library" / "ros" / "std_msgs.xmi"]).model
-    with pytest.raises(GenerationError, match="one system; the model has none"):
+    with pytest.raises(GenerationError, match="holds no system; generate needs one"):
         system_of(library)
     # The system of another file is referred to, and has a workspace of its own.
     both = read_models([CASES / "talk.xmi", CASES / "hosts.xmi"]).model

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from jausml.generation.engine import Renderer
+from jausml import generation
 from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
-from jausml.generation.target import is_on_request
 from jausml.generators.ros_interfaces.definitions import ConstantLine, FieldLine
 from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml.generators.ros_interfaces.names import constant_name, field_name, type_name
@@ -131,7 +130,7 @@ def model(tmp_path):
 def render(model, *targets):
     """Returns the files of targets, of both of them when none is named."""
     chosen = targets or (DECLARED, TARGET)
-    return {each.path: each.text for one in chosen for each in Renderer(one, model).render()}
+    return {each.path: each.text for each in generation.render(model, chosen)}
 
 
 def body(text):
@@ -334,8 +333,8 @@ def test_the_targets_make_the_same_again(model, tmp_path):
 
 
 def test_messages_are_made_on_request_and_declared_packages_always():
-    assert is_on_request(TARGET)
-    assert not is_on_request(DECLARED)
+    assert TARGET.is_on_request
+    assert not DECLARED.is_on_request
 
 
 def test_a_package_of_a_file_that_is_referred_to_is_not_made(tmp_path):

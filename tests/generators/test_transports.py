@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 
-from jausml.generation.engine import render
+from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.jaus_component.target import TARGET as COMPONENT
 from jausml.generators.runtime.target import TARGET as RUNTIME

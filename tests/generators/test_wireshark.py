@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lupa import lua52, lua54
 
-from jausml.generation.engine import Renderer
+from jausml import generation
 from jausml.generation.errors import GenerationError
 from jausml.generation.header import has_valid_header
 from jausml.generators.wireshark.services import library_services, used_services
@@ -50,7 +50,7 @@ def own(folder: Path, *services: str):
 
 
 def render(model, target=TARGET):
-    (artifact,) = Renderer(target, model).render()
+    (artifact,) = generation.render(model, [target])
     return artifact
 
 

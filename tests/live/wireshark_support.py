@@ -7,11 +7,11 @@ import shutil
 import struct
 import subprocess
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.engine import Renderer
+from jausml.generation import render
 from jausml.generators.wireshark.target import TARGET
 from jausml.model import read_models
 
@@ -31,26 +31,15 @@ _ERRORS = re.compile(r"Lua Error|error in the dissector|Dissector bug|Malformed 
 def write_dissector(path: Path, view: Any = None) -> Path:
     """Writes the dissector of the example system, or one of a view; returns its path."""
     model = read_models([CATVEHICLE]).model
-    target = TARGET if view is None else _OneFile(view)
-    (artifact,) = Renderer(target, model).render()
+    target = TARGET if view is None else replace(TARGET, tasks=lambda model: _one_file(view, model))
+    (artifact,) = render(model, [target])
     path.write_text(artifact.text, encoding="utf-8")
     return path
 
 
-class _OneFile:
-    """A target of one given view."""
-
-    name = "wireshark"
-    description = ""
-    template_folders = TARGET.template_folders
-
-    def __init__(self, view: Any) -> None:
-        self._view = view
-
-    def tasks(self, model: Any) -> Sequence[Any]:
-        (task,) = TARGET.tasks(model)
-        task.views = (self._view,)
-        return [task]
+def _one_file(view: Any, model: Any) -> Sequence[Any]:
+    (task,) = TARGET.tasks(model)
+    return [replace(task, views=(view,))]
 
 
 def packed(address: tuple[int, int, int]) -> bytes:

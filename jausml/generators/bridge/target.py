@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.bridge.checks.module import TestModule
 from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common.system import source_of, system_of
 from jausml.generators.python.codec.messages import MessagesModule
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
@@ -18,54 +19,43 @@ from jausml.generators.python.package import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.model.model import Model
 
 
-class BridgeTarget:
-    """Messages, base, skeleton, entry point and tests of each bridge."""
-
-    name = "bridge"
-    description = "ROS 2 <-> JAUS bridges with skeletons, one ament_python package each."
-    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
-
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of every bridge."""
-        system, source = system_of(model), source_of(model)
-        bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
-        tests = [TestModule(bridge) for bridge in bridges]
-        packages = [
-            package_view(
-                system,
-                bridge.package,
-                element_id=bridge.element_id,
-                source=source,
-                description=bridge.documentation,
-                element=bridge.bridge,
-                dependencies=bridge.dependencies,
-                test_dependencies=test.dependencies,
-                executables=((bridge.package, f"{bridge.package}.main"),),
-            )
-            for bridge, test in zip(bridges, tests, strict=True)
-        ]
-        messages = {bridge.element_id: bridge for bridge in bridges}
-        return [
-            *package_tasks(packages),
-            FileTask(
-                "messages.py.j2",
-                [_messages(bridge) for bridge in bridges],
-                lambda module: module_path(messages[module.element_id], "messages"),
-            ),
-            *program_tasks(
-                bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"
-            ),
-            FileTask(
-                "test_translations.py.j2",
-                tests,
-                lambda view: f"{view.package}/test/test_{view.package}_translations.py",
-            ),
-        ]
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of every bridge."""
+    system, source = system_of(model), source_of(model)
+    bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
+    tests = [TestModule(bridge) for bridge in bridges]
+    packages = [
+        package_view(
+            system,
+            bridge.package,
+            element_id=bridge.element_id,
+            source=source,
+            description=bridge.documentation,
+            element=bridge.bridge,
+            dependencies=bridge.dependencies,
+            test_dependencies=test.dependencies,
+            executables=((bridge.package, f"{bridge.package}.main"),),
+        )
+        for bridge, test in zip(bridges, tests, strict=True)
+    ]
+    messages = {bridge.element_id: bridge for bridge in bridges}
+    return [
+        *package_tasks(packages),
+        FileTask(
+            "messages.py.j2",
+            [_messages(bridge) for bridge in bridges],
+            lambda module: module_path(messages[module.element_id], "messages"),
+        ),
+        *program_tasks(bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
+        FileTask(
+            "test_translations.py.j2",
+            tests,
+            lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+        ),
+    ]
 
 
 def _messages(bridge: BridgeView) -> MessagesModule:
@@ -78,4 +68,10 @@ def _messages(bridge: BridgeView) -> MessagesModule:
     )
 
 
-TARGET = BridgeTarget()
+TARGET = Target(
+    name="bridge",
+    description="ROS 2 <-> JAUS bridges with skeletons, one ament_python package each.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
+)
+"""Messages, base, skeleton, entry point and tests of each bridge."""

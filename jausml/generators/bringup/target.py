@@ -4,57 +4,52 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.bringup.views import BringupView, ProcessView
-from jausml.generators.common.system import source_of, system_of
 from jausml.generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from jausml.model.model import Model
 
 
-class BringupTarget:
-    """The package `<system>_bringup`."""
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of the package `<system>_bringup`."""
+    system = system_of(model)
+    bringup = BringupView(system, source_of(model))
+    package = package_view(
+        system,
+        bringup.name,
+        element_id=bringup.element_id,
+        source=bringup.source,
+        description=f"Starts the system {system.name}.",
+        dependencies=bringup.dependencies,
+        test_dependencies=(),
+        data=(("launch", "launch/*.launch.py"), ("config", "config/*.yaml")),
+        python=False,
+    )
+    return [
+        *package_tasks([package]),
+        FileTask(
+            "system.launch.py.j2",
+            bringup.launches,
+            lambda launch: f"{bringup.name}/launch/{launch.name}.launch.py",
+        ),
+        FileTask(
+            "config.yaml.j2",
+            bringup.configs,
+            lambda config: f"{bringup.name}/config/{config.process.name}.yaml",
+        ),
+    ]
 
-    name = "bringup"
-    description = "Launch files and parameters of the system."
-    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
 
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of the package."""
-        system = system_of(model)
-        bringup = BringupView(system, source_of(model))
-        package = package_view(
-            system,
-            bringup.name,
-            element_id=bringup.element_id,
-            source=bringup.source,
-            description=f"Starts the system {system.name}.",
-            dependencies=bringup.dependencies,
-            test_dependencies=(),
-            data=(("launch", "launch/*.launch.py"), ("config", "config/*.yaml")),
-            python=False,
-        )
-        return [
-            *package_tasks([package]),
-            FileTask(
-                "system.launch.py.j2",
-                bringup.launches,
-                lambda launch: f"{bringup.name}/launch/{launch.name}.launch.py",
-            ),
-            FileTask(
-                "config.yaml.j2",
-                bringup.configs,
-                lambda config: f"{bringup.name}/config/{config.process.name}.yaml",
-            ),
-        ]
-
-    def processes(self, model: Model) -> list[Mapping[str, Any]]:
-        """Returns what `jausml run` starts, as the manifest records it."""
-        bringup = BringupView(system_of(model), source_of(model))
-        return [_entry(bringup, process) for process in bringup.processes]
+def processes(model: Model) -> list[Mapping[str, Any]]:
+    """Returns what `jausml run` starts, as the manifest records it."""
+    bringup = BringupView(system_of(model), source_of(model))
+    return [_entry(bringup, process) for process in bringup.processes]
 
 
 def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
@@ -71,4 +66,11 @@ def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
     return entry
 
 
-TARGET = BringupTarget()
+TARGET = Target(
+    name="bringup",
+    description="Launch files and parameters of the system.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
+    processes=processes,
+)
+"""The package `<system>_bringup`."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
-from jausml.generators.common.system import source_of, system_of
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.jaus_component.views import ComponentView
 from jausml.generators.python.codec.messages import MessagesModule
 from jausml.generators.python.package import (
@@ -15,67 +16,55 @@ from jausml.generators.python.package import (
     package_view,
     program_tasks,
 )
+from jausml.metamodel.classes import bridge
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.model.model import Model
 
 
-class JausComponentTarget:
-    """Messages, base, skeleton, entry point and tests of each component."""
-
-    name = "jaus_component"
-    description = "JAUS components with skeletons, one ament_python package each."
-    template_folders = (templates_beside(__file__), PACKAGE_TEMPLATES)
-
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of every component.
-
-        Args:
-            model: A valid model.
-        """
-        system, source = system_of(model), source_of(model)
-        plain = [c for c in system.components if c.eClass.name == "Component"]
-        views = [ComponentView(component, system, source) for component in plain]
-        packages = [
-            package_view(
-                system,
-                view.package,
-                element_id=view.element_id,
-                source=source,
-                description=view.documentation,
-                element=view.component,
-                dependencies=("jausml_runtime",),
-                executables=((view.package, f"{view.package}.main"),),
-            )
-            for view in views
-        ]
-        by_id = {view.element_id: view for view in views}
-        return [
-            *package_tasks(packages),
-            FileTask(
-                "messages.py.j2",
-                [_messages(view) for view in views],
-                lambda module: module_path(by_id[module.element_id], "messages"),
-            ),
-            *program_tasks(
-                views,
-                base="component_base.py.j2",
-                skeleton="component.py.j2",
-                main="component_main.py.j2",
-            ),
-            FileTask(
-                "test_component.py.j2",
-                views,
-                lambda view: f"{view.package}/test/test_{view.package}.py",
-            ),
-            FileTask(
-                "states.md.j2",
-                [view for view in views if view.state_machines],
-                lambda view: f"{view.package}/states.md",
-            ),
-        ]
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of every component."""
+    system, source = system_of(model), source_of(model)
+    plain = [c for c in system.components if not isinstance(c, bridge.Bridge)]
+    views = [ComponentView(component, system, source) for component in plain]
+    packages = [
+        package_view(
+            system,
+            view.package,
+            element_id=view.element_id,
+            source=source,
+            description=view.documentation,
+            element=view.component,
+            dependencies=("jausml_runtime",),
+            executables=((view.package, f"{view.package}.main"),),
+        )
+        for view in views
+    ]
+    by_id = {view.element_id: view for view in views}
+    return [
+        *package_tasks(packages),
+        FileTask(
+            "messages.py.j2",
+            [_messages(view) for view in views],
+            lambda module: module_path(by_id[module.element_id], "messages"),
+        ),
+        *program_tasks(
+            views,
+            base="component_base.py.j2",
+            skeleton="component.py.j2",
+            main="component_main.py.j2",
+        ),
+        FileTask(
+            "test_component.py.j2",
+            views,
+            lambda view: f"{view.package}/test/test_{view.package}.py",
+        ),
+        FileTask(
+            "states.md.j2",
+            [view for view in views if view.state_machines],
+            lambda view: f"{view.package}/states.md",
+        ),
+    ]
 
 
 def _messages(view: ComponentView) -> MessagesModule:
@@ -88,4 +77,10 @@ def _messages(view: ComponentView) -> MessagesModule:
     )
 
 
-TARGET = JausComponentTarget()
+TARGET = Target(
+    name="jaus_component",
+    description="JAUS components with skeletons, one ament_python package each.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
+)
+"""Messages, base, skeleton, entry point and tests of each component."""

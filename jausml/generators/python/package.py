@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.artifact import Kind
-from jausml.generation.engine import ArtifactTask, FileTask, TextFile, TextTask, templates_beside
+from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -76,7 +76,7 @@ def package_view(
     return PackageView(name=name, dependencies=tuple(sorted(needed)), **{**metadata, **attributes})
 
 
-def package_tasks(packages: Sequence[PackageView]) -> list[ArtifactTask[Any]]:
+def package_tasks(packages: Sequence[PackageView]) -> list[Task]:
     """Returns the tasks for package.xml, setup.py, setup.cfg, `__init__.py` and empty markers.
 
     Args:
@@ -124,7 +124,7 @@ def module_path(view: ProgramView, name: str) -> str:
 
 def program_tasks(
     views: Sequence[ProgramView], *, base: str, skeleton: str, main: str
-) -> list[ArtifactTask[Any]]:
+) -> list[Task]:
     """Returns the tasks for what runs: the base, the user's skeleton and the entry point.
 
     Args:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.engine import ArtifactTask, FileTask, templates_beside
-from jausml.generators.common.system import source_of, system_of
+from jausml.generation.system import source_of, system_of
+from jausml.generation.target import Target, WholeLibrary
+from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.python.names import package_name
 from jausml.generators.ros_interfaces.jaus_types import MessagesPackage
 from jausml.generators.ros_interfaces.ros_types import package_files
@@ -17,82 +18,50 @@ from jausml.generators.ros_interfaces.selection import (
 )
 from jausml.generators.ros_interfaces.views import InterfacesView
 from jausml.metamodel.classes import ros
+from jausml.metamodel.classes import system as system_language
 from jausml.metamodel.filling import new_object
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.model.model import Model
 
 
-class DeclaredInterfacesTarget:
-    """The interface packages that a model declares in its own file.
-
-    Those of files that it refers to are elsewhere: they were imported from what is installed.
-    """
-
-    name = "declared_interfaces"
-    description = "The packages of ROS interfaces that the model declares."
-    template_folders = (templates_beside(__file__),)
-    needs_system = False
-
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of the packages; none for a package without interfaces.
-
-        Args:
-            model: A valid model.
-        """
-        system, source = _system(model)
-        packages = []
-        for package in declared_packages(model):
-            description = str(package.documentation or f"Interfaces of {system.name}.")
-            files = list(package_files(package, source))
-            packages.append(InterfacesView(system, str(package.name), description, files, source))
-        return _tasks(packages)
+def declared_tasks(model: Model) -> list[Task]:
+    """Returns the files of the declared packages; none for a package without interfaces."""
+    system, source = _system(model), source_of(model)
+    packages = []
+    for package in declared_packages(model):
+        description = str(package.documentation or f"Interfaces of {system.name}.")
+        files = list(package_files(package, source))
+        packages.append(InterfacesView(system, str(package.name), description, files, source))
+    return _tasks(packages)
 
 
-class RosInterfacesTarget:
-    """JAUS messages as ROS messages, in one interface package.
-
-    It is `<system>_jaus_msgs`, without a system `<model file>_jaus_msgs`, and has the messages that
-    no attribute map turns into a ROS type.
-
-    Args:
-        every_message: Whether it has all messages of the model's services, mapped ones too.
-    """
-
-    name = "ros_interfaces"
-    description = "A package of ROS messages for the JAUS messages without a map."
-    template_folders = (templates_beside(__file__),)
-    is_on_request = True
-    needs_system = False
-
-    def __init__(self, *, every_message: bool = False) -> None:
-        self._every_message = every_message
-
-    def for_whole_library(self) -> RosInterfacesTarget:
-        """Returns the target for every message of the model's services (`--all`)."""
-        return RosInterfacesTarget(every_message=True)
-
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the files of the package; none without such messages.
-
-        Args:
-            model: A valid model.
-        """
-        system, source = _system(model)
-        taken = {str(package.name) for package in model.instances(ros.InterfacePackage)}
-        name = package_name(f"{system.name}_jaus_msgs")
-        while name in taken:
-            name += "_2"
-        messages = MessagesPackage(name, source)
-        for message in (all_messages if self._every_message else unmapped_messages)(model):
-            messages.add(message)
-        description = f"JAUS messages of {system.name} as ROS messages."
-        return _tasks([InterfacesView(system, name, description, messages.files, source)])
+def tasks(model: Model) -> list[Task]:
+    """Returns the files of the package of messages that no map turns into a ROS type."""
+    return _messages_tasks(model, unmapped_messages(model))
 
 
-def _tasks(packages: Sequence[InterfacesView]) -> list[ArtifactTask[Any]]:
+def whole_library_tasks(model: Model) -> list[Task]:
+    """Returns the files of the package of all messages of the model's services."""
+    return _messages_tasks(model, all_messages(model))
+
+
+def _messages_tasks(model: Model, chosen: Iterable[Any]) -> list[Task]:
+    system, source = _system(model), source_of(model)
+    taken = {str(package.name) for package in model.instances(ros.InterfacePackage)}
+    name = package_name(f"{system.name}_jaus_msgs")
+    while name in taken:
+        name += "_2"
+    messages = MessagesPackage(name, source)
+    for message in chosen:
+        messages.add(message)
+    description = f"JAUS messages of {system.name} as ROS messages."
+    return _tasks([InterfacesView(system, name, description, messages.files, source)])
+
+
+def _tasks(packages: Sequence[InterfacesView]) -> list[Task]:
     packages = [package for package in packages if package.files]
     files = [file for package in packages for file in package.files]
     return [
@@ -102,15 +71,37 @@ def _tasks(packages: Sequence[InterfacesView]) -> list[ArtifactTask[Any]]:
     ]
 
 
-def _system(model: Model) -> tuple[Any, str]:
-    """Returns the system and the name of its file; without one, a system named after the file."""
-    if any(root.eClass.name == "System" for root in model.documents[0].roots):
-        return system_of(model), source_of(model)
-    path = PurePath(model.documents[0].display)
-    system = new_object(model.metamodels.classes["system.System"])
-    system.name = path.stem
-    return system, path.name
+def _system(model: Model) -> system_language.System:
+    """Returns the system; without one, a system named after the file."""
+    document = model.documents[0]
+    if any(isinstance(root, system_language.System) for root in document.roots):
+        return system_of(model)
+    system: system_language.System = new_object(model.metamodels.classes["system.System"])
+    system.name = PurePath(document.display).stem
+    return system
 
 
-TARGET = RosInterfacesTarget()
-DECLARED = DeclaredInterfacesTarget()
+TARGET = Target(
+    name="ros_interfaces",
+    description="A package of ROS messages for the JAUS messages without a map.",
+    tasks=tasks,
+    template_folders=(templates_beside(__file__),),
+    is_on_request=True,
+    needs_system=False,
+    whole_library=WholeLibrary(
+        help="every message of the services that the system uses", tasks=whole_library_tasks
+    ),
+)
+"""JAUS messages as ROS messages, in the package `<system or model file>_jaus_msgs`."""
+
+DECLARED = Target(
+    name="declared_interfaces",
+    description="The packages of ROS interfaces that the model declares.",
+    tasks=declared_tasks,
+    template_folders=(templates_beside(__file__),),
+    needs_system=False,
+)
+"""The interface packages that a model declares in its own file.
+
+Those of files that it refers to are elsewhere: they were imported from what is installed.
+"""

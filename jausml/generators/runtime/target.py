@@ -3,44 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import jausml
-from jausml.generation.engine import ArtifactTask, TextFile, TextTask
-from jausml.generators.common.system import system_of
+from jausml.generation.system import system_of
+from jausml.generation.target import Target
+from jausml.generation.tasks import Task, TextFile, TextTask
 from jausml.generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from jausml.model.model import Model
 
 NAME = "jausml_runtime"
 DEPENDENCIES = ("diagnostic_msgs", "rcl_interfaces", "rclpy")
 
 
-class RuntimeTarget:
-    """The package `jausml_runtime`: JUDP, the core services and the bridge's engine."""
-
-    name = "runtime"
-    description = "The runtime as the package jausml_runtime."
-    template_folders = (PACKAGE_TEMPLATES,)
-
-    def tasks(self, model: Model) -> Sequence[ArtifactTask[Any]]:
-        """Returns the package files and a copy of each module of the runtime."""
-        package = package_view(
-            system_of(model),
-            NAME,
-            version=jausml.__version__,
-            license="Apache-2.0",
-            element_id="runtime",
-            source="jausml",
-            description="JAUS over UDP, the core services, and what bridges run on.",
-            dependencies=DEPENDENCIES,
-            test_dependencies=(),
-            has_own_init=True,
-        )
-        return [*package_tasks([package]), TextTask(_modules())]
+def tasks(model: Model) -> list[Task]:
+    """Returns the package files and a copy of each module of the runtime."""
+    package = package_view(
+        system_of(model),
+        NAME,
+        version=jausml.__version__,
+        license="Apache-2.0",
+        element_id="runtime",
+        source="jausml",
+        description="JAUS over UDP, the core services, and what bridges run on.",
+        dependencies=DEPENDENCIES,
+        test_dependencies=(),
+        has_own_init=True,
+    )
+    return [*package_tasks([package]), TextTask(_modules())]
 
 
 def _modules() -> list[TextFile]:
@@ -57,4 +49,10 @@ def _modules() -> list[TextFile]:
     ]
 
 
-TARGET = RuntimeTarget()
+TARGET = Target(
+    name="runtime",
+    description="The runtime as the package jausml_runtime.",
+    tasks=tasks,
+    template_folders=(PACKAGE_TEMPLATES,),
+)
+"""The package `jausml_runtime`: JUDP, the core services and the bridge's engine."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.system import system_of
 from jausml.generators.common.components import CORE, with_inherited
-from jausml.generators.common.system import system_of
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 

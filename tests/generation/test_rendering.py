@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -180,16 +181,10 @@ def test_a_hostile_name_in_a_code_position_is_refused(workspace, vehicle, make_m
 
 
 def test_text_files_and_the_executable_bit(workspace):
-    class Scripts:
-        name = "scripts"
-        description = "Scripts."
-        template_folders = ()
+    files = [gen.TextFile("run.sh", "#!/bin/sh\r\necho\n\n\n", "script", "a.sh")]
+    task = gen.TextTask(files, executable=True)
 
-        def tasks(self, model):  # noqa: ARG002
-            files = [gen.TextFile("run.sh", "#!/bin/sh\r\necho\n\n\n", "script", "a.sh")]
-            return [gen.TextTask(files, executable=True)]
-
-    plan = workspace.write([], [Scripts()])
+    plan = workspace.write([], [gen.Target("scripts", "Scripts.", lambda _: [task])])
 
     assert [action.path for action in plan.changes] == ["run.sh", gen.MANIFEST_PATH]
     script = workspace.path("run.sh")
@@ -204,9 +199,9 @@ def test_templates_are_searched_in_order(tmp_path, toy, workspace, vehicle):
     first = tmp_path / "first"
     first.mkdir()
     (first / "data.json.j2").write_text('{"from": "first"}\n', encoding="utf-8")
-    toy.template_folders = (first, *toy.template_folders)
+    toy = replace(toy, template_folders=(first, *toy.template_folders))
 
-    assert texts(workspace.render([vehicle]))["vehicle/data.json"] == '{"from": "first"}\n'
+    assert texts(workspace.render([vehicle], [toy]))["vehicle/data.json"] == '{"from": "first"}\n'
 
 
 @pytest.mark.parametrize("doc", ["Short.", "Long " * 40, "One.\n\nTwo 'quoted' \\ \"words\"."])

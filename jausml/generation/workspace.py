@@ -1,0 +1,129 @@
+"""The use case: a valid model, some targets and a folder become a workspace."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.generation.drift import Finding, drift
+from jausml.generation.errors import SelectionError
+from jausml.generation.manifest import read_manifest
+from jausml.generation.plan import Plan, make_plan
+from jausml.generation.rendering import render
+from jausml.generation.system import system_of
+from jausml.generation.writer import apply
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.generation.target import Target
+    from jausml.model.model import Model
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The targets of a run.
+
+    Attributes:
+        targets: They run, in this order.
+        kept: Names of targets that do not run and whose files stay; None means every other.
+    """
+
+    targets: tuple[Target[Any], ...]
+    kept: frozenset[str] | None
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run did, or would do.
+
+    Attributes:
+        plan: What happens to each file.
+        drift: Where the user's files no longer fit the model.
+        is_written: Whether the plan was carried out.
+    """
+
+    plan: Plan
+    drift: tuple[Finding, ...]
+    is_written: bool
+
+
+def select(
+    installed: Mapping[str, Target[Any]],
+    names: Collection[str] = (),
+    *,
+    whole_library: bool = False,
+) -> Selection:
+    """Chooses targets.
+
+    Args:
+        installed: All targets by name.
+        names: Those that are meant; all that do not run on request alone when there is none.
+        whole_library: Whether they describe the whole library where they can.
+
+    Raises:
+        SelectionError: There is no such target, or none that can describe the whole library.
+    """
+    unknown = [name for name in names if name not in installed]
+    if unknown:
+        known = ", ".join(installed) or "none"
+        raise SelectionError(f"no target '{unknown[0]}'; installed: {known}")
+    asked = frozenset(name for name, target in installed.items() if target.is_on_request)
+    targets = [installed[name] for name in sorted(set(names) or set(installed) - asked)]
+    if whole_library:
+        if all(target.whole_library is None for target in targets):
+            able = [name for name, target in installed.items() if target.whole_library]
+            raise SelectionError(f"--all is an option of --target {' and '.join(able) or 'none'}")
+        targets = [target.for_whole_library() for target in targets]
+    return Selection(tuple(targets), None if names else asked)
+
+
+def generate(
+    model: Model,
+    targets: Sequence[Target[Any]],
+    out: Path,
+    *,
+    kept: Collection[str] | None = (),
+    force: bool = False,
+    write: bool = True,
+) -> Result:
+    """Generates a workspace; writes nothing when a file is refused.
+
+    Args:
+        model: A valid model.
+        targets: The targets that run.
+        out: The folder; it may be missing.
+        kept: Names of targets that do not run and whose files stay; None means every other.
+        force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
+            overwritten.
+        write: Whether to write; else the result tells what would happen.
+
+    Raises:
+        NoSystemError: A target needs one system, and the model's file holds none or several.
+        InternalError: A target is wrong.
+        GenerationError: The model has what a target cannot generate.
+        WriteError: The operating system refused.
+    """
+    if any(target.needs_system for target in targets):
+        system_of(model)
+    artifacts = render(model, targets)
+    manifest = read_manifest(out)
+    written = {entry.target for entry in manifest.files.values()}
+    others = frozenset() if kept is None else written - frozenset(kept)
+    covered = {target.name for target in targets} | others
+    launching = [target.processes for target in targets if target.processes is not None]
+    processes = [dict(each) for list_processes in launching for each in list_processes(model)]
+    plan = make_plan(
+        artifacts,
+        out,
+        manifest,
+        targets=covered,
+        force=force,
+        extra={"processes": processes} if launching else None,
+    )
+    findings = drift(artifacts, out, manifest)
+    is_written = write and not plan.refused
+    if is_written:
+        apply(plan)
+    return Result(plan, tuple(findings), is_written)
