@@ -190,24 +190,13 @@ class Metamodels:
         }
         self._by_eclass = {table.eclass: table for table in self.classes.values()}
 
-    def class_of(self, obj: Any) -> ClassTable:
-        """Returns the table of the class of a model element.
+    def class_of(self, obj: EObject | type[EObject]) -> ClassTable:
+        """Returns the table of a class, such as `jaus.Component`, or of that of an element.
 
         Raises:
-            KeyError: The element is of no class of these metamodels.
+            KeyError: It is no class of these metamodels.
         """
         return self._by_eclass[obj.eClass]
-
-    def table_of(self, kind: Any) -> ClassTable:
-        """Returns the table of a class.
-
-        Args:
-            kind: The class, such as `jaus.Component`, or its qualified name.
-
-        Raises:
-            KeyError: These metamodels have no such class.
-        """
-        return self.classes[kind] if isinstance(kind, str) else self.class_of(kind)
 
     def package_named(self, name: str) -> PackageTable:
         """Returns the package of a name (`jaus`).
@@ -219,7 +208,3 @@ class Metamodels:
             if package.name == name:
                 return package
         raise KeyError(name)
-
-    def is_kind_of(self, obj: Any, qualified_class: str) -> bool:
-        """Tells whether a model element is an instance of a class or of a subclass of it."""
-        return self.classes[qualified_class] in self.class_of(obj).supertypes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import chain
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.metamodel import FeatureKind, FeatureTable, Metamodels
 from jausml.model.diagnostics import Location
@@ -95,17 +95,11 @@ class Model:
         for node in document.root_nodes:
             yield from _built(node)
 
-    @overload
-    def instances(self, kind: type[ElementT], *, library: bool = True) -> list[ElementT]: ...
-
-    @overload
-    def instances(self, kind: str, *, library: bool = True) -> list[Any]: ...
-
-    def instances(self, kind: Any, *, library: bool = True) -> list[Any]:
+    def instances(self, kind: type[ElementT], *, library: bool = True) -> list[ElementT]:
         """Returns the elements of a class and of the classes that specialise it.
 
         Args:
-            kind: The class, such as `jaus.Component`, or its qualified name.
+            kind: The class, such as `jaus.Component`.
             library: False leaves out elements of the shipped library.
 
         Returns:
@@ -114,7 +108,7 @@ class Model:
         Raises:
             KeyError: The metamodels have no such class.
         """
-        wanted = {table.eclass for table in self.metamodels.table_of(kind).subtypes}
+        wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
         if self._by_class is None:
             self._by_class = {}
             for position, obj in enumerate(self.elements()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.metamodel.classes import jaus, ros
 from jausml.model.diagnostics import Diagnostic, Severity
@@ -65,22 +65,16 @@ class Subject:
             self._damaged.add(around)
             around = around.eContainer()
 
-    @overload
-    def instances(self, kind: type[ElementT]) -> list[ElementT]: ...
-
-    @overload
-    def instances(self, kind: str) -> list[Any]: ...
-
-    def instances(self, kind: Any) -> list[Any]:
+    def instances(self, kind: type[ElementT]) -> list[ElementT]:
         """Returns the sound elements of a class and of the classes that specialise it.
 
         Args:
-            kind: The class, such as `jaus.Component`, or its qualified name.
+            kind: The class, such as `jaus.Component`.
 
         Returns:
             The elements in document order.
         """
-        subtypes = self.model.metamodels.table_of(kind).subtypes
+        subtypes = self.model.metamodels.class_of(kind).subtypes
         found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
         found.sort(key=lambda pair: pair[0])
         return [element for _, element in found if element not in self._broken]

@@ -14,6 +14,7 @@ from jausml.generation.artifact import Kind
 from jausml.generators.common.ros import RosType, import_lines, local_names
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.ros_node.views import NodeView
+from jausml.metamodel.classes import ros, system
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
 
@@ -55,9 +56,9 @@ def talk(tmp_path):
 
 
 def described(name="everything"):
-    system = model_of(CASES / "features.xmi").instances("system.System")[0]
-    node = next(node for node in system.nodes if node.name == name)
-    return NodeView(node, system.name, "features.xmi")
+    whole = model_of(CASES / "features.xmi").instances(system.System)[0]
+    node = next(node for node in whole.nodes if node.name == name)
+    return NodeView(node, whole.name, "features.xmi")
 
 
 # ------------------------------------------------------------------ tools
@@ -351,7 +352,7 @@ def test_a_renamed_endpoint_is_recognised_by_its_topic(talk, tmp_path):
 
 
 def test_every_stub_fits_its_base():
-    for node in model_of(CASES / "features.xmi").instances("ros.Node"):
+    for node in model_of(CASES / "features.xmi").instances(ros.Node):
         view = NodeView(node, "features", "features.xmi")
         for method in view.contract().methods:
             (function,) = ast.parse(f"class C:\n{method.stub}").body[0].body
@@ -412,7 +413,7 @@ def test_hostile_text_stays_text(hostile):
     assert calls == {"super", "ParameterDescriptor", "QoSProfile"}
     strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
     node = next(
-        n for n in model_of(CASES / "hostile.xmi").instances("ros.Node") if n.name == "victim"
+        n for n in model_of(CASES / "hostile.xmi").instances(ros.Node) if n.name == "victim"
     )
     assert {parameter.value for parameter in node.parameters} <= strings
     assert {endpoint.topic for endpoint in (*node.publishers, *node.subscriptions)} <= strings

@@ -14,6 +14,7 @@ from jausml.generation.header import has_valid_header
 from jausml.generators.wireshark.services import library_services, used_services
 from jausml.generators.wireshark.target import TARGET
 from jausml.generators.wireshark.views import message_tables
+from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
 HERE = Path(__file__).parent
@@ -40,7 +41,7 @@ def example():
 def tables(path: Path):
     result = read_models([path])
     assert not result.diagnostics
-    return message_tables(result.model.instances("jaus.Service"))
+    return message_tables(result.model.instances(jaus.Service))
 
 
 def own(folder: Path, *services: str):
@@ -80,7 +81,7 @@ def test_all_knows_every_message_of_the_library(example):
     defined = {
         m.name
         for m in read_models(sorted((MODELS / "library/jaus").glob("*.xmi"))).model.instances(
-            "jaus.MessageDef"
+            jaus.MessageDef
         )
     }
     assert len(defined) > 300

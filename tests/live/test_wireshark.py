@@ -12,6 +12,7 @@ import pytest
 from jausml.generators.wireshark.services import library_services
 from jausml.generators.wireshark.views import DissectorView
 from jausml.live.messages import load_catalogue
+from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 
 from .wireshark_bodies import body, matches
@@ -284,7 +285,7 @@ MORE_KINDS = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def dissector_of(model: Path, folder: Path) -> tuple[Path, DissectorView]:
-    services = list(read_models([model]).model.instances("jaus.Service"))
+    services = list(read_models([model]).model.instances(jaus.Service))
     view = DissectorView(SystemOfNothing(), model.name, services)
     return write_dissector(folder / "own.lua", view), view
 

@@ -3,6 +3,7 @@
 import pytest
 from reader_support import ZOO_METAMODELS, zoo
 
+from jausml.metamodel.classes import jaus
 from jausml.model import Diagnostic, Location, Model, Severity
 
 BODY = """  <cages id="c1"
@@ -28,15 +29,18 @@ def place(model, *path):
 
 
 def test_instances(model):
+    def kind(qualified):
+        return model.metamodels.classes[qualified].python_class
+
     def names(qualified):
-        return [model.element_path(each) for each in model.instances(qualified)]
+        return [model.element_path(each) for each in model.instances(kind(qualified))]
 
     assert names("zoo.Animal") == ["Z/cages[0]/Leo", "Z/cages[0]/Polly"]
     assert names("birds.Parrot") == ["Z/cages[0]/Polly"]
     assert names("zoo.Cage") == ["Z/cages[0]", "Z/cages[1]", "Z/B/cages[0]"]
     assert names("zoo.Zoo") == ["Z", "Z/B"]
     with pytest.raises(KeyError):
-        model.instances("zoo.Aquarium")
+        model.instances(jaus.Component)
 
 
 def test_fragments(model):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.model.comparison import compare
 
@@ -51,7 +52,7 @@ bridge sensor_bridge {{
 
 
 def conversion(model):
-    return model.instances("bridge.Conversion", library=False)[0]
+    return model.instances(bridge.Conversion, library=False)[0]
 
 
 def assignments(texts, content, direction="JAUS->ROS"):
@@ -59,7 +60,7 @@ def assignments(texts, content, direction="JAUS->ROS"):
         f"m {{ JAUS ReportVelocityState ROS nav_msgs/Odometry {direction} ( {content} )\n"
         "quantity top { value: 2 } table gear ( A <-> 1 ) }"
     )
-    [found] = model.instances("bridge.AttributeMap", library=False)
+    [found] = model.instances(bridge.AttributeMap, library=False)
     return list(found.toRos if direction == "JAUS->ROS" else found.toJaus)
 
 
@@ -73,13 +74,13 @@ def test_same_model_as_xmi(texts):
 
 def test_elements_and_values_have_their_places(texts):
     model = texts.good(SYSTEM)
-    bridge = model.instances("bridge.Bridge")[0]
-    assert str(model.location(bridge)).endswith(":9:1")
-    assert str(model.location(bridge, "address")).endswith(":10:12")
-    assert str(model.location(bridge, "uses")).endswith(":11:9")
-    assert str(model.location(bridge, "name")).endswith(":9:8")
-    assert str(model.location(bridge.maps[0])).endswith(":13:3")
-    last = bridge.maps[0].toRos[3]
+    owner = model.instances(bridge.Bridge)[0]
+    assert str(model.location(owner)).endswith(":9:1")
+    assert str(model.location(owner, "address")).endswith(":10:12")
+    assert str(model.location(owner, "uses")).endswith(":11:9")
+    assert str(model.location(owner, "name")).endswith(":9:8")
+    assert str(model.location(owner.maps[0])).endswith(":13:3")
+    last = owner.maps[0].toRos[3]
     assert str(model.location(last, "target")).endswith(":20:18")
     assert str(model.location(last.conversions[0])).endswith(":20:36")
 
@@ -134,7 +135,7 @@ node n { publisher p { topic: "/a" type: std_msgs/Float64 qos: { depth: 5 } } }
     [field] = service.inputs[0].body.fields
     assert (field.name, field.type.name) == ("a", "uint16")
     assert (field.scale.lower, field.scale.upper) == (-1.0, 16.0)
-    [node] = model.instances("ros.Node")
+    [node] = model.instances(ros.Node)
     assert node.publishers[0].qos.depth == 5
     assert node.publishers[0].type.name == "Float64"
 

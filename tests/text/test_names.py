@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.metamodel.classes import bridge, jaus, ros
+
 LIBRARY = "http://www.jausml.org/library/jaus/"
 
 
 def provided(model):
     return [
-        each.name for c in model.instances("jaus.Component", library=False) for each in c.provides
+        each.name for c in model.instances(jaus.Component, library=False) for each in c.provides
     ]
 
 
@@ -29,7 +31,7 @@ def test_library_is_known_without_an_import(texts):
                                   "geometry_msgs/msg/TwistStamped", "geometry_msgs.TwistStamped"])  # fmt: skip
 def test_ros_types(texts, name):
     model = texts.good(f"node n {{ publisher p {{ topic: a type: {name} }} }}")
-    assert model.instances("ros.Publisher")[0].type.name == "TwistStamped"
+    assert model.instances(ros.Publisher)[0].type.name == "TwistStamped"
 
 
 def test_own_names_go_before_the_library(texts):
@@ -37,7 +39,7 @@ def test_own_names_go_before_the_library(texts):
         'service Events { urn: "u" inherits: Liveness_ }\nservice Liveness_ { urn: "v" }\n'
         "component a { address: 1.1.1 provides: Events }"
     )
-    [component] = model.instances("jaus.Component")
+    [component] = model.instances(jaus.Component)
     assert component.provides[0].urn == "u"
     assert component.provides[0].inherits.urn == "v"
 
@@ -62,8 +64,8 @@ def test_a_topic_names_the_join_of_the_map_of_its_connection(texts):
         + "".join(map(connection.format, ("one", "two", "far")))
         + "}"
     )
-    [bridge] = model.instances("bridge.Bridge")
-    for each in bridge.bridgeConnections:
+    [owner] = model.instances(bridge.Bridge)
+    for each in owner.bridgeConnections:
         assert each.topics[1].join is each.map.joins[0], each.name
 
 
@@ -83,7 +85,7 @@ service_set two { service A { urn: "2" inputs: new message_def Query { code: 0xD
   state_machine M { state S { initial: true transitions: { message: Query } } } } }
 """
     )
-    found = [each.message.code for each in model.instances("jaus.Transition", library=False)]
+    found = [each.message.code for each in model.instances(jaus.Transition, library=False)]
     assert found == ["0xD001", "0xD002"]
 
 
@@ -98,7 +100,7 @@ def test_imports_of_text_and_xmi(texts):
         'import "maps.ros2jaus"\nimport "services.xmi"\n'
         "bridge b { address: 1.1.1 uses: Own connection c { map: maps.m topic t {} } }"
     )
-    [connection] = model.instances("bridge.Connection")
+    [connection] = model.instances(bridge.Connection)
     assert connection.map.message.name == "ReportVelocityState"
 
 
@@ -106,7 +108,7 @@ def test_imports_in_a_circle(texts):
     text = 'import "{}.ros2jaus"\ncomponent {} {{ address: 1.1.{} controls: {} }}'
     texts.write("b.ros2jaus", text.format("a", "two", 2, "one"))
     model = texts.good(text.format("b", "one", 1, "two"), "a.ros2jaus")
-    assert [c.controls[0].name for c in model.instances("jaus.Component")] == ["two", "one"]
+    assert [c.controls[0].name for c in model.instances(jaus.Component)] == ["two", "one"]
 
 
 def test_import_decides_between_versions(texts):
@@ -126,7 +128,7 @@ def test_import_of_library_maps(texts):
         'bridge b { address: 1.1.1 connection c { map: @"http://www.jausml.org/library/mappings/'
         'velocity_state_sensor.ros2jaus#//@maps.0" topic t {} } }'
     )
-    [connection] = model.instances("bridge.Connection")
+    [connection] = model.instances(bridge.Connection)
     assert model.is_library(connection.map)
 
 

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from jausml.interfaces import Installation
+from jausml.metamodel.classes import ros
 from jausml.model.uris import library_root
 from jausml.semantics.installed import InstalledTypes
 from jausml.validation.engine import validate
@@ -93,8 +94,8 @@ def test_the_shipped_library_is_what_is_installed():
         pytest.skip("no ROS message packages in this environment")
     installed = InstalledTypes(Installation())
     model = validate(sorted((library_root() / "ros").glob("*.xmi"))).model
-    kinds = ("ros.MessageType", "ros.ServiceType")
+    kinds = (ros.MessageType, ros.ServiceType)
     types = [each for kind in kinds for each in model.instances(kind)]
-    tops = [each for each in types if each.eContainer().eClass.name == "InterfacePackage"]
+    tops = [each for each in types if isinstance(each.eContainer(), ros.InterfacePackage)]
     assert len(tops) > 100
     assert [each.message for top in tops for each in installed.differences(top)] == []

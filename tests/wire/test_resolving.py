@@ -57,7 +57,7 @@ def test_every_kind_is_reached_from_every_class_of_fields() -> None:
     kinds |= {type(each.number) for each in parts(layouts) if isinstance(each, wire.Alternative)}
     assert kinds == set(get_args(wire.Kind))
     used = {type(each).__name__ for each in read_models([EVERY_KIND]).model.instances(jaus.Field)}
-    subtypes = load_metamodels().table_of("jaus.Field").subtypes
+    subtypes = load_metamodels().class_of(jaus.Field).subtypes
     assert used == {each.name for each in subtypes if not each.abstract}
 
 

@@ -48,7 +48,7 @@ class Builder:
         self._made += 1
         if self._made > MOST_ELEMENTS:
             raise TooMuchError
-        obj: ElementT = new_object(self.model.metamodels.table_of(kind))
+        obj: ElementT = new_object(self.model.metamodels.class_of(kind))
         for name, value in features.items():
             if value is not None:
                 self.set(obj, name, value)

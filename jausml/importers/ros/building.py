@@ -158,7 +158,7 @@ class Builder:
             self._set(element, "documentation", comment)
 
     def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
-        element: ElementT = new_object(self._model.metamodels.table_of(kind))
+        element: ElementT = new_object(self._model.metamodels.class_of(kind))
         for name, value in features.items():
             self._set(element, name, value)
         return element

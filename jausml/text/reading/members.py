@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.notation import Fault
 from jausml.model.values import nearest, show
+from jausml.semantics.layouts import attributes, class_name, resolve
 from jausml.text.keywords import snake_case
 from jausml.text.reading.declaring.common import DEEPEST
 from jausml.text.reading.declaring.jaus import VALUE
@@ -22,15 +24,14 @@ from jausml.text.reading.declaring.types import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.model.xmi.parsing import Node
+    from jausml.semantics.attributes import JausPart, Part
     from jausml.text.reading.declaring.common import Types
     from jausml.text.reading.maps import WrittenEnd
     from jausml.text.tree import End, Member, Span
 
-_GROUPS = frozenset({"Record", "Sequence"})
-_STRINGS = frozenset({"VariableLengthString", "FixedLengthString"})
 _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": False}
 
 
@@ -48,7 +49,7 @@ class Kind:
     word: str
     also: frozenset[str] = frozenset()
     size: Size | None = None
-    inner: Sequence[Any] | None = None
+    inner: Sequence[Part] | None = None
 
     def __str__(self) -> str:
         if self.size is None:
@@ -78,11 +79,11 @@ class MemberCheck:
             if written.node.obj is None:
                 continue
             end = written.end
-            target = written.node.obj.message if end.is_jaus else written.node.obj.type
-            if target is None:
+            built: bridge.AttributeMap = written.node.obj
+            members = _members_at(built, is_jaus=end.is_jaus)
+            if members is None:
                 continue
             self._facts(end, written.node)
-            members = _jaus_members(target) if end.is_jaus else list(target.fields)
             label = f"{'message' if end.is_jaus else 'type'} {end.type.text}"
             self._members(end.members or [], members, label, written.node, 0)
         return self._faults
@@ -94,7 +95,7 @@ class MemberCheck:
             self._report("JML713", first.span, message, "remove the block", node)
 
     def _members(
-        self, listed: Sequence[Member], known: Sequence[Any], label: str, node: Node, depth: int
+        self, listed: Sequence[Member], known: Sequence[Part], label: str, node: Node, depth: int
     ) -> None:
         by_name = {each.name: each for each in known}
         seen: set[str] = set()
@@ -157,44 +158,48 @@ class MemberCheck:
         self._faults.append(Fault(rule, message, hint, span.line, span.column, node))
 
 
-def kind_of(field: Any) -> Kind | None:
+def kind_of(field: Part) -> Kind | None:
     """Returns what a member of a JAUS message or of a ROS type is; None for a dangling one."""
-    if field.eClass.ePackage.name == "ros":
-        return _ros_kind(field)
-    return _jaus_kind(field)
+    return _ros_kind(field) if isinstance(field, ros.Field) else _jaus_kind(field)
 
 
-def _jaus_kind(field: Any, above: tuple[Any, ...] = ()) -> Kind | None:
-    field = _target(field)
+def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> Kind | None:
+    field = resolve(part) if isinstance(part, jaus.Field) else part
     if field is None or field in above:
         return None
-    name = str(field.eClass.name)
-    if name in ("Array", "List"):
-        inner = _jaus_kind(field.element, (*above, field))
-        if inner is None:
-            return None
-        if name == "List":
-            count = int(field.maximumCount)
-            size = Size(count, is_fixed=0 < count == field.minimumCount)
-            inner = _plain(inner)
-        else:
-            size = Size(prod(field.dimensions), is_fixed=True)
-        return Kind(inner.word, inner.also, size, inner.inner)
-    keyword = snake_case(name)
-    if name in _GROUPS:
-        return Kind("struct", frozenset({keyword}), None, list(field.fields))
-    if name == "Variant":
-        return Kind("struct", frozenset({keyword}), None, list(field.options))
-    if name in _STRINGS:
-        bound = field.maximumLength if name == "VariableLengthString" else field.length
-        also = {keyword, f"{STRING}<={bound}"} if bound else {keyword}
-        return Kind(STRING, frozenset(also))
-    if name == "FixedField":
-        is_byte = field.type.name == "uint8"
-        return Kind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
-    if name == "BitField":
-        return Kind(field.type.name, frozenset({keyword}), None, list(field.subFields))
+    keyword = snake_case(class_name(field))
+    match field:
+        case jaus.List() | jaus.Array():
+            return _repeated(field, above)
+        case jaus.Record() | jaus.Sequence():
+            return Kind("struct", frozenset({keyword}), None, field.fields)
+        case jaus.Variant():
+            return Kind("struct", frozenset({keyword}), None, field.options)
+        case jaus.VariableLengthString(maximumLength=bound) | jaus.FixedLengthString(length=bound):
+            also = {keyword, f"{STRING}<={bound}"} if bound else {keyword}
+            return Kind(STRING, frozenset(also))
+        case jaus.FixedField():
+            is_byte = field.type.name == "uint8"
+            return Kind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
+        case jaus.BitField():
+            return Kind(field.type.name, frozenset({keyword}), None, field.subFields)
     return Kind(keyword)
+
+
+def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Kind | None:
+    """Returns what a list or an array is, None when what it repeats is not known."""
+    if field.element is None:
+        return None
+    inner = _jaus_kind(field.element, (*above, field))
+    if inner is None:
+        return None
+    if isinstance(field, jaus.Array):
+        size = Size(prod(field.dimensions), is_fixed=True)
+    else:
+        count = field.maximumCount
+        size = Size(count, is_fixed=0 < count == field.minimumCount)
+        inner = _plain(inner)
+    return Kind(inner.word, inner.also, size, inner.inner)
 
 
 def _plain(element: Kind) -> Kind:
@@ -202,47 +207,35 @@ def _plain(element: Kind) -> Kind:
     fields = element.inner or ()
     if len(fields) != 1 or fields[0].name != VALUE:
         return element
-    return _jaus_kind(fields[0]) or element
+    return kind_of(fields[0]) or element
 
 
-def _ros_kind(field: Any) -> Kind | None:
-    kind = str(field.arrayKind.name) if field.arrayKind is not None else "single"
+def _ros_kind(field: ros.Field) -> Kind | None:
+    kind = field.arrayKind.name
     size = None
     if kind in _SIZES:
-        count = 0 if kind == "unboundedSequence" else int(field.arraySize)
+        count = 0 if kind == "unboundedSequence" else field.arraySize
         size = Size(count, is_fixed=_SIZES[kind])
-    if str(field.eClass.name) == "PrimitiveField":
+    if isinstance(field, ros.PrimitiveField):
         word = type_word(field.type.name).word
         also = {f"{word}<={field.stringBound}"} if field.stringBound else set()
         return Kind(word, frozenset(also), size)
-    target = field.messageType
+    target = field.messageType if isinstance(field, ros.MessageField) else None
     if target is None:
         return None
     package = target.eContainer()
     full = f"{package.name}/{target.name}" if package is not None else target.name
-    return Kind(full, frozenset({target.name}), size, list(target.fields))
+    return Kind(full, frozenset({target.name}), size, target.fields)
 
 
-def _jaus_members(message: Any) -> list[Any]:
-    """Returns what paths of a message start with: the members of its record or sequence."""
-    body = _target(message.body)
-    if body is None:
-        return []
-    return list(body.fields) if str(body.eClass.name) in _GROUPS else [message.body]
+def _members_at(built: bridge.AttributeMap, *, is_jaus: bool) -> Sequence[Part] | None:
+    """Returns what the paths of one end of a map start with, None when it is not known."""
+    if is_jaus:
+        return attributes(built.message) if built.message is not None else None
+    return built.type.fields if built.type is not None else None
 
 
-def _target(field: Any) -> Any:
-    """Returns what a reference to a declared type leads to, None for nothing or a circle."""
-    seen = []
-    while field is not None and str(field.eClass.name) == "TypeReference":
-        if field in seen:
-            return None
-        seen.append(field)
-        field = field.target
-    return field
-
-
-def _some(names: Mapping[str, Any]) -> str:
+def _some(names: Iterable[str]) -> str:
     shown = [name for name in names if name]
     more = ", ..." if len(shown) > 8 else ""
     return (", ".join(shown[:8]) or "none") + more

@@ -17,6 +17,7 @@ from std_msgs.msg import Header
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.metamodel.classes import bridge
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
@@ -46,7 +47,7 @@ def ready_maps() -> dict[str, list[Any]]:
     """Returns the attribute maps of each file of ready maps by its name."""
     model = files_read().model
     found: dict[str, list[Any]] = {path.stem: [] for path in FILES}
-    for each in model.instances("bridge.AttributeMap"):
+    for each in model.instances(bridge.AttributeMap):
         found[Path(model.location(each).path).stem].append(each)
     return found
 

@@ -21,6 +21,8 @@ from mapping_support import (
     ready_maps,
 )
 
+from jausml.metamodel.classes import bridge
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -114,9 +116,9 @@ def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
 
 
 def test_the_example_uses_ready_maps_alone() -> None:
-    (bridge,) = files_read().model.instances("bridge.Bridge")
-    assert len(bridge.bridgeConnections) == 6
-    assert not bridge.maps
+    (owner,) = files_read().model.instances(bridge.Bridge)
+    assert len(owner.bridgeConnections) == 6
+    assert not owner.maps
 
 
 def test_the_bridge_of_the_guide_knows_its_own_maximum(tmp_path: Path) -> None:
