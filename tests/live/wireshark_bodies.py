@@ -6,13 +6,15 @@ import math
 import struct
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.python.codec.fields import FORMATS, integer_limits
+from jausml.wire import INTEGERS, REALS
 
 if TYPE_CHECKING:
     import random
     from collections.abc import Iterator
 
     from .wireshark_support import Shown
+
+_FORMATS = {name: each.format for name, each in (*INTEGERS.items(), *REALS.items())}
 
 
 def leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
@@ -85,14 +87,14 @@ def matches(fields: list[Shown], message: Any, vector: dict[str, Any]) -> bool:
 
 
 def number(chance: random.Random, numeric_type: str) -> bytes:
-    letter = FORMATS[numeric_type]
+    letter = _FORMATS[numeric_type]
     if letter in "fd":
         return struct.pack(f"<{letter}", chance.uniform(-1000.0, 1000.0))
     return chance.randbytes(struct.calcsize(letter))
 
 
 def counted(numeric_type: str, data: bytes) -> bytes:
-    return struct.pack(f"<{FORMATS[numeric_type]}", len(data)) + data
+    return struct.pack(f"<{_FORMATS[numeric_type]}", len(data)) + data
 
 
 def body(chance: random.Random, node: dict[str, Any]) -> bytes:
@@ -118,21 +120,21 @@ def body(chance: random.Random, node: dict[str, Any]) -> bytes:
 def container(chance: random.Random, node: dict[str, Any]) -> bytes:
     if node["kind"] == "list":
         items = [body(chance, node["element"]) for _ in range(chance.choice((0, 1, 1, 3)))]
-        return struct.pack(f"<{FORMATS[node['count']]}", len(items)) + b"".join(items)
+        return struct.pack(f"<{_FORMATS[node['count']]}", len(items)) + b"".join(items)
     if node["kind"] == "array":
         return b"".join(body(chance, node["element"]) for _ in range(math.prod(node["sizes"])))
     if node["kind"] == "variant":
         tag = chance.randrange(max(1, len(node["options"])))
         option = body(chance, node["options"][tag]) if node["options"] else b""
-        return struct.pack(f"<{FORMATS[node['tag']]}", tag) + option
+        return struct.pack(f"<{_FORMATS[node['tag']]}", tag) + option
     present, bit, data = 0, 1, b""
     # The library has a record with more optional members than its presence vector has bits.
-    last = integer_limits(node.get("presence", "uint64"))[1]
+    last = INTEGERS[node.get("presence", "uint64")].upper
     for member in node["fields"]:
         is_there = not member.get("optional") or (bit <= last and chance.random() < 0.7)
         if member.get("optional"):
             present |= bit * is_there
             bit <<= 1
         data += body(chance, member) if is_there else b""
-    head = struct.pack(f"<{FORMATS[node['presence']]}", present) if "presence" in node else b""
+    head = struct.pack(f"<{_FORMATS[node['presence']]}", present) if "presence" in node else b""
     return head + data

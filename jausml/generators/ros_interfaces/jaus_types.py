@@ -7,13 +7,11 @@ field `has_<name>` before it. Scaled integers become the real numbers that they 
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml import wire
 from jausml.generation.errors import GenerationError
 from jausml.generators.python import names as common_names
-from jausml.generators.python.codec.fields import integer_limits, name_of
-from jausml.generators.python.codec.nesting import Resolved, resolve
 from jausml.generators.ros_interfaces.definitions import (
     ConstantLine,
     DefinitionFile,
@@ -26,6 +24,8 @@ from jausml.interfaces.definitions import BOUNDED, FIXED, SINGLE, UNBOUNDED, Fie
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+
+    from jausml.metamodel.classes import jaus
 
 _LONGEST_SEQUENCE = 2**16 - 1
 """A sequence that may be longer is not bounded: nobody would reserve the memory."""
@@ -43,51 +43,41 @@ class MessagesPackage:
         self._package = package
         self._source = source
         self._names = common_names.Scope(separator="")
-        self._open: list[Any] = []
         self.files: list[DefinitionFile] = []
 
-    def add(self, message: Any) -> None:
+    def add(self, message: jaus.MessageDef) -> None:
         """Adds a message.
 
         Args:
-            message: The `jaus.MessageDef`.
+            message: The message.
 
         Raises:
-            GenerationError: A type of it contains itself or refers to nothing.
+            GenerationError: The message cannot be encoded; validation tells users before.
         """
-        name = self._names.claim(type_name(str(message.name)))
-        section = DefinitionSection(f"JAUS message {message.name} ({message.code}).")
-        if message.documentation:
-            section.comment += f"\n\n{message.documentation}"
-        if message.body is not None:
-            body = resolve(message.body)
-            fields = _Fields(self, name, section)
-            if body.kind in ("Record", "Sequence"):
-                self._open.append(body.type)
-                fields.add_members(body)
-                self._open.pop()
-            else:
-                fields.add(body)
-        self._file(name, section, f"message:{message.code}:{message.name}")
+        try:
+            layout = wire.resolve(message)
+        except wire.LayoutError as error:
+            raise GenerationError(str(error)) from None
+        name = self._names.claim(type_name(layout.name))
+        section = DefinitionSection(f"JAUS message {layout.name} ({message.code}).")
+        if layout.documentation:
+            section.comment += f"\n\n{layout.documentation}"
+        fields = _Fields(self, name, section)
+        for each in layout.members:
+            fields.add(each)
+        self._file(name, section, f"message:{message.code}:{layout.name}")
 
-    def nested(self, name: str, field: Resolved, fill: Callable[[_Fields], None]) -> FieldType:
+    def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
         """Adds a type that is nested in another one.
 
         Args:
             name: The name that it would have.
-            field: The field of the model that it is made of.
+            documentation: What stands at its head.
             fill: Adds its fields.
-
-        Raises:
-            GenerationError: The field contains itself.
         """
-        if field.type in self._open:
-            raise GenerationError(f"'{field.name}' contains itself")
         claimed = self._names.claim(type_name(name))
-        section = DefinitionSection(field.documentation)
-        self._open.append(field.type)
+        section = DefinitionSection(documentation)
         fill(_Fields(self, claimed, section))
-        self._open.pop()
         self._file(claimed, section, f"type:{claimed}")
         return FieldType(claimed)
 
@@ -106,160 +96,134 @@ class _Fields:
         self._fields = common_names.Scope()
         self._constants = common_names.Scope()
 
-    def add_members(self, record: Resolved) -> None:
-        """Adds the members of a record or sequence."""
-        has_presence = name_of(record.type.presenceVector) != "none"
-        for element in record.type.fields:
-            self.add(resolve(element), may_be_absent=has_presence)
-
-    def add(self, field: Resolved, *, may_be_absent: bool = False) -> None:
-        """Adds a field of the model."""
+    def add(self, field: wire.Field) -> None:
+        """Adds a field."""
         name = self._fields.claim(field_name(field.name))
-        if may_be_absent and field.optional:
+        if field.is_optional:
             flag = self._fields.claim(field_name(f"has_{name}"))
             self._put(flag, FieldType("bool"), f"Whether {name} is there.")
-        if field.kind == "FixedField":
-            self._number(name, field.type, field.documentation)
+        if isinstance(field.kind, wire.Number):
+            self._number(name, field.kind, field.documentation)
         else:
             kind = self._type(field)
-            self._put(name, kind, "" if self._is_nested(kind) else field.documentation)
-
-    def _is_nested(self, kind: FieldType) -> bool:
-        return not kind.is_primitive
+            self._put(name, kind, field.documentation if kind.is_primitive else "")
 
     def _put(self, name: str, kind: FieldType, comment: str = "") -> None:
         self._section.fields.append(FieldLine(name, kind, comment))
 
     # -- types -----------------------------------------------------------------------------------
 
-    def _type(self, field: Resolved) -> FieldType:
+    def _type(self, field: wire.Field) -> FieldType:
         """Returns the type of a field; nested types are added to the package."""
-        element = field.type
-        if field.kind == "FixedField":
-            return FieldType(_numeric(element))
-        if field.kind == "FixedLengthString":
-            return FieldType("string", "", int(element.length))
-        if field.kind == "VariableLengthString":
-            return FieldType("string", "", _bound(element.countType, element.maximumLength))
-        if field.kind == "VariableLengthField":
-            return _sequence("uint8", _bound(element.countType, element.maximumLength))
-        if field.kind in ("List", "Array"):
-            return self._repeated(field)
-        fill = {
-            "Record": lambda fields: fields.add_members(field),
-            "Sequence": lambda fields: fields.add_members(field),
-            "BitField": lambda fields: fields.add_bits(element),
-            "VariableField": lambda fields: fields.add_alternatives(element),
-            "VariableFormatField": lambda fields: fields.add_format(element),
-            "Variant": lambda fields: fields.add_options(element),
-        }[field.kind]
-        return self._package.nested(self._owner + type_name(field.name), field, fill)
+        match field.kind:
+            case wire.Integer() | wire.Real() | wire.Scaled():
+                return FieldType(_numeric(field.kind))
+            case wire.FixedText(length=length):
+                return FieldType("string", "", length)
+            case wire.Text(count=count):
+                return FieldType("string", "", _bound(count))
+            case wire.Octets(count=count):
+                return _sequence("uint8", _bound(count))
+            case wire.List(element=element, count=count):
+                kind = self._element(element)
+                return _sequence(kind.name, _bound(count), kind.string_bound)
+            case wire.Array(element=element):
+                kind = self._element(element)
+                return FieldType(kind.name, "", kind.string_bound, FIXED, field.kind.length)
+        name = self._owner + type_name(field.name)
+        return self._package.nested(
+            name, field.documentation, lambda fields: fields.add_parts(field.kind)
+        )
 
-    def _repeated(self, field: Resolved) -> FieldType:
-        element = resolve(field.type.element)
-        if element.type is field.type:
-            raise GenerationError(f"'{field.name}' contains itself")
+    def _element(self, element: wire.Field) -> FieldType:
         kind = self._type(element)
-        if kind.array != SINGLE:
-            # A sequence of sequences is not possible: the inner one becomes a type.
-            name = self._owner + type_name(element.name)
-            kind = self._package.nested(name, element, lambda fields: fields.add(element))
-        if field.kind == "List":
-            size = _bound(field.type.countType, field.type.maximumCount)
-            return _sequence(kind.name, size, kind.string_bound)
-        size = math.prod(int(each) for each in field.type.dimensions)
-        return FieldType(kind.name, "", kind.string_bound, FIXED, size)
+        if kind.array == SINGLE:
+            return kind
+        # A sequence of sequences is not possible: the inner one becomes a type.
+        name = self._owner + type_name(element.name)
+        return self._package.nested(name, element.documentation, lambda fields: fields.add(element))
 
     # -- parts of nested types -------------------------------------------------------------------
 
-    def add_bits(self, element: Any) -> None:
-        """Adds the parts of a bit field."""
-        for part in element.subFields:
-            name = self._fields.claim(field_name(str(part.name)))
-            width = int(part.highBit) - int(part.lowBit) + 1
-            kind = next(f"uint{bits}" for bits in (8, 16, 32, 64) if bits >= width)
-            self._named(name, kind, part.values)
-            noun = "bit" if width == 1 else "bits"
-            self._put(name, FieldType(kind), f"{width} {noun}.")
+    def add_parts(self, kind: wire.Kind) -> None:
+        """Adds what a type that is nested holds."""
+        match kind:
+            case wire.Record():
+                for each in kind.members:
+                    self.add(each)
+            case wire.BitField():
+                self._bits(kind)
+            case wire.VariableNumber():
+                self._alternatives(kind)
+            case wire.FormattedOctets():
+                self._formats(kind)
+            case wire.Variant():
+                self._options(kind)
 
-    def add_alternatives(self, element: Any) -> None:
-        """Adds the choice of a variable field and its alternatives."""
+    def _bits(self, field: wire.BitField) -> None:
+        for part in field.groups:
+            name = self._fields.claim(field_name(part.name))
+            kind = next(each for each in wire.UNSIGNED.values() if each.bits >= part.width)
+            self._named(name, kind, part.legal.listed)
+            noun = "bit" if part.width == 1 else "bits"
+            self._put(name, FieldType(kind.name), f"{part.width} {noun}.")
+
+    def _alternatives(self, field: wire.VariableNumber) -> None:
         choice = self._fields.claim("choice")
-        for each in element.alternatives:
-            self._constant(choice, str(each.name), "uint8", int(each.index))
+        for each in field.alternatives:
+            self._constant(choice, each.name, "uint8", each.index)
         self._put(choice, FieldType("uint8"), "Which of the fields below counts.")
-        for each in element.alternatives:
-            name = self._fields.claim(field_name(str(each.name)))
-            self._number(name, each, str(each.documentation or ""))
+        for each in field.alternatives:
+            name = self._fields.claim(field_name(each.name))
+            self._number(name, each.number, each.documentation)
 
-    def add_format(self, element: Any) -> None:
-        """Adds the format of bytes, and the bytes."""
-        for each in element.formats:
-            self._constant("format", str(each.name), "uint8", int(each.index))
+    def _formats(self, field: wire.FormattedOctets) -> None:
+        for each in field.formats:
+            self._constant("format", each.name, "uint8", each.index)
         self._put("format", FieldType("uint8"), "What the bytes are.")
-        self._put("data", _sequence("uint8", _bound(element.countType, element.maximumLength)))
+        self._put("data", _sequence("uint8", _bound(field.count)))
 
-    def add_options(self, element: Any) -> None:
-        """Adds the tag of a variant and its options."""
+    def _options(self, field: wire.Variant) -> None:
         tag = self._fields.claim("tag")
-        options = [resolve(each) for each in element.options]
-        kind = name_of(element.tagType)
-        for index, each in enumerate(options):
-            self._constant(tag, each.name, kind, index)
-        self._put(tag, FieldType(kind), "Which of the fields below counts.")
-        for each in options:
+        for index, each in enumerate(field.options):
+            self._constant(tag, each.name, field.tag.name, index)
+        self._put(tag, FieldType(field.tag.name), "Which of the fields below counts.")
+        for each in field.options:
             self.add(each)
 
     # -- numbers ---------------------------------------------------------------------------------
 
-    def _number(self, name: str, element: Any, documentation: str) -> None:
-        """Adds a FixedField or an Alternative."""
-        kind = _numeric(element)
-        if not kind.startswith("float"):
-            self._named(name, kind, element.values)
-        comment = described(documentation, _unit(element.units), _limits(element))
-        self._put(name, FieldType(kind), comment)
+    def _number(self, name: str, number: wire.Number, documentation: str) -> None:
+        if isinstance(number, wire.Integer):
+            self._named(name, number.type, number.legal.listed)
+        units = "" if number.units in ("one", "1") else number.units
+        comment = described(documentation, units, _limits(number))
+        self._put(name, FieldType(_numeric(number)), comment)
 
-    def _named(self, field: str, kind: str, value_set: Any) -> None:
-        low, high = integer_limits(kind)
-        for value in _values(value_set, "EnumeratedValue"):
-            if low <= int(value.value) <= high:
-                text = str(value.documentation or "")
-                self._constant(field, str(value.name), kind, int(value.value), text)
+    def _named(self, field: str, kind: wire.IntegerType, listed: Iterable[wire.Listed]) -> None:
+        for each in listed:
+            if kind.lower <= each.value <= kind.upper:
+                self._constant(field, each.name, kind.name, each.value, each.documentation)
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))
         self._section.constants.append(ConstantLine(claimed, kind, str(value), text))
 
 
-def _numeric(element: Any) -> str:
-    return "float64" if element.scale is not None else name_of(element.type)
+def _numeric(number: wire.Number) -> str:
+    return "float64" if isinstance(number, wire.Scaled) else number.type.name
 
 
-def _unit(units: Any) -> str:
-    return "" if str(units or "one") in ("one", "1") else str(units)
+def _limits(number: wire.Number) -> str:
+    if isinstance(number, wire.Scaled):
+        return f"{number.lower:.15g} to {number.upper:.15g}"
+    stated = number.legal.intervals if isinstance(number, wire.Integer) else number.intervals
+    return ", ".join(f"{each.lower:.15g} to {each.upper:.15g}" for each in stated)
 
 
-def _limits(element: Any) -> str:
-    if element.scale is not None:
-        return f"{float(element.scale.lower):.15g} to {float(element.scale.upper):.15g}"
-    ranges = _values(element.values, "ValueRange")
-    return ", ".join(f"{_number_text(each.lower)} to {_number_text(each.upper)}" for each in ranges)
-
-
-def _number_text(value: Any) -> str:
-    return f"{float(value):.15g}"
-
-
-def _values(value_set: Any, kind: str) -> Iterable[Any]:
-    values = value_set.values if value_set is not None else ()
-    return [each for each in values if each.eClass.name == kind]
-
-
-def _bound(count_type: Any, maximum: int) -> int:
+def _bound(count: wire.Count) -> int:
     """Returns the largest number of elements, 0 for any."""
-    size = int(maximum) or integer_limits(name_of(count_type))[1]
-    return size if size <= _LONGEST_SEQUENCE else 0
+    return count.upper if count.upper <= _LONGEST_SEQUENCE else 0
 
 
 def _sequence(name: str, size: int, string_bound: int = 0) -> FieldType:

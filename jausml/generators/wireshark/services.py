@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.system import system_of
 from jausml.generators.common.components import CORE, with_inherited
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _NEWEST_CORE = "core-1.1.xmi"
 
 
-def used_services(model: Model) -> list[Any]:
+def used_services(model: Model) -> list[jaus.Service]:
     """Returns the services whose messages the components of a system send or receive.
 
     The core services come last; every component has some of them from the runtime.
@@ -31,7 +31,7 @@ def used_services(model: Model) -> list[Any]:
     return [*own, *library_services(_NEWEST_CORE), *old]
 
 
-def library_services(pattern: str = "*.xmi") -> list[Any]:
+def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
     """Returns the services of the shipped library, by file and place in it.
 
     Args:

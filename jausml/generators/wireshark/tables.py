@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.errors import GenerationError
+from jausml import wire
 from jausml.generation.literals import printable
 from jausml.generators.python import names
-from jausml.generators.python.codec.fields import length_format, name_of
-from jausml.generators.python.codec.nesting import Resolved, resolve
 from jausml.model import words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
 Table = dict[Any, Any]
-
-EMBEDDED = "JAUS MESSAGE"
-"""The format of bytes that are a message code and a body (AS5684)."""
 
 # What the dissector itself adds below the filter of a field.
 _TAKEN = frozenset(("count", "data", "format", "index", "length", "presence", "raw", "tag"))
@@ -39,182 +34,139 @@ class TableBuilder:
     """Builds the table of one message's body.
 
     Args:
-        message: Name of the message, for errors.
         filter_name: What the display filters of its fields begin with.
 
     Attributes:
         types: Type of each display filter.
     """
 
-    def __init__(self, message: str, filter_name: str) -> None:
-        self._message = message
+    def __init__(self, filter_name: str) -> None:
         self._filter = filter_name
-        self._open: list[Any] = []
         self.types: dict[str, str] = {}
-        self._kinds: dict[str, Callable[[Resolved, str], Table]] = {
-            "FixedField": self._number,
-            "BitField": self._bits,
-            "FixedLengthString": self._fixed_text,
-            "VariableLengthString": self._text,
-            "VariableLengthField": self._bytes,
-            "VariableFormatField": self._format,
-            "VariableField": self._choice,
-            "Record": self._record,
-            "Sequence": self._record,
-            "List": self._list,
-            "Array": self._array,
-            "Variant": self._variant,
-        }
 
-    def build(self, body: Any) -> Table:
+    def build(self, body: wire.Field | None) -> Table:
         """Returns the table of a body; one without members for no body.
 
         Args:
-            body: The Field that is the body, or None.
-
-        Raises:
-            GenerationError: The body contains itself or refers to nothing.
+            body: The body, or None.
         """
-        if body is None:
-            return {}
-        resolved = resolve(body)
-        if resolved.kind in ("Record", "Sequence"):
-            return self._field(resolved, self._filter)
-        word = names.Scope(_TAKEN).claim(filter_word(resolved.name))
-        return self._field(resolved, f"{self._filter}.{word}")
+        return {} if body is None else self._inner(body, self._filter)
 
-    def _field(self, field: Resolved, path: str) -> Table:
-        if field.type in self._open:
-            raise GenerationError(f"'{field.name}' of {self._message} contains itself")
-        self._open.append(field.type)
-        table = self._kinds[field.kind](field, path)
-        self._open.pop()
-        optional = {"optional": True} if field.optional else {}
+    def _inner(self, field: wire.Field, path: str) -> Table:
+        """Returns the table of what stands alone; a record passes the filter around it on."""
+        if isinstance(field.kind, wire.Record):
+            return self._field(field, path)
+        word = names.Scope(_TAKEN).claim(filter_word(field.name))
+        return self._field(field, f"{path}.{word}")
+
+    def _field(self, field: wire.Field, path: str) -> Table:
+        optional = {"optional": True} if field.is_optional else {}
+        table = self._kind(field.kind, path)
         return {"name": label(field.name), **optional, "filter": path, **table}
 
-    def _typed(self, path: str, kind: str) -> None:
-        self.types[path] = kind
+    def _kind(self, kind: wire.Kind, path: str) -> Table:  # noqa: C901 - a branch for each kind
+        match kind:
+            case wire.Integer() | wire.Real() | wire.Scaled():
+                return self._number(kind, path)
+            case wire.BitField():
+                return self._bits(kind, path)
+            case wire.FixedText():
+                self._typed(path, "string")
+                return {"kind": "text", "length": kind.length}
+            case wire.Text():
+                self._typed(path, "string")
+                return {
+                    "kind": "text",
+                    "count": self._typed(f"{path}.length", kind.count.type.name),
+                }
+            case wire.Octets():
+                return self._bytes(kind, path)
+            case wire.FormattedOctets():
+                return self._formatted(kind, path)
+            case wire.VariableNumber():
+                return self._choice(kind, path)
+            case wire.Record():
+                return self._record(kind, path)
+            case wire.List():
+                self._typed(path, "none")
+                count = self._typed(f"{path}.count", kind.count.type.name)
+                return {"kind": "list", "count": count, "element": self._inner(kind.element, path)}
+            case wire.Array():
+                self._typed(path, "none")
+                element = self._inner(kind.element, path)
+                return {"kind": "array", "sizes": list(kind.dimensions), "element": element}
+            case wire.Variant():
+                self._typed(path, "none")
+                tag = self._typed(f"{path}.tag", kind.tag.name)
+                return {"kind": "variant", "tag": tag, "options": self._members(kind.options, path)}
 
-    def _members(self, elements: Iterable[Any], path: str) -> list[Table]:
+    def _typed(self, path: str, filter_type: str) -> str:
+        """Notes the type of a display filter, and returns it."""
+        self.types[path] = filter_type
+        return filter_type
+
+    def _members(self, fields: Iterable[wire.Field], path: str) -> list[Table]:
         scope = names.Scope(_TAKEN)
-        fields = [resolve(element) for element in elements]
         return [self._field(f, f"{path}.{scope.claim(filter_word(f.name))}") for f in fields]
 
     # -- values ----------------------------------------------------------------------------------
 
-    def _number(self, field: Resolved, path: str) -> Table:
-        return self._number_table(field.type, path)
+    def _number(self, kind: wire.Number, path: str) -> Table:
+        table: Table = {"kind": "number", "type": kind.type.name}
+        if isinstance(kind, wire.Scaled):
+            table["scale"] = [kind.lower, kind.upper]
+            self._typed(f"{path}.raw", kind.type.name)
+        self._typed(path, "double" if isinstance(kind, wire.Scaled) else kind.type.name)
+        if kind.units:
+            table["units"] = label(kind.units)
+        return {**table, **_names(kind.legal)} if isinstance(kind, wire.Integer) else table
 
-    def _number_table(self, element: Any, path: str) -> Table:
-        """Returns the table of a FixedField or an Alternative."""
-        numeric_type = name_of(element.type)
-        table: Table = {"kind": "number", "type": numeric_type}
-        if element.scale is not None:
-            table["scale"] = [float(element.scale.lower), float(element.scale.upper)]
-            self._typed(f"{path}.raw", numeric_type)
-        self._typed(path, "double" if element.scale is not None else numeric_type)
-        units = label(str(element.units)) if element.units else ""
-        return {**table, **({"units": units} if units else {}), **_names(element.values)}
-
-    def _bits(self, field: Resolved, path: str) -> Table:
-        numeric_type = name_of(field.type.type)
-        self._typed(path, numeric_type)
+    def _bits(self, kind: wire.BitField, path: str) -> Table:
+        self._typed(path, kind.type.name)
         scope = names.Scope(_TAKEN)
         parts = []
-        for sub in field.type.subFields:
-            word = f"{path}.{scope.claim(filter_word(str(sub.name)))}"
-            self._typed(word, numeric_type)
-            place = {"low": int(sub.lowBit), "high": int(sub.highBit)}
-            parts.append(
-                {"name": label(str(sub.name)), "filter": word, **place, **_names(sub.values)}
-            )
-        return {"kind": "bits", "type": numeric_type, "parts": parts}
+        for each in kind.groups:
+            word = f"{path}.{scope.claim(filter_word(each.name))}"
+            self._typed(word, kind.type.name)
+            place = {"low": each.low, "high": each.high}
+            parts.append({"name": label(each.name), "filter": word, **place, **_names(each.legal)})
+        return {"kind": "bits", "type": kind.type.name, "parts": parts}
 
-    def _fixed_text(self, field: Resolved, path: str) -> Table:
-        self._typed(path, "string")
-        return {"kind": "text", "length": int(field.type.length)}
-
-    def _text(self, field: Resolved, path: str) -> Table:
-        self._typed(path, "string")
-        return {"kind": "text", "count": self._count(field.type.countType, f"{path}.length")}
-
-    def _bytes(self, field: Resolved, path: str) -> Table:
+    def _bytes(self, kind: wire.Octets, path: str) -> Table:
         self._typed(path, "bytes")
-        is_message = str(field.type.format) == EMBEDDED
-        count = self._count(field.type.countType, f"{path}.length")
-        return {"kind": "bytes", "count": count, **({"is_message": True} if is_message else {})}
+        is_message = {"is_message": True} if kind.content == wire.JAUS_MESSAGE else {}
+        count = self._typed(f"{path}.length", kind.count.type.name)
+        return {"kind": "bytes", "count": count, **is_message}
 
-    def _format(self, field: Resolved, path: str) -> Table:
+    def _formatted(self, kind: wire.FormattedOctets, path: str) -> Table:
         self._typed(f"{path}.format", "uint8")
         self._typed(path, "bytes")
-        formats = {int(each.index): label(str(each.name)) for each in field.type.formats}
-        count = self._count(field.type.countType, f"{path}.length")
+        formats = {each.index: label(each.name) for each in kind.formats}
+        count = self._typed(f"{path}.length", kind.count.type.name)
         return {"kind": "bytes", "formats": dict(sorted(formats.items())), "count": count}
 
-    def _choice(self, field: Resolved, path: str) -> Table:
+    def _choice(self, kind: wire.VariableNumber, path: str) -> Table:
         self._typed(path, "none")
         self._typed(f"{path}.index", "uint8")
         scope = names.Scope(_TAKEN)
         options: Table = {}
-        for each in sorted(field.type.alternatives, key=lambda each: int(each.index)):
-            word = f"{path}.{scope.claim(filter_word(str(each.name)))}"
-            head = {"name": label(str(each.name)), "filter": word}
-            options[int(each.index)] = {**head, **self._number_table(each, word)}
+        for each in sorted(kind.alternatives, key=lambda each: each.index):
+            word = f"{path}.{scope.claim(filter_word(each.name))}"
+            head = {"name": label(each.name), "filter": word}
+            options[each.index] = {**head, **self._number(each.number, word)}
         return {"kind": "choice", "options": options}
 
-    # -- containers ------------------------------------------------------------------------------
-
-    def _record(self, field: Resolved, path: str) -> Table:
+    def _record(self, kind: wire.Record, path: str) -> Table:
         self._typed(path, "none")
-        presence = name_of(field.type.presenceVector)
         table: Table = {"kind": "record"}
-        if presence != "none":
-            self._typed(f"{path}.presence", presence)
-            table["presence"] = presence
-        members = self._members(field.type.fields, path)
-        if presence == "none":
-            for member in members:
-                member.pop("optional", None)  # without a presence vector all members are there
-        return {**table, "fields": members}
-
-    def _list(self, field: Resolved, path: str) -> Table:
-        self._typed(path, "none")
-        count = self._count(field.type.countType, f"{path}.count")
-        return {"kind": "list", "count": count, "element": self._element(field, path)}
-
-    def _array(self, field: Resolved, path: str) -> Table:
-        self._typed(path, "none")
-        sizes = [int(size) for size in field.type.dimensions]
-        return {"kind": "array", "sizes": sizes, "element": self._element(field, path)}
-
-    def _element(self, field: Resolved, path: str) -> Table:
-        """Returns the table of what is repeated; a record passes its list's filter on."""
-        element = resolve(field.type.element)
-        if element.kind in ("Record", "Sequence"):
-            return self._field(element, path)
-        word = names.Scope(_TAKEN).claim(filter_word(element.name))
-        return self._field(element, f"{path}.{word}")
-
-    def _variant(self, field: Resolved, path: str) -> Table:
-        self._typed(path, "none")
-        tag = self._count(field.type.tagType, f"{path}.tag")
-        return {"kind": "variant", "tag": tag, "options": self._members(field.type.options, path)}
-
-    def _count(self, numeric_type: Any, path: str) -> str:
-        name = name_of(numeric_type)
-        length_format(name)
-        self._typed(path, name)
-        return name
+        if kind.presence is not None:
+            table["presence"] = self._typed(f"{path}.presence", kind.presence.name)
+        return {**table, "fields": self._members(kind.members, path)}
 
 
-def _names(value_set: Any) -> Table:
+def _names(legal: wire.LegalIntegers) -> Table:
     """Returns the named integers of a value set; `some_names` when others are legal too."""
-    values = list(value_set.values) if value_set is not None else []
-    named: dict[int, str] = {}
-    for value in values:
-        if value.eClass.name == "EnumeratedValue" and abs(int(value.value)) < _EXACT:
-            named.setdefault(int(value.value), label(str(value.name)))
+    named = {each: label(name) for each, name in legal.names.items() if abs(each) < _EXACT}
     if not named:
         return {}
-    is_closed = all(value.eClass.name == "EnumeratedValue" for value in values)
-    return {"names" if is_closed else "some_names": dict(sorted(named.items()))}
+    return {"names" if legal.is_closed else "some_names": dict(sorted(named.items()))}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml import wire
+from jausml.generation.errors import GenerationError
 from jausml.generators.python import names
 from jausml.generators.wireshark.tables import TableBuilder, label
 
@@ -12,6 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.generators.wireshark.tables import Table
+    from jausml.metamodel.classes import jaus
+    from jausml.metamodel.classes.system import System
 
 JAUS_PORT = 3794
 """The port that IANA assigned to JAUS (AS5669A)."""
@@ -56,7 +60,7 @@ class DissectorView:
             one message code the first that fits is shown, in this order.
     """
 
-    def __init__(self, system: Any, source: str, services: Sequence[Any]) -> None:
+    def __init__(self, system: System, source: str, services: Sequence[jaus.Service]) -> None:
         self.system = system
         self.source = source
         self.element_id = f"wireshark:{system.name}"
@@ -83,14 +87,14 @@ class DissectorView:
         return message_tables(self._services)
 
 
-def message_tables(services: Iterable[Any]) -> list[MessageTable]:
+def message_tables(services: Iterable[jaus.Service]) -> list[MessageTable]:
     """Returns the messages of some services, equal ones once, in the order of their codes.
 
     Args:
         services: `jaus.Service` elements in the order of preference.
 
     Raises:
-        GenerationError: A message contains itself or refers to nothing.
+        GenerationError: A message cannot be encoded; validation tells users before.
     """
     found: dict[int, list[MessageTable]] = {}
     filters: dict[str, dict[str, str]] = {}
@@ -103,16 +107,23 @@ def message_tables(services: Iterable[Any]) -> list[MessageTable]:
 
 
 def _add(
-    element: Any, identity: str, of_code: list[MessageTable], filters: dict[str, dict[str, str]]
+    element: jaus.MessageDef,
+    identity: str,
+    of_code: list[MessageTable],
+    filters: dict[str, dict[str, str]],
 ) -> None:
     """Adds a message unless one of its code has its name and layout; then only its service."""
-    name = label(str(element.name))
-    base = names.snake_case(str(element.name))
+    try:
+        layout = wire.resolve(element)
+    except wire.LayoutError as error:
+        raise GenerationError(str(error)) from None
+    name = label(layout.name)
+    base = names.snake_case(layout.name)
     number = 1
     while True:
         filter_name = f"jaus.{base}" if number == 1 else f"jaus.{base}_{number}"
-        builder = TableBuilder(name, filter_name)
-        body = builder.build(element.body)
+        builder = TableBuilder(filter_name)
+        body = builder.build(layout.body)
         for message in of_code:
             if (message.name, message.body, message.filter) == (name, body, filter_name):
                 if identity not in message.services:
@@ -122,7 +133,7 @@ def _add(
         # Definitions of one name share their filters unless a filter would have two types.
         if all(known.get(each, kind) == kind for each, kind in builder.types.items()):
             known.update(builder.types)
-            message = MessageTable(int(str(element.code), 16), name, body, filter_name)
+            message = MessageTable(layout.code, name, body, filter_name)
             message.services.append(identity)
             of_code.append(message)
             return
