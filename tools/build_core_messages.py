@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes jausml/runtime/services/messages.py from the core service set by our own generator.
+"""Writes jausml/runtime/messages.py from the core service set by our own generator.
 
 Usage: python tools/build_core_messages.py [OUTPUT.py]
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
-OUTPUT = ROOT / "jausml" / "runtime" / "services" / "messages.py"
+OUTPUT = ROOT / "jausml" / "runtime" / "messages.py"
 
 
 def tasks(model: Model) -> list[Task]:
@@ -35,7 +35,7 @@ def tasks(model: Model) -> list[Task]:
     messages = [m for service in services for m in [*service.inputs, *service.outputs]]
     module = MessagesModule(
         summary="The messages of the JAUS core services (AS5710A) and their codecs.",
-        runtime=".",
+        runtime="",
         messages=build_messages(messages),
         source=SOURCE.name,
         element_id="core_messages",

@@ -10,6 +10,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.component.component import (
@@ -19,7 +20,6 @@ from jausml.runtime.component.component import (
     ServiceIdentity,
     Status,
 )
-from jausml.runtime.services import messages as core
 from jausml.runtime.services.completion import Completion
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.transports.transport import ReceivedMessage

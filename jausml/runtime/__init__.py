@@ -1,5 +1,113 @@
-"""Runtime that ships with generated code: JUDP transport, JAUS core services, bridge.
+"""Runtime that ships with generated code: transports, JAUS core services, clients, bridges.
 
-Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard
-library only; rclpy is imported by the module ``ros`` alone.
+Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
+only; rclpy is imported by one module, when a bridge runs.
+
+What generated code and its users may import stands in five modules, by name; whatever lies behind
+them may move:
+
+- ``jausml_runtime``: components, bridges and what they are made and told of;
+- ``jausml_runtime.messages``: the messages of the core services;
+- ``jausml_runtime.conversions``: conversions of values, and the values that they know;
+- ``jausml_runtime.conversions.arithmetic``: the functions of expressions;
+- ``jausml_runtime.wire``: what classes of messages are made of.
 """
+
+from .base.address import JausAddress
+from .base.settings import TransportKind, TransportSettings, peers
+from .bridge.bridge import Bridge, BridgeSettings, RosSide
+from .bridge.joins import Join, StaleJoinError
+from .bridge.limits import OutOfRangeError
+from .bridge.process import run_bridge
+from .bridge.statistics import AbsentFieldError
+from .bridge.to_jaus import TopicsToMessage, TopicsToReport
+from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
+from .bridge.topics import Qos, Topic
+from .bridge.values import by_name, set_quaternion, set_time
+from .clients.command_client import PendingCommand
+from .clients.control_session import ControlSession, ControlState
+from .clients.discovery_client import FoundComponent
+from .clients.event_subscription import EventSubscription
+from .clients.list_client import ListRequest
+from .clients.query import PendingQuery
+from .component.component import JausComponent
+from .component.modelled import ModelledComponent
+from .component.process import run_component, running_transport
+from .component.state_machine import (
+    Action,
+    Condition,
+    Kind,
+    On,
+    State,
+    StateMachine,
+    all_of,
+    any_of,
+    negation,
+)
+from .conversions import ConversionError
+from .services.completion import Completion
+from .services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
+from .services.element_list import ElementList, ListElement, chain
+from .transports.packets.packet import Priority
+from .transports.transport import Transport
+from .wire import DecodeError, EncodeError, Message
+
+__all__ = [
+    "AbsentFieldError",
+    "Action",
+    "Bridge",
+    "BridgeSettings",
+    "Completion",
+    "ComponentSettings",
+    "Condition",
+    "ControlSession",
+    "ControlState",
+    "ConversionError",
+    "DecodeError",
+    "ElementList",
+    "EncodeError",
+    "EventSubscription",
+    "EventToTopics",
+    "FoundComponent",
+    "Guard",
+    "JausAddress",
+    "JausComponent",
+    "Join",
+    "Kind",
+    "ListElement",
+    "ListRequest",
+    "Message",
+    "MessageToTopics",
+    "ModelledComponent",
+    "On",
+    "OutOfRangeError",
+    "PendingCommand",
+    "PendingQuery",
+    "Priority",
+    "Qos",
+    "QueryToTopics",
+    "RosSide",
+    "Scope",
+    "ServiceIdentity",
+    "StaleJoinError",
+    "State",
+    "StateMachine",
+    "Status",
+    "Topic",
+    "TopicsToMessage",
+    "TopicsToReport",
+    "Transport",
+    "TransportKind",
+    "TransportSettings",
+    "all_of",
+    "any_of",
+    "by_name",
+    "chain",
+    "negation",
+    "peers",
+    "run_bridge",
+    "run_component",
+    "running_transport",
+    "set_quaternion",
+    "set_time",
+]

@@ -51,9 +51,8 @@ class Generated:
 
     def error(self, name: str) -> type[Exception]:
         """Returns an error of the generated runtime."""
-        modules = ("bridge.limits", "bridge.statistics", "conversions", "wire.message")
-        found = [importlib.import_module(f"jausml_runtime.{each}") for each in modules]
-        return next(getattr(each, name) for each in found if hasattr(each, name))
+        found: type[Exception] = getattr(importlib.import_module("jausml_runtime"), name)
+        return found
 
     def tool(self, *arguments: str, **environment: str) -> None:
         done = subprocess.run(

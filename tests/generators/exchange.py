@@ -12,9 +12,7 @@ from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
 import operator_jaus.operator_jaus_base as operator_base
-from jausml_runtime.base.settings import TransportSettings
-from jausml_runtime.component.component import Status
-from jausml_runtime.component.process import running_transport
+from jausml_runtime import Status, TransportSettings, running_transport
 from operator_jaus.messages import ReportWrenchEffort, SetWrenchEffort
 from operator_jaus.operator_jaus import OperatorJaus
 from wrench_driver import wrench_driver_base
@@ -23,7 +21,7 @@ from wrench_driver.messages import ReportWrenchEffort as DriverReport
 from wrench_driver.wrench_driver import WrenchDriver
 
 if TYPE_CHECKING:
-    from jausml_runtime.services.messages import ReportTime
+    from jausml_runtime.messages import ReportTime
 
 LIMIT = 20.0
 events: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()

@@ -19,7 +19,6 @@ import hypothesis.strategies  # noqa: F401
 import nav_msgs.msg  # noqa: F401
 import pytest
 from jausml_runtime import conversions  # noqa: F401
-from jausml_runtime.bridge import to_jaus as bridge_to_jaus  # noqa: F401
 
 
 def run(package: Path, output: Path) -> int:

@@ -291,7 +291,7 @@ def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path)
     write(render(result.model, [TARGET, RUNTIME]), tmp_path)
     program = """
 from geometry_msgs.msg import Twist
-from jausml_runtime.bridge.limits import OutOfRangeError
+from jausml_runtime import OutOfRangeError
 from loop_bridge.loop_bridge import LoopBridge
 from nav_msgs.msg import Odometry
 
@@ -331,7 +331,7 @@ def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
     program = """
 import math
 import pytest
-from jausml_runtime.bridge.limits import OutOfRangeError
+from jausml_runtime import OutOfRangeError
 from narrow_bridge.messages import ReportMeter
 from narrow_bridge.narrow_bridge import NarrowBridge
 

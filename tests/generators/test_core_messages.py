@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from codec_support import ROOT, library
 
 from jausml.generators.common.components import CORE_MESSAGES
-from jausml.runtime.services import messages as core_messages
+from jausml.runtime import messages as core_messages
 from jausml.runtime.wire.message import Message
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.generators.python.layout import signature
-from jausml.runtime.services import messages as core
+from jausml.runtime import messages as core
 from jausml.runtime.wire.codec import scaled
 from jausml.runtime.wire.message import DecodeError, EncodeError, read_code
 

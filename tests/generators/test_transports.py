@@ -39,10 +39,10 @@ MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 ASK = """
 import queue
 from desk.main import TRANSPORT
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import JausComponent
-from jausml_runtime.services.messages import QueryIdentification, ReportIdentification
-from jausml_runtime.component.process import running_transport
+from jausml_runtime import JausAddress
+from jausml_runtime import JausComponent
+from jausml_runtime.messages import QueryIdentification, ReportIdentification
+from jausml_runtime import running_transport
 
 answers = queue.SimpleQueue()
 with running_transport(TRANSPORT) as transport:

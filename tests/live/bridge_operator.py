@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import sys
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import (
+from jausml_runtime import (
     ComponentSettings,
     ControlState,
+    JausAddress,
     JausComponent,
     ServiceIdentity,
+    run_component,
 )
-from jausml_runtime.component.process import run
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
 
 BRIDGE = JausAddress(10, 1, 9)
@@ -50,7 +50,7 @@ class Operator(JausComponent):
 
 if __name__ == "__main__":
     raise SystemExit(
-        run(
+        run_component(
             Operator,
             name="operator",
             description="Operator of the live tests.",

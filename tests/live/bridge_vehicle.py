@@ -10,14 +10,14 @@ import json
 import sys
 import threading
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import (
+from jausml_runtime import (
     ComponentSettings,
     Guard,
+    JausAddress,
     JausComponent,
     ServiceIdentity,
+    run_component,
 )
-from jausml_runtime.component.process import run
 from loop_bridge.messages import (
     QueryLocalPose,
     QueryVelocityState,
@@ -71,7 +71,7 @@ def main() -> int:
     parser.add_argument("--address", required=True)
     own, rest = parser.parse_known_args()
     settings = ComponentSettings(control_timeout=2, register_services=False, event_rate_max=1000.0)
-    return run(
+    return run_component(
         Vehicle,
         rest,
         name="vehicle",

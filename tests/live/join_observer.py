@@ -5,9 +5,13 @@ from __future__ import annotations
 import json
 import sys
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import ComponentSettings, JausComponent, ServiceIdentity
-from jausml_runtime.component.process import run
+from jausml_runtime import (
+    ComponentSettings,
+    JausAddress,
+    JausComponent,
+    ServiceIdentity,
+    run_component,
+)
 from pose_bridge.messages import QueryGlobalPose, ReportGlobalPose
 
 BRIDGE = JausAddress(10, 1, 9)
@@ -33,7 +37,7 @@ class Observer(JausComponent):
 
 if __name__ == "__main__":
     raise SystemExit(
-        run(
+        run_component(
             Observer,
             name="observer",
             description="Observer of the live test of joined topics.",

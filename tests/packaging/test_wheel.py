@@ -112,9 +112,7 @@ def test_validate_and_generate(installed: Path, tmp_path: Path, example: str) ->
     run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
     produced = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert {"jausml_runtime", f"{name}_bringup"} <= set(produced)
-    assert (
-        tmp_path / "out" / "jausml_runtime" / "jausml_runtime" / "transports" / "transport.py"
-    ).is_file()
+    assert (tmp_path / "out" / "jausml_runtime" / "jausml_runtime" / "__init__.py").is_file()
     run(installed / "jausml", "generate", model, "-o", "out", "--check", cwd=tmp_path)
     run(installed / "python", "-m", "compileall", "-q", tmp_path / "out", cwd=tmp_path)
 

@@ -8,8 +8,8 @@ import socket
 import threading
 import time
 
+from jausml.runtime import messages as core
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.services import messages as core
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.packets.reassembly import Reassembly
 from jausml.runtime.wire.message import DecodeError

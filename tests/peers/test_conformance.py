@@ -237,7 +237,7 @@ def test_every_check_has_an_id_of_its_own_and_says_what_it_is():
 
 
 def _request(authority):
-    from jausml.runtime.services.messages import RequestControl
+    from jausml.runtime.messages import RequestControl
 
     return RequestControl(authority_code=authority)
 

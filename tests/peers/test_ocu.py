@@ -13,8 +13,8 @@ from click.testing import CliRunner
 
 from jausml.cli import main, ocu
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import RequestControl
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.services.messages import RequestControl
 
 pytestmark = pytest.mark.ports
 

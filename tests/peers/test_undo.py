@@ -7,8 +7,8 @@ import pytest
 from jausml.live.peers.conformance.client import Client
 from jausml.live.peers.conformance.opening import opened
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.services.messages import ClearEmergency, SetEmergency
 
 pytestmark = pytest.mark.ports
 

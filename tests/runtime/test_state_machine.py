@@ -15,7 +15,7 @@ from jausml.runtime.component.state_machine import (
     any_of,
     negation,
 )
-from jausml.runtime.services.messages import QueryTime, Resume, Standby
+from jausml.runtime.messages import QueryTime, Resume, Standby
 
 SENDER = JausAddress(1, 1, 1)
 WORK = "Receiving.Ready.Controlled.Available.Ready"

@@ -19,7 +19,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.component.component import ComponentSettings, ControlState, JausComponent
-from jausml.runtime.services.messages import QueryStatus, ReportStatus
+from jausml.runtime.messages import QueryStatus, ReportStatus
 from jausml.runtime.transports import port_holder
 from jausml.runtime.transports.node_manager.transport import NodeManagerTransport
 from jausml.runtime.transports.selecting import create_transport

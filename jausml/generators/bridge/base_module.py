@@ -11,6 +11,7 @@ from jausml.generation import docstrings as docs
 from jausml.generation.literals import printable, python_literal, python_string
 from jausml.generators.bridge.connections import COMPLEX
 from jausml.generators.bridge.translation.values import PYTHON_TYPES, QUATERNION, TIME
+from jausml.generators.common import runtime
 from jausml.generators.common.ros import import_lines
 from jausml.generators.python.codec.jaus_fields import BITS
 from jausml.generators.python.layout import Call, collection, signature, statement
@@ -93,7 +94,7 @@ class BaseModule:
         names = set(runtime)
         for nested in self.nested:
             if nested.body is not None:
-                names |= {(f"jausml_runtime.{module}", name) for module, name in nested.body.names}
+                names |= nested.body.names
         ros = self.ros_classes
         names |= ros.imports(name for name in ros.names.values() if name in self._running)
         own = {(".messages", name) for name in self._message_names if name in self._running}
@@ -103,12 +104,9 @@ class BaseModule:
     def typing_lines(self) -> tuple[str, ...]:
         """Import statements that type checkers alone need."""
         only = self._annotations - self._running
-        names = {("jausml_runtime.conversions", name) for name in VALUE_TYPES & only}
+        names = {(runtime.CONVERSIONS, name) for name in VALUE_TYPES & only}
         if self.quantities:
-            names |= {
-                ("jausml_runtime.bridge.bridge", "RosSide"),
-                ("jausml_runtime.transports.transport", "Transport"),
-            }
+            names |= {(runtime.FACE, "RosSide"), (runtime.FACE, "Transport")}
         names |= self.ros_classes.imports(only)
         own = {(".messages", name) for name in self._message_names if name in only}
         lines = import_lines(names, 4)

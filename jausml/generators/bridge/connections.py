@@ -17,6 +17,7 @@ from jausml.generators.bridge.translation import (
     to_jaus,
     to_ros,
 )
+from jausml.generators.common import runtime
 from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
@@ -261,20 +262,19 @@ class ConnectionView:
     @property
     def runtime_names(self) -> set[tuple[str, str]]:
         """Names of the runtime that the base needs for the connection."""
-        module = "bridge.to_ros" if self.to_ros else "bridge.to_jaus"
-        names = {(module, self.kind), *self.body.names}
+        names = {self.kind}
         keys = {key for key, _ in self.arguments}
         if keys & {"when", "control"}:
-            names.add(("component.component", "Guard"))
+            names.add("Guard")
         if "priority" in keys:
-            names.add(("transports.packets.packet", "Priority"))
+            names.add("Priority")
         if any(topic.qos is not None for topic in self.connection.topics):
             joined = [topic for join in self.joins for topic in map(_topic, join.topics)]
             if any(len(topic.arguments) > 1 for topic in (*self.topics, *joined)):
-                names.add(("bridge.topics", "Qos"))
+                names.add("Qos")
         if self.joins:
-            names.add(("bridge.joins", "Join"))
-        return {(f"jausml_runtime.{place}", name) for place, name in names}
+            names.add("Join")
+        return {*((runtime.FACE, name) for name in names), *self.body.names}
 
     # ------------------------------------------------------------------ translation
 

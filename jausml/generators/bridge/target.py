@@ -9,6 +9,7 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.bridge.checks.module import TestModule
 from jausml.generators.bridge.views import BridgeView
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.messages import MessagesModule
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
@@ -61,7 +62,7 @@ def tasks(model: Model) -> list[Task]:
 def _messages(bridge: BridgeView) -> MessagesModule:
     return MessagesModule(
         summary=f"The JAUS messages of the bridge {bridge.name}.",
-        runtime="jausml_runtime",
+        runtime=runtime.FACE,
         messages=bridge.messages,
         source=bridge.source,
         element_id=bridge.element_id,

@@ -15,6 +15,7 @@ from jausml.generators.bridge.connections import ConnectionView, argument, query
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.bridge.translation import AssignmentError, Surroundings, used_maps
 from jausml.generators.bridge.translation.ros_fields import PathError
+from jausml.generators.common import runtime
 from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
@@ -196,19 +197,14 @@ class BridgeView:
     @property
     def base_import_lines(self) -> tuple[str, ...]:
         """Import lines of the base: ROS and the runtime, then the messages."""
-        runtime = {
-            ("jausml_runtime.base.address", "JausAddress"),
-            ("jausml_runtime.bridge.bridge", "Bridge"),
-            ("jausml_runtime.bridge.bridge", "BridgeSettings"),
-            ("jausml_runtime.component.component", "ComponentSettings"),
-            ("jausml_runtime.bridge.topics", "Topic"),
-        }
+        classes = ["JausAddress", "Bridge", "BridgeSettings", "ComponentSettings", "Topic"]
         if self.services:
-            runtime.add(("jausml_runtime.component.component", "ServiceIdentity"))
-        runtime |= transport_names(self.system, self.bridge)
+            classes.append("ServiceIdentity")
+        names = {(runtime.FACE, name) for name in classes}
+        names |= transport_names(self.system, self.bridge)
         for view in self.connections:
-            runtime |= view.runtime_names
-        return self.module.import_lines(runtime)
+            names |= view.runtime_names
+        return self.module.import_lines(names)
 
     @functools.cached_property
     def module(self) -> BaseModule:
@@ -222,9 +218,7 @@ class BridgeView:
         with suppress(AssignmentError, PathError):
             self.around  # noqa: B018 - writing the translations names the types inside messages
         used = {kind.package for kind in self.ros_classes.names}
-        return tuple(
-            sorted(used | {"diagnostic_msgs", "jausml_runtime", "rcl_interfaces", "rclpy"})
-        )
+        return tuple(sorted(used | {"diagnostic_msgs", runtime.FACE, "rcl_interfaces", "rclpy"}))
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
@@ -258,7 +252,7 @@ class BridgeView:
     def skeleton_typing_lines(self) -> tuple[str, ...]:
         """Import statements of the skeleton that type checkers alone need."""
         names = VALUE_TYPES & self.module.method_words
-        return import_lines((("jausml_runtime.conversions", name) for name in names), 4)
+        return import_lines(((runtime.CONVERSIONS, name) for name in names), 4)
 
     def _requested(self, message: Any) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
+from jausml.generators.common import runtime
 from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
@@ -227,7 +228,7 @@ def transport_names(system: System, component: jaus.Component) -> set[tuple[str,
         names.add("TransportKind")
     if host is not None and _peers_elsewhere(system, host):
         names.add("peers")
-    return {("jausml_runtime.base.settings", name) for name in names}
+    return {(runtime.FACE, name) for name in names}
 
 
 def _peers_elsewhere(system: System, host: Host) -> list[str]:

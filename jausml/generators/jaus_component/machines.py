@@ -41,18 +41,17 @@ STANDARD_GUARDS = {
 # Nothing of a guard or an action stays when it is renamed: names that resemble tell.
 _NAME_ALONE = ""
 
-RUNTIME_NAMES = {
-    "jausml_runtime.wire.message": ("Message",),
-    "jausml_runtime.component.modelled": ("ModelledComponent",),
-    "jausml_runtime.component.state_machine": (
-        "Kind",
-        "On",
-        "State",
-        "all_of",
-        "any_of",
-        "negation",
-    ),
-}
+RUNTIME_NAMES = (
+    "Kind",
+    "Message",
+    "ModelledComponent",
+    "On",
+    "State",
+    "all_of",
+    "any_of",
+    "negation",
+)
+"""Names of the runtime that modules of components with machines may use."""
 
 _NAMES = """
 add_machine address allows attempt authority call clear_emergency command command_handler

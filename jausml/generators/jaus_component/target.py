@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generators.common import runtime
 from jausml.generators.jaus_component.views import ComponentView
 from jausml.generators.python.codec.messages import MessagesModule
 from jausml.generators.python.package import (
@@ -35,7 +36,7 @@ def tasks(model: Model) -> list[Task]:
             source=source,
             description=view.documentation,
             element=view.component,
-            dependencies=("jausml_runtime",),
+            dependencies=(runtime.FACE,),
             executables=((view.package, f"{view.package}.main"),),
         )
         for view in views
@@ -70,7 +71,7 @@ def tasks(model: Model) -> list[Task]:
 def _messages(view: ComponentView) -> MessagesModule:
     return MessagesModule(
         summary=f"The JAUS messages of the component {view.name} and their codecs.",
-        runtime="jausml_runtime",
+        runtime=runtime.FACE,
         messages=view.messages,
         source=view.source,
         element_id=view.element_id,

@@ -10,7 +10,7 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
-from jausml.generators.common import components
+from jausml.generators.common import components, runtime
 from jausml.generators.common.ros import import_lines
 from jausml.generators.jaus_component import machines
 from jausml.generators.jaus_component.handlers import (
@@ -53,18 +53,16 @@ _HOOKS = {
 }
 # Methods of the component itself that a message of an unlucky name must not replace.
 _TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONENT_NAMES
-_RUNTIME_NAMES = {
-    "jausml_runtime.base.address": ("JausAddress",),
-    "jausml_runtime.component.component": (
-        "Completion",
-        "ComponentSettings",
-        "Guard",
-        "JausComponent",
-        "Scope",
-        "ServiceIdentity",
-    ),
-    **machines.RUNTIME_NAMES,
-}
+_RUNTIME_NAMES = (
+    "Completion",
+    "ComponentSettings",
+    "Guard",
+    "JausAddress",
+    "JausComponent",
+    "Scope",
+    "ServiceIdentity",
+    *machines.RUNTIME_NAMES,
+)
 
 
 @dataclass(frozen=True)
@@ -366,7 +364,7 @@ class ComponentView:
     def main_import_lines(self) -> tuple[str, ...]:
         """Import lines of the entry point, without its own modules."""
         names = components.transport_names(self.system, self.component)
-        return import_lines({*names, ("jausml_runtime.component.process", "run")})
+        return import_lines({*names, (runtime.FACE, "run_component")})
 
     @property
     def transport(self) -> str:
@@ -383,12 +381,11 @@ class ComponentView:
                 there: its user will soon need them for more.
         """
         core = [v.class_name for e, v in self._messages.items() if components.is_core_message(e)]
-        runtime = {**_RUNTIME_NAMES, "jausml_runtime.services.messages": core}
+        face = [*_RUNTIME_NAMES, "Transport"] if for_user else _RUNTIME_NAMES
         own = {".messages": [view.class_name for view in self.messages]}
         if for_user:
-            runtime["jausml_runtime.transports.transport"] = ("Transport",)
             own[f".{self.package}_base"] = ["ADDRESS", "SETTINGS", self.base_name]
-        return imports.statements(body, runtime, own)
+        return imports.statements(body, {runtime.FACE: face, runtime.MESSAGES: core}, own)
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""

@@ -23,9 +23,6 @@ from jausml.languages.expressions import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-ARITHMETIC = "conversions.arithmetic"
-"""Module of the runtime that has the functions."""
-
 _FUNCTIONS = {
     "sin": "sine",
     "cos": "cosine",

@@ -16,23 +16,19 @@ STANDARD = {
     "enum": ("IntEnum",),
     "typing": ("TYPE_CHECKING", "ClassVar"),
 }
-_CODEC = (
-    "check_count check_presence exactly integer latin1 one_of padded real scaled scaled_down"
-    " scaled_up sized take take_text unpadded whole whole_of"
+_WIRE = (
+    "DecodeError EncodeError Message check_count check_presence exactly integer latin1 one_of"
+    " padded real scaled scaled_down scaled_up sized take take_text unpadded whole whole_of"
 )
-_MESSAGE = "DecodeError EncodeError Message"
 
 
 def codec_names(runtime: str) -> dict[str, Sequence[str]]:
     """Returns what generated codecs may import of the runtime, by module.
 
     Args:
-        runtime: The runtime package, e.g. `jausml_runtime`, or `.` inside its services.
+        runtime: The runtime package, e.g. `jausml_runtime`; empty in the runtime itself.
     """
-    return {
-        f"{runtime}.wire.codec": _CODEC.split(),
-        f"{runtime}.wire.message": _MESSAGE.split(),
-    }
+    return {f"{runtime}.wire": _WIRE.split()}
 
 
 def used_names(body: str) -> set[str]:

@@ -13,8 +13,8 @@ from jausml.live.messages.errors import did_you_mean, similar
 from jausml.live.peers.operator import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Standby
 from jausml.runtime.services.definitions import Status
-from jausml.runtime.services.messages import ClearEmergency, Resume, SetEmergency, Standby
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:

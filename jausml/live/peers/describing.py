@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
-from jausml.runtime.services import messages as core_messages
+from jausml.runtime import messages as core_messages
 from jausml.runtime.wire.message import DecodeError, Message, read_code
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.services.definitions import Scope
-from jausml.runtime.services.discovery_messages import query_all_services
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryIdentification,
     ReportIdentification,
     ReportServices,
 )
+from jausml.runtime.services.definitions import Scope
+from jausml.runtime.services.discovery_messages import query_all_services
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,14 +14,14 @@ from jausml.live.peers.entry_messages import find_exchange, find_message, messag
 from jausml.live.peers.samples import full_query
 from jausml.runtime.component.component import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
     RejectControl,
     ReportControl,
     ReportStatus,
 )
+from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import EncodeError
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.discovery import KnownComponent, KnownSubsystem
     from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.messages import ReportControl
     from jausml.runtime.services.definitions import ServiceIdentity, Status
-    from jausml.runtime.services.messages import ReportControl
 
 
 def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:

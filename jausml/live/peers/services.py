@@ -10,7 +10,7 @@ from jausml.runtime.services.definitions import ServiceIdentity
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.runtime.services.messages import ReportControl, ReportServiceList, ReportServices
+    from jausml.runtime.messages import ReportControl, ReportServiceList, ReportServices
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 """The services of components."""

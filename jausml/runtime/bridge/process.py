@@ -19,16 +19,16 @@ from ..component.process import (
     log_counts,
     running_transport,
 )
-from .ros import RosNode, without_ros_arguments
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.settings import TransportSettings
     from .bridge import Bridge
+    from .ros import RosNode
 
 
-def run(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
+def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     """Runs a bridge until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
@@ -42,12 +42,19 @@ def run(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
+    # Components that are no bridges, and their computers, need no ROS.
+    from . import ros  # noqa: PLC0415
+
     line = sys.argv[1:] if arguments is None else list(arguments)
-    transport = _configure(bridge, without_ros_arguments(line))
+    transport = _configure(bridge, ros.without_ros_arguments(line))
     stop = StopRequest()
     try:
         with stop.on_signals():
-            _run(bridge, transport, line, stop)
+            node = ros.RosNode(bridge.settings.name, bridge.settings.namespace, line)
+            try:
+                _serve(bridge, node, transport, stop)
+            finally:
+                node.close()
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
         return EXIT_FAILED
@@ -73,22 +80,16 @@ def _configure(bridge: Bridge, line: Sequence[str]) -> TransportSettings:
         parser.error(str(error))
 
 
-def _run(
-    bridge: Bridge, transport: TransportSettings, line: Sequence[str], stop: StopRequest
-) -> None:
-    ros = RosNode(bridge.settings.name, bridge.settings.namespace, line)
-    try:
-        with running_transport(transport) as judp:
-            bridge.open(ros, judp)
-            bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
-            ros.start()
-            LOGGER.info("%s runs as %s", ros.name, bridge.settings.address)
-            try:
-                LOGGER.info("%s ends: %s", ros.name, stop.wait())
-            finally:
-                # JAUS first: control is released while ROS still delivers.
-                bridge.close()
-                passed = {each.name: each.statistics.passed for each in bridge.connections}
-                log_counts("messages", passed)
-    finally:
-        ros.close()
+def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:
+    with running_transport(transport) as network:
+        bridge.open(node, network)
+        bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
+        node.start()
+        LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
+        try:
+            LOGGER.info("%s ends: %s", node.name, stop.wait())
+        finally:
+            # JAUS first: control is released while ROS still delivers.
+            bridge.close()
+            passed = {each.name: each.statistics.passed for each in bridge.connections}
+            log_counts("messages", passed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..services.messages import (
+from ..messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from ..services.definitions import Status
-from ..services.messages import (
+from ..messages import (
     ConfirmControl,
     QueryStatus,
     QueryTimeout,
@@ -17,6 +16,7 @@ from ..services.messages import (
     RequestControl,
     Resume,
 )
+from ..services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,6 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST
+from ..messages import (
+    QueryIdentification,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+)
 from ..services.definitions import CORE, Scope
 from ..services.discovery_messages import (
     query_all_service_lists,
@@ -13,12 +19,6 @@ from ..services.discovery_messages import (
     register_services,
     reported_service_list,
     reported_services,
-)
-from ..services.messages import (
-    QueryIdentification,
-    ReportIdentification,
-    ReportServiceList,
-    ReportServices,
 )
 
 if TYPE_CHECKING:

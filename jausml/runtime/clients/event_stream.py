@@ -5,8 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from ..messages import CancelEvent, CreateEvent, UpdateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from ..services.messages import CancelEvent, CreateEvent, UpdateEvent
 from ..wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Timer
     from ..component.base import ComponentBase
-    from ..services.messages import Event
+    from ..messages import Event
     from .event_subscription import EventClient, EventSubscription
 
 SILENT_PERIODS = 3

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..services.definitions import MAX_EVENT_RATE
-from ..services.messages import (
+from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
     Event,
@@ -13,6 +12,7 @@ from ..services.messages import (
     RejectEventRequest,
     ReportEventTimeout,
 )
+from ..services.definitions import MAX_EVENT_RATE
 from .event_stream import EventStream
 
 if TYPE_CHECKING:

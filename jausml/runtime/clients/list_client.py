@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..services.element_list import ALL_UIDS, NO_UID, ListElement
-from ..services.messages import (
+from ..messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -15,6 +14,7 @@ from ..services.messages import (
     ReportElementList,
     SetElement,
 )
+from ..services.element_list import ALL_UIDS, NO_UID, ListElement
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -10,10 +10,10 @@ from ..clients.discovery_client import DiscoveryClient, FoundComponent
 from ..clients.event_subscription import EventClient, EventSubscription
 from ..clients.list_client import ListClient, ListRequest
 from ..clients.query import PendingQuery, QueryClient
+from ..messages import ClearEmergency, SetEmergency
 from ..services.completion import Completion
 from ..services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
 from ..services.element_list import ElementList, ListElement, chain
-from ..services.messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
 from ..wire.message import Message
 from .base import COMPONENT_TYPE, ComponentBase

@@ -34,7 +34,7 @@ EXIT_OK = 0
 EXIT_FAILED = 1
 
 
-def run(
+def run_component(
     factory: Factory,
     argv: Sequence[str] | None = None,
     *,

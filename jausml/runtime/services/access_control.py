@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .definitions import VERSION_1_1, Guard
-from .messages import (
+from ..messages import (
     ConfirmControl,
     QueryAuthority,
     QueryControl,
@@ -18,6 +17,7 @@ from .messages import (
     RequestControl,
     SetAuthority,
 )
+from .definitions import VERSION_1_1, Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set

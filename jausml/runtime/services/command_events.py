@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..wire.message import DecodeError, Message, read_code
-from .completion import Completion
-from .event_requests import RejectCode, RequestError, reject
-from .messages import (
+from ..messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,
@@ -16,6 +13,9 @@ from .messages import (
     CreateEvent,
     UpdateEvent,
 )
+from ..wire.message import DecodeError, Message, read_code
+from .completion import Completion
+from .event_requests import RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

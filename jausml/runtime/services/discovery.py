@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .definitions import VERSION_1_1, Scope, ServiceIdentity
-from .discovery_messages import (
-    MAX_LIST,
-    registered_services,
-    report_configuration,
-    report_service_list,
-    report_services,
-    report_subsystem_list,
-)
-from .messages import (
+from ..messages import (
     QueryConfiguration,
     QueryIdentification,
     QueryServiceList,
@@ -25,6 +16,15 @@ from .messages import (
     ReportServiceList,
     ReportServices,
     ReportSubsystemList,
+)
+from .definitions import VERSION_1_1, Scope, ServiceIdentity
+from .discovery_messages import (
+    MAX_LIST,
+    registered_services,
+    report_configuration,
+    report_service_list,
+    report_services,
+    report_subsystem_list,
 )
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
-from .definitions import ServiceIdentity
-from .messages import (
+from ..messages import (
     QueryServiceList,
     QueryServices,
     RegisterServices,
@@ -15,6 +14,7 @@ from .messages import (
     ReportServices,
     ReportSubsystemList,
 )
+from .definitions import ServiceIdentity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

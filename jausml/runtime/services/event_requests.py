@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .messages import RejectEventRequest
+from ..messages import RejectEventRequest
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

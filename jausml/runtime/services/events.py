@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..wire.message import DecodeError, Message
-from .command_events import CommandEvents
-from .definitions import VERSION_1_1
-from .event_requests import EventIds, RejectCode, RequestError, reject
-from .messages import (
+from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateEvent,
@@ -20,6 +16,10 @@ from .messages import (
     ReportEventTimeout,
     UpdateEvent,
 )
+from ..wire.message import DecodeError, Message
+from .command_events import CommandEvents
+from .definitions import VERSION_1_1
+from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

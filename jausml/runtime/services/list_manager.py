@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .definitions import Guard
-from .element_list import ElementList, ListElement, ListError, Reason
-from .messages import (
+from ..messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -18,6 +16,8 @@ from .messages import (
     ReportElementList,
     SetElement,
 )
+from .definitions import Guard
+from .element_list import ElementList, ListElement, ListError, Reason
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

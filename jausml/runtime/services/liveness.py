@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
+from ..messages import QueryHeartbeatPulse, ReportHeartbeatPulse
 from .definitions import Scope
-from .messages import QueryHeartbeatPulse, ReportHeartbeatPulse
 
 if TYPE_CHECKING:
     from ..base.loop import Timer

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
-from .access_control import Reject
-from .definitions import VERSION_1_1, Guard, Status
-from .messages import (
+from ..messages import (
     ClearEmergency,
     QueryStatus,
     ReportStatus,
@@ -17,6 +15,8 @@ from .messages import (
     Shutdown,
     Standby,
 )
+from .access_control import Reject
+from .definitions import VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

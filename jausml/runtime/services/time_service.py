@@ -6,8 +6,8 @@ from datetime import datetime, time, timedelta, timezone
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
+from ..messages import QueryTime, ReportTime, SetTime
 from .definitions import Guard
-from .messages import QueryTime, ReportTime, SetTime
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

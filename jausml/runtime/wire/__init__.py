@@ -1,1 +1,45 @@
-"""Messages on the wire: the base of message classes and the checks of their codecs."""
+"""Messages as bytes: what the generated classes of messages are made of."""
+
+from .codec import (
+    check_count,
+    check_presence,
+    exactly,
+    integer,
+    latin1,
+    one_of,
+    padded,
+    real,
+    scaled,
+    scaled_down,
+    scaled_up,
+    sized,
+    take,
+    take_text,
+    unpadded,
+    whole,
+    whole_of,
+)
+from .message import DecodeError, EncodeError, Message
+
+__all__ = [
+    "DecodeError",
+    "EncodeError",
+    "Message",
+    "check_count",
+    "check_presence",
+    "exactly",
+    "integer",
+    "latin1",
+    "one_of",
+    "padded",
+    "real",
+    "scaled",
+    "scaled_down",
+    "scaled_up",
+    "sized",
+    "take",
+    "take_text",
+    "unpadded",
+    "whole",
+    "whole_of",
+]

@@ -5,9 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import JausComponent, ServiceIdentity
-from jausml_runtime.component.process import running_transport
+from jausml_runtime import JausAddress, JausComponent, ServiceIdentity, running_transport
 from winch.main import TRANSPORT
 from winch.messages import QueryWinchState, ReportWinchState, SetWinchCommand
 

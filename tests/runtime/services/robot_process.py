@@ -12,8 +12,8 @@ from jausml.runtime.component.component import (
     Scope,
     ServiceIdentity,
 )
-from jausml.runtime.component.process import run
-from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
+from jausml.runtime.component.process import run_component
+from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 
@@ -59,7 +59,7 @@ def say(text):
 
 if __name__ == "__main__":
     sys.exit(
-        run(
+        run_component(
             Robot,
             name="robot",
             description="A robot for tests.",

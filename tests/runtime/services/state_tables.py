@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from jausml.runtime.component.component import ServiceIdentity
-from jausml.runtime.services.messages import RequestControl, Resume
+from jausml.runtime.messages import RequestControl, Resume
 from jausml.runtime.wire.message import Message
 
 V1_0, V1_1 = (1, 0), (1, 1)

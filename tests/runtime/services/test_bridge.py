@@ -20,7 +20,7 @@ from jausml.runtime.component.component import (
     ServiceIdentity,
 )
 from jausml.runtime.conversions import ConversionError, Time
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     Event,
     QueryEventTimeout,
     QueryTime,

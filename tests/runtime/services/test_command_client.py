@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.component.component import Completion, Guard, JausComponent, Status
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,

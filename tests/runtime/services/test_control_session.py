@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.component import ControlState, ServiceIdentity, Status
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
     QueryStatus,

@@ -17,7 +17,7 @@ from jausml.runtime.component.component import (
     Status,
     chain,
 )
-from jausml.runtime.services.messages import QueryTime, ReportTime, SetAuthority
+from jausml.runtime.messages import QueryTime, ReportTime, SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 

@@ -15,7 +15,7 @@ from jausml.runtime.component.component import (
     JausComponent,
     ServiceIdentity,
 )
-from jausml.runtime.services.messages import SetAuthority
+from jausml.runtime.messages import SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 

@@ -7,12 +7,7 @@ import pytest
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import MAX_FOUND
 from jausml.runtime.component.component import Scope, ServiceIdentity
-from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
-    report_services,
-)
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
     QueryServiceList,
@@ -24,6 +19,11 @@ from jausml.runtime.services.messages import (
     ReportServiceList,
     ReportServices,
     ReportSubsystemList,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    report_services,
 )
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)

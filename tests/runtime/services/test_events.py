@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.component.component import JausComponent, ServiceIdentity
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateEvent,

@@ -9,7 +9,7 @@ import pytest
 from jausml.runtime.bridge.joins import Join
 from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
 from jausml.runtime.bridge.topics import Topic
-from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
+from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
 from .test_bridge import PEER, Number, Setting, peer_component, values
 

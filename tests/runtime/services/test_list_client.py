@@ -16,8 +16,7 @@ from jausml.runtime.component.component import (
     Status,
     chain,
 )
-from jausml.runtime.services.element_list import ListElement, ListError
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -25,6 +24,7 @@ from jausml.runtime.services.messages import (
     ReportElement,
     SetElement,
 )
+from jausml.runtime.services.element_list import ListElement, ListError
 from jausml.runtime.wire.message import EncodeError
 
 from .state_tables import CORE_NAMES, V1_1, core_services

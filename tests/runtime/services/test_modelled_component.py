@@ -7,7 +7,7 @@ import pytest
 from jausml.runtime.component.component import Guard, Status
 from jausml.runtime.component.modelled import CORE_STATES, ModelledComponent
 from jausml.runtime.component.state_machine import Kind, On, State
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
     CreateEvent,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.services.messages import QueryTime, ReportTime, SetTime
+from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 from jausml.runtime.wire.message import EncodeError
 
 COUNTER = "component.report_not_encodable"

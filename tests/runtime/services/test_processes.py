@@ -21,7 +21,7 @@ from jausml.runtime.component.component import (
     ServiceIdentity,
     Status,
 )
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryHeartbeatPulse,
     QueryStatus,
     QueryTime,
@@ -262,7 +262,7 @@ class TestEnd:
         def broken(*_):
             raise RuntimeError("user code")
 
-        code = process.run(
+        code = process.run_component(
             broken,
             [],
             name="broken",

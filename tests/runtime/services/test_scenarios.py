@@ -12,13 +12,13 @@ from jausml.runtime.component.component import (
     JausComponent,
     Status,
 )
-from jausml.runtime.services.management import MAX_EMERGENCY_CLIENTS
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ClearEmergency,
     RequestControl,
     SetAuthority,
     SetEmergency,
 )
+from jausml.runtime.services.management import MAX_EMERGENCY_CLIENTS
 
 ROBOT = JausAddress(1, 1, 1)
 FIRST, SECOND, THIRD = (JausAddress(subsystem, 1, 1) for subsystem in (2, 3, 4))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.services.messages import QueryTime, ReportTime
+from jausml.runtime.messages import QueryTime, ReportTime
 
 FULL = ReportTime(
     time_stamp=ReportTime.TimeStamp(minutes=7), date_stamp=ReportTime.DateStamp(month=3)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ConfirmControl,
     QueryAuthority,
     QueryControl,

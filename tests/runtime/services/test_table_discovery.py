@@ -8,14 +8,7 @@ import pytest
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.component.component import Scope, ServiceIdentity
-from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
-    register_services,
-    report_service_list,
-    report_services,
-)
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
     QueryServiceList,
@@ -27,6 +20,13 @@ from jausml.runtime.services.messages import (
     ReportServiceList,
     ReportServices,
     ReportSubsystemList,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    register_services,
+    report_service_list,
+    report_services,
 )
 
 from .state_tables import CORE_NAMES, V1_0, V1_1, Row, after, core_services, play, rows

@@ -8,7 +8,7 @@ import pytest
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.component import Guard, JausComponent, Status
-from jausml.runtime.services.messages import QueryAuthority, ReportAuthority, Resume, SetAuthority
+from jausml.runtime.messages import QueryAuthority, ReportAuthority, Resume, SetAuthority
 
 from .state_tables import Row, after, controlled, play, ready, rows, unavailable
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime.component.component import Completion, Guard, JausComponent
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CancelEvent,
     CommandEvent,
     ConfirmEventRequest,

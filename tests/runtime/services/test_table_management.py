@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime.component.component import JausComponent, Status
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
     QueryStatus,

@@ -14,8 +14,7 @@ from jausml.runtime.component.component import (
     ServiceIdentity,
     chain,
 )
-from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, LIST_MANAGERS
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,
     QueryElement,
@@ -32,6 +31,7 @@ from jausml.runtime.services.messages import (
     SetElement,
     SetTime,
 )
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, LIST_MANAGERS
 
 from .state_tables import V1_0, Row, after, controlled, play, ready, rows
 

@@ -6,12 +6,7 @@ import pytest
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.component import ControlState, Status
-from jausml.runtime.services.discovery_messages import (
-    query_all_service_lists,
-    query_all_services,
-    report_services,
-)
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CancelEvent,
     ClearEmergency,
     ConfirmControl,
@@ -46,6 +41,11 @@ from jausml.runtime.services.messages import (
     SetEmergency,
     Standby,
     UpdateEvent,
+)
+from jausml.runtime.services.discovery_messages import (
+    query_all_service_lists,
+    query_all_services,
+    report_services,
 )
 
 from .state_tables import CORE_NAMES, V1_0, V1_1, Row, Stage, after, core_services

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.component import Scope, ServiceIdentity, chain
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CreateCommandEvent,
     DeleteElement,
     QueryStatus,

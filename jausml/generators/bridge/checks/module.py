@@ -16,6 +16,7 @@ from jausml.generators.bridge.checks.round_trips import round_trips
 from jausml.generators.bridge.checks.safe_values import safe_values
 from jausml.generators.bridge.checks.samples import sample_of
 from jausml.generators.bridge.checks.vectors import vectors
+from jausml.generators.common import runtime
 from jausml.generators.common.ros import import_lines
 from jausml.generators.python.layout import signature
 from jausml.generators.python.names import Scope
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.views import BridgeView
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
-_RUNTIME = {"AbsentFieldError": "bridge.statistics", "OutOfRangeError": "bridge.limits"}
+_ERRORS = ("AbsentFieldError", "OutOfRangeError")
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,7 @@ class TestModule:
         """The other import lines."""
         words = self._words
         third = set(self.bridge.ros_classes.imports(words))
-        third |= {
-            (f"jausml_runtime.{module}", name) for name, module in _RUNTIME.items() if name in words
-        }
+        third |= {(runtime.FACE, name) for name in _ERRORS if name in words}
         if "given" in words:
             third |= {("hypothesis", "given"), ("hypothesis", "settings")}
             third.add(("hypothesis", "strategies as st"))

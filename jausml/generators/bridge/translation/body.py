@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import LINE_WIDTH, printable, python_string
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.values import MAXIMUM_COMPLEXITY
 from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import Scope
@@ -253,7 +254,7 @@ class Body:
                 if condition.is_name:
                     self._name(condition)
                     continue
-                error = self.use("bridge.statistics", "AbsentFieldError")
+                error = self.use(runtime.FACE, "AbsentFieldError")
                 with self.inside(self.condition([condition.fails])):
                     self.fail(error, path)
 

@@ -17,6 +17,7 @@ from jausml.generators.bridge.translation.values import (
     AssignmentError,
     Value,
 )
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, REAL
 from jausml.generators.python.layout import Call, unpacking
 from jausml.generators.python.names import snake_case
@@ -109,7 +110,7 @@ class Chain:
             return list(values)
         factor, offset = step
         function, arguments = ("linear", (factor, offset)) if offset else ("scale", (factor,))
-        name = self._body.use("conversions", function)
+        name = self._body.use(runtime.CONVERSIONS, function)
         numbers = tuple(python_literal(each) for each in arguments)
         return [
             replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None, known=())
@@ -150,7 +151,7 @@ class Chain:
         signature = conversion_signature(conversion.kind)
         if len(values) != len(signature.inputs):
             raise AssignmentError(f"{conversion.kind.name} does not take {len(values)} values")
-        function = self._body.use("conversions", conversion.kind.name)
+        function = self._body.use(runtime.CONVERSIONS, conversion.kind.name)
         arguments = [python_literal(float(each)) for each in conversion.arguments]
         if conversion.quantity is not None:
             arguments = [self._surroundings.quantity(conversion.quantity)]
@@ -183,7 +184,7 @@ class Chain:
         listed = self._target.listed(self._target_paths[0]) if is_last else ()
         table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
         name = self._surroundings.constant(*table.constant)
-        function = self._body.use("conversions", "look_up")
+        function = self._body.use(runtime.CONVERSIONS, "look_up")
         code = Call(function, (value.code, name))
         limits = (table.known[0], table.known[-1]) if table.known else None
         conditions, limit = value.conditions, value.limit

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH
-from jausml.generators.python.expressions import ARITHMETIC, python_condition, python_expression
+from jausml.generators.common import runtime
+from jausml.generators.python.expressions import python_condition, python_expression
 from jausml.languages.expressions import Call, Conditional, Operation, Variable, operands_of
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class ExpressionStatements:
 
     def _used(self, written: PythonExpression) -> str:
         for name in written.functions:
-            self.body.use(ARITHMETIC, name)
+            self.body.use(runtime.ARITHMETIC, name)
         return written.code
 
     def _chosen(self, expression: Conditional) -> str:

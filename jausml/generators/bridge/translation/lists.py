@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generators.bridge.translation.sources import COUNT, INDEX, Counters
 from jausml.generators.bridge.translation.values import AssignmentError
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import joined, there
 from jausml.generators.python.layout import Call, comprehension
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation.sources import Many
     from jausml.generators.bridge.translation.targets import ManyTarget
     from jausml.generators.bridge.translation.translation import Translation
-    from jausml.generators.python.codec.jaus_fields import Condition
+from jausml.generators.python.codec.jaus_fields import Condition
 
 
 def add_list(translation: Translation, assignment: Any) -> None:
@@ -98,7 +99,7 @@ class _ListStatements:
                 method = conversion.method or ""
                 code = Call(self._outer.surroundings.user_method(method, types, "Any"), inputs)
             elif name != "with_units":
-                code = Call(self._body.use("conversions", name), inputs)
+                code = Call(self._body.use(runtime.CONVERSIONS, name), inputs)
             inputs = (code,)
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
@@ -123,7 +124,7 @@ class _ListStatements:
         if self._outer.to_ros:
             return self._named_in_ros(items, keys, constant, len(names), must=must)
         key_list = self._outer.source.many(keys).code
-        function = self._body.use("bridge.values", "by_name")
+        function = self._body.use(runtime.FACE, "by_name")
         call = Call(function, (constant, key_list, items.name))
         counts = (len(names), len(names))
         return _Items(self._body.local("items", call), constant, counts, may_be_none=True)
@@ -132,7 +133,7 @@ class _ListStatements:
         self, items: _Items, keys: str, constant: str, count: int, *, must: bool
     ) -> _Items:
         if must:
-            error = self._body.use("bridge.statistics", "AbsentFieldError")
+            error = self._body.use(runtime.FACE, "AbsentFieldError")
             with self._body.inside(f"if len({items.name}) < len({constant}):"):
                 self._body.add(f"raise {error}({python_string(self._many.path)})")
         local = self._body.local("items", f"{items.name}[: len({constant})]")

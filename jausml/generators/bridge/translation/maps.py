@@ -11,6 +11,7 @@ from jausml.generators.bridge.translation.sources import JausSource, RosSource
 from jausml.generators.bridge.translation.surroundings import NestedTranslation
 from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml.generators.bridge.translation.translation import Translation, paths_of
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import JausStart
 from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml.generators.python.names import Scope, names_in, snake_case
@@ -207,6 +208,6 @@ def _refuse_limits(body: Body, attribute_map: Any) -> None:
         for path in paths_of(assignment.source)
     }
     if "CommandType" not in carried:
-        error = body.use("conversions", "ConversionError")
+        error = body.use(runtime.CONVERSIONS, "ConversionError")
         body.add(f"if source.command_type != {CURRENT_COMMAND}:")
         body.add(f'    raise {error}("a limit, not the current command")')

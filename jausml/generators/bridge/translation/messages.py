@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.literals import python_string
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import FORMAT
 from jausml.generators.python.layout import Call
 
@@ -36,7 +37,7 @@ def _to_ros(translation: Translation, assignment: Any) -> None:
     with body.given(field.conditions):
         data = field.place
         if field.kind == FORMAT:
-            error = body.use("conversions", "ConversionError")
+            error = body.use(runtime.CONVERSIONS, "ConversionError")
             with body.inside(f"if {data}.format_index != 0:"):
                 text = python_string(f"{field.path} carries no JAUS message")
                 body.add(f"raise {error}({text})")

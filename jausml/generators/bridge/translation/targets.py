@@ -21,6 +21,7 @@ from jausml.generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import (
     BITS,
     FORMAT,
@@ -139,7 +140,7 @@ class RosTarget:
         found = self.field(path)
         kind = ros_kind(found)
         if kind in {QUATERNION, TIME}:
-            setter = body.use("bridge.values", f"set_{kind}")
+            setter = body.use(runtime.FACE, f"set_{kind}")
             body.store(Call(setter, (found.place, code)))
         else:
             body.store(code, found.place, remark)

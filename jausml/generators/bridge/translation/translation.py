@@ -15,6 +15,7 @@ from jausml.generators.bridge.translation.values import (
     Value,
     constant,
 )
+from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import BITS, joined
 from jausml.generators.python.layout import Call
 from jausml.generators.python.names import snake_case
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation.sources import JausSource, RosSource
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
-    from jausml.generators.python.codec.jaus_fields import Condition
+from jausml.generators.python.codec.jaus_fields import Condition
 
 
 def paths_of(text: str) -> list[str]:
@@ -105,7 +106,7 @@ class Translation:
         self.target.prepare(self.body, assignment.target)
         value = Value("self.now()", TIME)
         if not self.to_ros:
-            function = self.body.use("conversions", "time_to_timestamp")
+            function = self.body.use(runtime.CONVERSIONS, "time_to_timestamp")
             value = Value(Call(function, ("self.now()",)), BITS)
         code = self.target.fitted(assignment.target, value)
         self.target.put(self.body, assignment.target, code)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.conformance.check import CheckFailed, check
 from jausml.live.peers.conformance.session import NOBODY
 from jausml.live.peers.services import controller_of
-from jausml.runtime.services import messages as core
-from jausml.runtime.services.definitions import Status
-from jausml.runtime.services.messages import (
+from jausml.runtime import messages as core
+from jausml.runtime.messages import (
     ConfirmControl,
     QueryAuthority,
     QueryTimeout,
@@ -20,6 +19,7 @@ from jausml.runtime.services.messages import (
     RequestControl,
     SetAuthority,
 )
+from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.client import Client

@@ -6,7 +6,7 @@ import random
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from jausml.live.peers.conformance.check import CheckFailed
-from jausml.runtime.services import messages as core
+from jausml.runtime import messages as core
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.conformance.check import check
 from jausml.live.peers.services import service_list, services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
-from jausml.runtime.services.definitions import CORE, Scope
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
     QueryServiceList,
@@ -20,6 +19,7 @@ from jausml.runtime.services.messages import (
     ReportServices,
     ReportSubsystemList,
 )
+from jausml.runtime.services.definitions import CORE, Scope
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import CheckFailed, check
 from jausml.live.peers.conformance.client import decoded
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,
     CreateCommandEvent,

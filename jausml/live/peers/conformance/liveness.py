@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ConfirmEventRequest,
     Event,
     QueryHeartbeatPulse,

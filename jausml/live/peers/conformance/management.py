@@ -12,8 +12,7 @@ from jausml.live.peers.conformance import access
 from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.session import NOBODY
 from jausml.live.peers.services import controller_of
-from jausml.runtime.services.definitions import Status
-from jausml.runtime.services.messages import (
+from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
     QueryStatus,
@@ -27,6 +26,7 @@ from jausml.runtime.services.messages import (
     Shutdown,
     Standby,
 )
+from jausml.runtime.services.definitions import Status
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from jausml.live.peers.describing import describe
 from jausml.live.peers.services import services_of
 from jausml.live.peers.wire import Wire
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
+from jausml.runtime.messages import ReportServices
 from jausml.runtime.services.discovery_messages import query_all_services
-from jausml.runtime.services.messages import ReportServices
 from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:

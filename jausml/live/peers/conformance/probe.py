@@ -6,8 +6,8 @@ import time
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.client import Client, Received
+from jausml.runtime import messages as core
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.services import messages as core
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,

@@ -6,7 +6,7 @@ from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import check
-from jausml.runtime.services.messages import QueryTime, ReportTime
+from jausml.runtime.messages import QueryTime, ReportTime
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session

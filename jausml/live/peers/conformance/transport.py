@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.conformance.check import CheckFailed, check
 from jausml.live.peers.conformance.session import PINGS
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.services.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
+from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet
 
 if TYPE_CHECKING:

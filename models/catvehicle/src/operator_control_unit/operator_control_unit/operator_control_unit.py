@@ -6,9 +6,7 @@ import logging
 import math
 
 from catvehicle.parameters import VehicleParameters
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import ComponentSettings
-from jausml_runtime.transports.transport import Transport
+from jausml_runtime import ComponentSettings, JausAddress, Transport
 
 from .messages import ReportLocalPose, SetVelocityCommand
 from .operator_control_unit_base import ADDRESS, SETTINGS, OperatorControlUnitBase

@@ -12,9 +12,7 @@ from catvehicle.metrics import COLUMNS
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose
 from catvehicle.realtime import RealTimePlant
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import ComponentSettings
-from jausml_runtime.transports.transport import Transport
+from jausml_runtime import ComponentSettings, JausAddress, Transport
 
 from .messages import (
     QueryLocalPose,

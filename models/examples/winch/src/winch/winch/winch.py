@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import ComponentSettings
-from jausml_runtime.transports.transport import Transport
+from jausml_runtime import ComponentSettings, JausAddress, Transport
 
 from .drum import Drum
 from .messages import QueryWinchState, RejectWinchCommand, ReportWinchState, SetWinchCommand

@@ -6,12 +6,8 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jausml_runtime.base.address import JausAddress
-from jausml_runtime.component.component import ComponentSettings
-from jausml_runtime.services.messages import ClearEmergency, SetEmergency
-from jausml_runtime.transports.packets.packet import Priority
-from jausml_runtime.transports.transport import Transport
-from jausml_runtime.wire.message import Message
+from jausml_runtime import ComponentSettings, JausAddress, Message, Priority, Transport
+from jausml_runtime.messages import ClearEmergency, SetEmergency
 
 from .messages import (
     LockBrake,

@@ -1,0 +1,107 @@
+"""The face of the runtime: all that generated code imports stands there, by name."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from types import ModuleType
+
+import pytest
+
+from jausml import generation as gen
+from jausml import runtime
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.common import runtime as public
+from jausml.generators.jaus_component.target import TARGET as COMPONENT
+from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.model import read_models
+
+from .node_support import ROOT, run
+
+SYSTEMS = (
+    "models/catvehicle/catvehicle.xmi",
+    "models/minimal/minimal.xmi",
+    "models/examples/winch/winch.xmi",
+    "tests/generators/components.xmi",
+    "tests/generators/lamp.xmi",
+    "tests/generators/narrow_bridge.xmi",
+)
+PUBLIC = {
+    public.FACE,
+    public.MESSAGES,
+    public.CONVERSIONS,
+    public.ARITHMETIC,
+    public.WIRE,
+}
+
+
+def original(module):
+    """The module that a module of the copy is a copy of."""
+    return importlib.import_module(module.replace("jausml_runtime", "jausml.runtime", 1))
+
+
+def test_all_is_what_is_exported():
+    names = {name for name, value in vars(runtime).items() if not name.startswith("_")}
+    modules = {name for name in names if isinstance(getattr(runtime, name), ModuleType)}
+    assert set(runtime.__all__) == names - modules
+    assert len(runtime.__all__) == len(set(runtime.__all__))
+
+
+@pytest.mark.parametrize("module", [public.CONVERSIONS, public.WIRE])
+def test_what_a_public_package_exports_is_there(module):
+    package = original(module)
+    assert all(hasattr(package, name) for name in package.__all__)
+
+
+def imports_of_the_runtime(text):
+    """Yields what a module imports of the runtime, as module and name."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.level == 0:
+            if node.module.split(".")[0] == public.FACE:
+                yield from ((node.module, alias.name) for alias in node.names)
+        elif isinstance(node, ast.Import):
+            assert not any(alias.name.split(".")[0] == public.FACE for alias in node.names)
+
+
+def is_public(module, name):
+    """Whether a name may be imported: a public module of a package, or what it exports."""
+    if f"{module}.{name}" in PUBLIC:
+        return True
+    found = original(module)
+    exported = getattr(found, "__all__", None)
+    if exported is not None:
+        return name in exported
+    return getattr(found, name).__module__ == found.__name__
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_generated_code_imports_what_is_public(system):
+    result = read_models([ROOT / system])
+    used = {
+        (artifact.path, module, name)
+        for artifact in gen.render(result.model, (COMPONENT, BRIDGE, ROS_NODE, BRINGUP))
+        if artifact.path.endswith(".py")
+        for module, name in imports_of_the_runtime(artifact.text)
+    }
+    assert used
+    assert {module for _, module, _ in used} <= PUBLIC
+    assert [each for each in used if not is_public(each[1], each[2])] == []
+
+
+def test_shipped_skeletons_import_what_is_public():
+    texts = [path.read_text("utf-8") for path in (ROOT / "models").glob("**/src/**/*.py")]
+    used = {each for text in texts for each in imports_of_the_runtime(text)}
+    assert used
+    assert {module for module, _ in used} <= PUBLIC
+    assert [each for each in used if not is_public(*each)] == []
+
+
+def test_the_face_needs_no_ros():
+    script = (
+        "import sys, jausml.runtime\n"
+        "print(sorted({'rclpy', 'diagnostic_msgs', 'rcl_interfaces'} & set(sys.modules)))\n"
+    )
+    done = run("-c", script, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "[]\n"
