@@ -14,6 +14,7 @@ them may move:
 """
 
 from .base.address import JausAddress
+from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge, BridgeSettings, RosSide
 from .bridge.joins import Join, StaleJoinError
@@ -53,8 +54,10 @@ from .transports.transport import Transport
 from .wire import DecodeError, EncodeError, Message
 
 __all__ = [
+    "API_VERSION",
     "AbsentFieldError",
     "Action",
+    "ApiVersionError",
     "Bridge",
     "BridgeSettings",
     "Completion",
@@ -105,6 +108,7 @@ __all__ = [
     "chain",
     "negation",
     "peers",
+    "require_api",
     "run_bridge",
     "run_component",
     "running_transport",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
+import shutil
 from types import ModuleType
 
 import pytest
@@ -15,6 +17,7 @@ from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.common import runtime as public
 from jausml.generators.jaus_component.target import TARGET as COMPONENT
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 from .node_support import ROOT, run
@@ -105,3 +108,50 @@ def test_the_face_needs_no_ros():
     done = run("-c", script, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "[]\n"
+
+
+# ------------------------------------------------------------------ the version of the API
+
+
+def test_generated_code_asks_for_the_api_that_the_runtime_has():
+    assert runtime.API_VERSION == public.API_VERSION
+
+
+@pytest.fixture(scope="module")
+def talk(tmp_path_factory):
+    """A workspace of a component and the runtime."""
+    folder = tmp_path_factory.mktemp("talk")
+    model = read_models([ROOT / "tests" / "generators" / "lamp.xmi"]).model
+    plan = gen.make_plan(
+        gen.render(model, (COMPONENT, RUNTIME)), folder, gen.read_manifest(folder), targets=None
+    )
+    gen.apply(plan)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("version", "remedy"),
+    [
+        ("(1, 0)", None),
+        ("(1, 3)", None),
+        ("(2, 0)", "generate the package anew with the jausml that brought the runtime"),
+        ("(0, 9)", "an older runtime is found first: build and source the newer workspace anew"),
+    ],
+)
+def test_another_api_is_refused(talk, tmp_path, version, remedy):
+    shutil.copytree(talk / "jausml_runtime", tmp_path / "jausml_runtime")
+    doctored = tmp_path / "jausml_runtime" / "jausml_runtime" / "base" / "api.py"
+    text = doctored.read_text("utf-8")
+    assert "\nAPI_VERSION = (1, 0)\n" in text
+    doctored.write_text(text.replace("\nAPI_VERSION = (1, 0)\n", f"\nAPI_VERSION = {version}\n"))
+    package = next(path for path in talk.iterdir() if (path / path.name / "main.py").is_file())
+    found = os.pathsep.join(map(str, (tmp_path / "jausml_runtime", package)))
+    done = run("-c", f"import {package.name}.main", cwd=tmp_path, PYTHONPATH=found)
+    if remedy is None:
+        assert done.returncode == 0, done.stderr
+        return
+    has = version.strip("()").replace(", ", ".")
+    assert done.stderr.splitlines()[-1] == (
+        f"jausml_runtime.base.api.ApiVersionError: {package / package.name / '__init__.py'} needs"
+        f" API 1.0 of jausml_runtime, and {doctored.parents[1]} has {has}: {remedy}"
+    )

@@ -1,5 +1,8 @@
 """The modules of the runtime that generated code imports names from."""
 
+API_VERSION = (1, 0)
+"""API of the runtime that generated code is written for."""
+
 FACE = "jausml_runtime"
 """Components, bridges, and what they are made and told of."""
 MESSAGES = f"{FACE}.messages"

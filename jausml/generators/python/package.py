@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.artifact import Kind
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
+from jausml.generators.common import runtime
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -52,6 +53,16 @@ class PackageView:
     data: tuple[tuple[str, str], ...] = ()
     python: bool = True
     has_own_init: bool = False
+
+    @property
+    def needs_runtime(self) -> bool:
+        """Whether the package imports the runtime."""
+        return runtime.FACE in self.dependencies
+
+    @property
+    def runtime_api(self) -> tuple[int, int]:
+        """API of the runtime that its code is written for."""
+        return runtime.API_VERSION
 
 
 def package_view(

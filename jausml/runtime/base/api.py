@@ -1,0 +1,40 @@
+"""Version of what the runtime exports, and what generated code asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+API_VERSION = (1, 0)
+"""Version of what the runtime exports by name.
+
+The first number is raised when something that was exported goes or is used in another way, and the
+second, which then begins at 0, when something is added.
+"""
+
+
+class ApiVersionError(ImportError):
+    """Generated code meets a runtime that it was not generated for."""
+
+
+def require_api(version: tuple[int, int], file: str) -> None:
+    """Refuse a runtime that generated code does not fit; called when its package is imported.
+
+    Args:
+        version: API that the code was generated for: the first number must be the same, and the
+            second not greater than the runtime's.
+        file: The generated file.
+
+    Raises:
+        ApiVersionError: This runtime is older, or too new.
+    """
+    if version[0] == API_VERSION[0] and version[1] <= API_VERSION[1]:
+        return
+    folder = Path(__file__).parents[1]
+    if version > API_VERSION:
+        remedy = "an older runtime is found first: build and source the newer workspace anew"
+    else:
+        remedy = "generate the package anew with the jausml that brought the runtime"
+    raise ApiVersionError(
+        f"{file} needs API {version[0]}.{version[1]} of jausml_runtime, and {folder} has"
+        f" {API_VERSION[0]}.{API_VERSION[1]}: {remedy}"
+    )
