@@ -51,6 +51,26 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     return [file for path in paths for file in _files_at(path, suffixes)]
 
 
+def write_report(rendered: str, output: str | None) -> None:
+    """Writes a report to a file, or to stdout where none is named.
+
+    Args:
+        rendered: The report.
+        output: The file.
+
+    Raises:
+        EnvironmentFault: The file cannot be written.
+    """
+    if output is None:
+        click.echo(rendered, nl=False)
+        return
+    try:
+        Path(output).write_text(rendered, encoding="utf-8", errors="backslashreplace", newline="\n")
+    except OSError as error:
+        name = click.format_filename(output)
+        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+
+
 def _files_at(path: str, suffixes: tuple[str, ...]) -> Sequence[str]:
     try:
         if os.path.isdir(path):  # noqa: PTH112 - paths stay as the user wrote them

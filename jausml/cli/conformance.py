@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.common import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
-from jausml.live.peers.conformance.formats import json, junit, text
+from jausml.live.peers.conformance.formats import RENDERERS, text
 from jausml.live.peers.conformance.groups import all_groups, fixed_checks
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
 from jausml.live.peers.conformance.runner import run
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
 
-_RENDERERS = {"text": text.render, "json": json.render, "junit": junit.render}
 _GROUPS = [group.name for group in all_groups()]
 
 
@@ -34,7 +32,7 @@ _GROUPS = [group.name for group in all_groups()]
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(_RENDERERS)),
+    type=click.Choice(list(RENDERERS)),
     default="text",
     show_default=True,
     help="Format of the report.",
@@ -160,16 +158,9 @@ def _write(
     if live:
         click.echo(f"\n{text.summary(report)}")
         return
-    rendered = _RENDERERS[output_format](report)
-    if output is None:
-        click.echo(rendered, nl=False)
-        return
-    try:
-        Path(output).write_text(rendered, encoding="utf-8", errors="backslashreplace", newline="\n")
-    except OSError as error:
-        name = click.format_filename(output)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
-    click.echo(text.summary(report), err=True)
+    write_report(RENDERERS[output_format](report), output)
+    if output is not None:
+        click.echo(text.summary(report), err=True)
 
 
 def _list_checks(groups: Sequence[str]) -> None:

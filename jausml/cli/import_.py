@@ -16,7 +16,7 @@ from jausml.importers.jsidl.scopes import pick_version
 from jausml.model.comparison import ON_THE_WIRE, compare
 from jausml.model.reading.reader import ReadResult
 from jausml.validation.engine import check
-from jausml.validation.formats import json, text
+from jausml.validation.formats import RENDERERS, text
 from jausml.validation.formats.text import one_line
 from jausml.validation.report import Report
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import jaus
 
 _SUFFIXES = (".xml", ".jsidl")
-_RENDERERS = {"text": text.render, "json": json.render}
 
 
 @click.group("import")
@@ -52,7 +51,7 @@ command.add_command(ros)
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(_RENDERERS)),
+    type=click.Choice(list(RENDERERS)),
     default="text",
     show_default=True,
     help="Format of the findings.",
@@ -91,7 +90,7 @@ def jsidl(
         behaviour=not without_behaviour,
     )
     report = _report(result)
-    click.echo(_RENDERERS[output_format](report), nl=False)
+    click.echo(RENDERERS[output_format](report), nl=False)
     if report.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)

@@ -24,13 +24,11 @@ from jausml.interfaces.types import is_package_name
 from jausml.model.reading.reader import ReadResult
 from jausml.model.values import suggest
 from jausml.validation.engine import check
-from jausml.validation.formats import json, text
+from jausml.validation.formats import RENDERERS, text
 from jausml.validation.report import Report
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ros import InterfacePackage
-
-_RENDERERS = {"text": text.render, "json": json.render}
 
 
 @click.command("ros")
@@ -54,7 +52,7 @@ _RENDERERS = {"text": text.render, "json": json.render}
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(_RENDERERS)),
+    type=click.Choice(list(RENDERERS)),
     default="text",
     show_default=True,
     help="Format of the findings.",
@@ -83,7 +81,7 @@ def ros(
     sources = _sources(packages, installation)
     result = import_packages(sources, installation=installation, comments=not without_comments)
     report = _report(result)
-    click.echo(_RENDERERS[output_format](report), nl=False)
+    click.echo(RENDERERS[output_format](report), nl=False)
     if report.has_errors:
         say(f"{text.summary(report)}; nothing written", quiet=quiet)
         raise click.exceptions.Exit(PROBLEMS)

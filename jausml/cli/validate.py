@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.common import PROBLEMS, find_models, write_report
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import validate
-from jausml.validation.formats import github, json, junit, sarif, text
-
-_RENDERERS = {
-    "text": text.render,
-    "json": json.render,
-    "junit": junit.render,
-    "sarif": sarif.render,
-    "github": github.render,
-}
+from jausml.validation.formats import RENDERERS, text
 
 
 @click.command("validate")
@@ -25,7 +15,7 @@ _RENDERERS = {
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(_RENDERERS)),
+    type=click.Choice(list(RENDERERS)),
     default="text",
     show_default=True,
     help="Format of the report.",
@@ -60,20 +50,8 @@ def command(
     report = validate(
         models, project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
     )
-    rendered = _RENDERERS[output_format](report)
-    if output is None:
-        click.echo(rendered, nl=False)
-    else:
-        _write(output, rendered)
+    write_report(RENDERERS[output_format](report), output)
     if not quiet:
         click.echo(text.summary(report), err=True)
     if report.has_errors or (strict and report.has_warnings):
         raise click.exceptions.Exit(PROBLEMS)
-
-
-def _write(output: str, rendered: str) -> None:
-    try:
-        Path(output).write_text(rendered, encoding="utf-8", errors="backslashreplace", newline="\n")
-    except OSError as error:
-        name = click.format_filename(output)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error

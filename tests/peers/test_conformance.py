@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from jausml.live.peers.conformance.check import Verdict
 from jausml.live.peers.conformance.groups import all_groups, fixed_checks
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
 from jausml.live.peers.conformance.runner import run
 from jausml.live.peers.conformance.session import Limits
+from jausml.live.peers.conformance.verdicts import Verdict
 from jausml.live.peers.describing import describe
 from jausml.live.peers.network import make_network
 from jausml.runtime.base.address import JausAddress

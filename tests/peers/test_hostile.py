@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.live.messages import MessageError, load_catalogue
-from jausml.live.peers.conformance.check import Verdict
 from jausml.live.peers.conformance.formats import json, junit, text
 from jausml.live.peers.conformance.groups import all_groups
 from jausml.live.peers.conformance.opening import opened
 from jausml.live.peers.conformance.runner import run
+from jausml.live.peers.conformance.verdicts import Verdict
 from jausml.live.peers.describing import MAX_LENGTH, describe
 from jausml.live.peers.rendering import report_json, report_line
 from jausml.runtime.base.address import JausAddress

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Severity
+from jausml.validation.formats.suites import Case, Suite, junit_document
 from jausml.validation.formats.text import lines_of, one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from jausml.model.diagnostics import Diagnostic
     from jausml.validation.report import Report
-
-_CLEAN = "no findings"
 
 
 def render(report: Report) -> str:
@@ -31,40 +29,25 @@ def render(report: Report) -> str:
     by_file: dict[str, list[Diagnostic]] = {path: [] for path in report.files}
     for each in report.diagnostics:
         by_file.setdefault(each.location.path, []).append(each)
-    root = ET.Element("testsuites", name="jausml validate")
-    for path, findings in by_file.items():
-        root.append(_suite(path, findings))
-    for count in ("tests", "failures", "errors"):
-        root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
-    ET.indent(root)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
+    suites = (_suite(one_line(path), findings) for path, findings in by_file.items())
+    return junit_document("jausml validate", suites)
 
 
-def _suite(path: str, findings: Sequence[Diagnostic]) -> ET.Element:
-    name = one_line(path)
-    suite = ET.Element("testsuite", name=name)
+def _suite(path: str, findings: Sequence[Diagnostic]) -> Suite:
     ordered = sorted(findings, key=attrgetter("rule"))
-    for rule, group in groupby(ordered, key=attrgetter("rule")):
-        suite.append(_case(name, rule, list(group)))
-    if not findings:
-        ET.SubElement(suite, "testcase", classname=name, name=_CLEAN)
-    suite.set("tests", str(len(suite)))
-    suite.set("failures", str(len(suite.findall("testcase/failure"))))
-    suite.set("errors", "0")
-    return suite
+    by_rule = groupby(ordered, key=attrgetter("rule"))
+    cases = [_case(path, rule, list(group)) for rule, group in by_rule]
+    return Suite(path, cases or [Case(path, "no findings")])
 
 
-def _case(path: str, rule: str, findings: Sequence[Diagnostic]) -> ET.Element:
-    case = ET.Element("testcase", classname=path, name=rule)
+def _case(path: str, rule: str, findings: Sequence[Diagnostic]) -> Case:
     errors = [each for each in findings if each.severity is Severity.ERROR]
-    others = [each for each in findings if each.severity is not Severity.ERROR]
-    if errors:
-        failure = ET.SubElement(case, "failure", type=rule, message=one_line(errors[0].message))
-        failure.text = _lines(errors)
-    if others:
-        ET.SubElement(case, "system-out").text = _lines(others)
-    return case
+    others = _lines(each for each in findings if each.severity is not Severity.ERROR)
+    if not errors:
+        return Case(path, rule, output=others)
+    failure = one_line(errors[0].message)
+    return Case(path, rule, failure, kind=rule, details=_lines(errors), output=others)
 
 
-def _lines(findings: Sequence[Diagnostic]) -> str:
+def _lines(findings: Iterable[Diagnostic]) -> str:
     return "\n".join(line for each in findings for line in lines_of(each))

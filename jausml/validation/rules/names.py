@@ -227,13 +227,3 @@ def _siblings(subject: Subject) -> Iterator[Sequence[Named]]:
     for message_type in subject.instances(ros.MessageType):
         yield from (message_type.fields, message_type.constants)
     yield from (each.hosts for each in subject.instances(system.System))
-
-
-RULES = (
-    identifiers,
-    interface_names,
-    package_collisions,
-    sibling_names,
-    message_names,
-    machine_names,
-)

@@ -131,6 +131,3 @@ def _ipv4(text: str) -> ipaddress.IPv4Address | None:
         return ipaddress.IPv4Address(text)
     except ValueError:
         return None
-
-
-RULES = (metadata, network, placements, transports)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import CheckFailed, check
+from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.session import NOBODY
+from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.live.peers.services import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.messages import (

@@ -1,33 +1,17 @@
-"""What a check is: a documented function that talks to the target, and how it may end."""
+"""Checks of conformance: documented functions that talk to the target, with their results."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import TYPE_CHECKING
+
+from jausml.live.peers.conformance.verdicts import Verdict
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.conformance.trace import Line
-
-
-class Verdict(Enum):
-    """How a check ended."""
-
-    PASS = "pass"  # noqa: S105 - a verdict, no password
-    FAIL = "fail"
-    SKIPPED = "skipped"
-    NOTE = "note"
-
-
-class CheckFailed(Exception):  # noqa: N818 - an outcome, not a fault of ours
-    """The target does not do what the standard says."""
-
-
-class CheckSkipped(Exception):  # noqa: N818 - an outcome, not a fault of ours
-    """The check does not apply to this target or this run."""
 
 
 Body = Callable[["Session"], None]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
-from jausml.live.peers.conformance.check import CheckFailed
+from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.runtime import messages as core
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -13,7 +13,6 @@ from jausml.runtime.wire.message import DecodeError, Message
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.probe import Probe
     from jausml.runtime.base.address import JausAddress
 
 M = TypeVar("M", bound=Message)
@@ -41,6 +40,26 @@ class Received(NamedTuple):
         return int.from_bytes(self.payload[:2], "little")
 
 
+class Exchange(Protocol):
+    """What carries the packets of clients to the target and back.
+
+    Attributes:
+        target: The component under test.
+        timeout: Seconds to wait for an answer.
+        quiet: Seconds of silence that stand for "nothing comes".
+    """
+
+    target: JausAddress
+    timeout: float
+    quiet: float
+
+    def put(self, packet: Packet) -> None:
+        """Sends a packet to the target."""
+
+    def wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Receives until a condition holds, and returns whether it does in time."""
+
+
 class Client:
     """A component of ours that talks to the target.
 
@@ -52,12 +71,12 @@ class Client:
         acknowledgements: Acknowledgements and refusals (NAK) of the target.
     """
 
-    def __init__(self, probe: Probe, address: JausAddress) -> None:
+    def __init__(self, exchange: Exchange, address: JausAddress) -> None:
         """Use `Probe.client` instead."""
         self.address = address
         self.inbox: list[Received] = []
         self.acknowledgements: list[Packet] = []
-        self._probe = probe
+        self._exchange = exchange
         # A former run may be remembered by the target's duplicate detection (AS5669A).
         self._sequence = random.randrange(0x10000)
         self._owes: dict[type[Message], bytes] = {}
@@ -85,7 +104,7 @@ class Client:
     ) -> Packet:
         """Returns the next packet to the target, unsent."""
         return Packet(
-            destination or self._probe.target,
+            destination or self._exchange.target,
             self.address,
             payload,
             self.number(),
@@ -97,7 +116,7 @@ class Client:
 
     def put(self, packet: Packet) -> None:
         """Sends a packet."""
-        self._probe.put(packet)
+        self._exchange.put(packet)
 
     def send(self, message: Message, priority: Priority = Priority.STANDARD) -> None:
         """Sends a message and remembers what it leaves behind."""
@@ -165,7 +184,7 @@ class Client:
                         return True
             return False
 
-        self._probe.wait(look, self._probe.timeout if within is None else within)
+        self._exchange.wait(look, self._exchange.timeout if within is None else within)
         return found[0] if found else None
 
     def first_of(self, codes: tuple[int, ...]) -> Received | None:
@@ -174,7 +193,7 @@ class Client:
         def here() -> list[Received]:
             return [each for each in self.inbox if each.code in codes]
 
-        self._probe.wait(lambda: bool(here()), self._probe.timeout)
+        self._exchange.wait(lambda: bool(here()), self._exchange.timeout)
         found = here()
         if not found:
             return None
@@ -238,7 +257,7 @@ class Client:
         Raises:
             CheckFailed: Such a message comes.
         """
-        seconds = self._probe.quiet if within is None else within
+        seconds = self._exchange.quiet if within is None else within
         if self.find(message_class, within=seconds) is not None:
             raise CheckFailed(f"{message_class.NAME} came, but {why}")
 
@@ -248,7 +267,7 @@ class Client:
         Raises:
             CheckFailed: Any message comes.
         """
-        if self._probe.wait(lambda: bool(self.inbox), self._probe.quiet):
+        if self._exchange.wait(lambda: bool(self.inbox), self._exchange.quiet):
             raise CheckFailed(f"message {self.inbox[0].code:04X} came, but {why}")
 
     # ---- events -----------------------------------------------------------------------------

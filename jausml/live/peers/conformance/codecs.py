@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.containers import PRESENCE
-from jausml.live.peers.conformance.check import Check, CheckFailed
+from jausml.live.peers.conformance.check import Check
+from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.live.peers.samples import PRESENCE_VECTOR, optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import CheckFailed, check
+from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.client import decoded
+from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,

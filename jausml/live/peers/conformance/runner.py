@@ -6,14 +6,8 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import (
-    Check,
-    CheckFailed,
-    CheckSkipped,
-    ConformanceReport,
-    Result,
-    Verdict,
-)
+from jausml.live.peers.conformance.check import Check, ConformanceReport, Result
+from jausml.live.peers.conformance.verdicts import CheckFailed, CheckSkipped, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

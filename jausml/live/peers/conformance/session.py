@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
-from jausml.live.peers.conformance.check import CheckFailed, CheckSkipped
 from jausml.live.peers.conformance.client import UNDO_ORDER
+from jausml.live.peers.conformance.verdicts import CheckFailed, CheckSkipped
 from jausml.live.peers.services import controller_of
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status

@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import CheckFailed, check
+from jausml.live.peers.conformance.check import check
 from jausml.live.peers.conformance.session import PINGS
+from jausml.live.peers.conformance.verdicts import CheckFailed
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, RejectEventRequest
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet

@@ -269,15 +269,3 @@ def _unprovided(connection: bridge.Connection, component: jaus.Component, verb: 
         hint,
         (Note(component, f"'{component.name}'"),),
     )
-
-
-RULES = (
-    direction_assigned,
-    message_provided,
-    peers_named,
-    query_known,
-    rate_range,
-    safe_value_used,
-    peers_controllable,
-    loops,
-)

@@ -169,6 +169,3 @@ def _feature(owner: Owner) -> str:
 def _overlaps(first: Steps, second: Steps) -> bool:
     common = min(len(first), len(second))
     return first[:common] == second[:common]
-
-
-RULES = (targets_unique, required_fields)

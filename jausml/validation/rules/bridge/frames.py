@@ -235,6 +235,3 @@ def _exchange(source: Axis) -> str:
     if FAMILIES[source.frame] == EARTH and not source.is_angle and source.name in names:
         return f"east is x of {ENU} and y of {NED}, north is y of {ENU} and x of {NED}"
     return ""
-
-
-RULES = (frame_mismatch,)

@@ -80,6 +80,3 @@ def _paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
         yield from source_paths(each)
         if isinstance(each, bridge.ListAssignment):
             yield from _paths(each.assignments)
-
-
-RULES = (joins,)

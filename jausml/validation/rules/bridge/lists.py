@@ -190,6 +190,3 @@ def _maps_in(assignments: Sequence[bridge.Assignment]) -> Iterator[bridge.Attrib
             yield each.map
         if isinstance(each, bridge.ListAssignment):
             yield from _maps_in(each.assignments)
-
-
-RULES = (lists, nested_messages)

@@ -180,6 +180,3 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
         if isinstance(target, Attribute) and not yields(last, kind, target):
             message = f"{last.kind.name} yields {kind}, but '{path}' is {target.name}"
             yield Finding(assignment, message, "target")
-
-
-RULES = (paths, types, constants)

@@ -116,6 +116,3 @@ def _connection_findings(subject: Subject, connection: bridge.Connection) -> Ite
         notes = tuple(Note(each, f"'{each.target}'", "target") for each in found[:_MOST_NOTES])
         hint = f"give these assignments {_HINT}"
         yield Finding(connection, message, "outOfRange", hint, notes)
-
-
-RULES = (left_out_fields, clamped_values)

@@ -240,6 +240,3 @@ def _sent_for_zero(value: str, target: Found) -> float:
 def _text(values: Interval) -> str:
     low, high = (f"{each:.6g}" for each in values)
     return low if low == high else f"{low}..{high}"
-
-
-RULES = (exceeding_ranges, impossible_ranges, precision_loss, missed_zeros)

@@ -238,6 +238,3 @@ def _square_findings(
     elif _matrix_size(source[1]) and _is_deviation(target[1]):
         message = f"'{source[0]}' is a variance, but '{target[0]}' is a root mean square"
         yield Finding(placed.assignment, message, "target", "add the conversion square_root")
-
-
-RULES = (round_trips, covariances)

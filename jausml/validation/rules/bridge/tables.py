@@ -125,6 +125,3 @@ def _known(attribute: Attribute) -> str:
     if attribute.is_ros or not 0 < len(names) <= 2 * _MOST_NAMES:
         return ""
     return f"it has {', '.join(names)}"
-
-
-RULES = (tables,)

@@ -82,6 +82,3 @@ def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
     if not is_jaus:
         return "is for JAUS fields: all fields of a ROS message are there"
     return "" if attribute.optional else "is for optional fields"
-
-
-RULES = (vectors,)

@@ -262,16 +262,3 @@ def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
         message = f"rate {connection.rate:g} of '{connection.name}'"
         hint = f"above 0 and at most {MAXIMUM_RATE:g}"
         yield Finding(connection, f"{message} is out of range", "rate", hint)
-
-
-RULES = (
-    address_range,
-    address_bytes,
-    address_unique,
-    component_numbers,
-    connection_provided,
-    connection_query,
-    connection_rate,
-    controls_access,
-    services_unique,
-)

@@ -393,19 +393,3 @@ def _lies_in(path: str, outer: str) -> bool:
 def _suggestion(name: str, known: Iterable[str]) -> str:
     close = difflib.get_close_matches(name, sorted(known), 1)
     return f"did you mean {close[0]!a}?" if close else ""
-
-
-RULES = (
-    initial_states,
-    targets,
-    messages,
-    events,
-    guards,
-    reachable,
-    taken,
-    kinds,
-    core_states,
-    core_messages,
-    commands,
-    bridges,
-)

@@ -381,16 +381,3 @@ def _is_empty(value: jaus.ValueRange, *, integral: bool) -> bool:
         last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
         return first > last
     return value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive)
-
-
-RULES = (
-    reference_cycle,
-    member_kinds,
-    presence_vector,
-    optional_elsewhere,
-    scale_range,
-    bit_ranges,
-    count_types,
-    sizes,
-    value_sets,
-)

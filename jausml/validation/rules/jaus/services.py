@@ -150,6 +150,3 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
             carried = each.map.message if each.map is not None else None
             found.update(dict.fromkeys((carried, each.query)))
     return [message for message in found if message is not None]
-
-
-RULES = (inheritance_cycle, code_unique, code_unambiguous, urns)

@@ -72,6 +72,3 @@ def _held(kind: InterfaceType) -> list[ros.MessageType]:
         field for message in parts_of(kind) if message is not None for field in message.fields
     ]
     return [field.messageType for field in fields if isinstance(field, ros.MessageField)]
-
-
-RULES = (installed_types,)

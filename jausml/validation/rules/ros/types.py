@@ -311,16 +311,3 @@ def _parameter_fault(parameter: ros.Parameter) -> str:
     if is_limited and not parameter.minimum <= value <= parameter.maximum:
         return f"is not in {parameter.minimum:g}..{parameter.maximum:g}"
     return ""
-
-
-RULES = (
-    ros_names,
-    topic_types,
-    qos_compatible,
-    qos_values,
-    parameter_values,
-    interfaces,
-    frequencies,
-    constant_values,
-    default_values,
-)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.verdicts import Verdict
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.check import ConformanceReport, Result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import Verdict
+from jausml.live.peers.conformance.verdicts import Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
