@@ -53,8 +53,8 @@ class _Strategies:
                 return st.text(LATIN1, min_size=value.lower, max_size=upper)
             return st.binary(min_size=value.lower, max_size=upper)
         if value.kind == "list":
-            upper = min(value.upper, value.lower + 2)
-            return st.lists(self.value(value.element), min_size=value.lower, max_size=upper)
+            upper = min(value.upper, value.stated + 2)
+            return st.lists(self.value(value.element), min_size=value.stated, max_size=upper)
         if value.kind == "array":
             return st.lists(self.value(value.element), min_size=value.count, max_size=value.count)
         if value.kind == "variant":

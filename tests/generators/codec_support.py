@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from jausml import wire
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
 from jausml.generators.python.codec.fields import Tag
@@ -134,20 +135,22 @@ class FieldNames:
         self.view = view
         self.cls = getattr(module, view.class_name)
         self.bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
-        self.is_flat = view.body_kind in ("Record", "Sequence")
+        body = view.layout.body
+        self.body_name = body.name if body is not None else ""
+        self.is_flat = body is not None and isinstance(body.kind, wire.Record)
 
     def to_fields(self, message: Any) -> dict[str, Any]:
         """Returns a message in the shape of the golden vectors."""
-        if not self.view.body_name:
+        if not self.body_name:
             return {}
         values = self._part_to_fields(self.view.body, message)
-        return {self.view.body_name: values} if self.is_flat else values
+        return {self.body_name: values} if self.is_flat else values
 
     def from_fields(self, fields: dict[str, Any]) -> Any:
         """Returns the message that the fields of a golden vector describe."""
-        if not self.view.body_name:
+        if not self.body_name:
             return self.cls()
-        inner = fields[self.view.body_name] if self.is_flat else fields
+        inner = fields[self.body_name] if self.is_flat else fields
         return self._part_from_fields(self.view.body, self.cls, inner)
 
     def _part_to_fields(self, part: ContainerClass, obj: Any) -> dict[str, Any]:

@@ -6,72 +6,26 @@ type, a default, and the expressions that turn the value into its wire form and 
 
 from __future__ import annotations
 
-import math
 import re
 import struct
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from jausml import wire
 from jausml.generation.literals import python_literal
 from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from jausml.generators.python.layout import Expression
 
-FORMATS = {
-    "uint8": "B",
-    "int8": "b",
-    "uint16": "H",
-    "int16": "h",
-    "uint32": "I",
-    "int32": "i",
-    "uint64": "Q",
-    "int64": "q",
-    "float32": "f",
-    "float64": "d",
-}
-_FLOAT_LIMITS = {"float32": 3.4028234663852886e38, "float64": 1.7976931348623157e308}
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
-
-Ranges = tuple[tuple[int, int], ...]
-
-
-def name_of(value: Any) -> str:
-    """Returns the name of an enumeration literal of a model (or of a default, a plain string)."""
-    return str(getattr(value, "name", value))
-
-
-def bits_of(numeric_type: str) -> int:
-    """Returns the number of bits of a wire type."""
-    return 8 * struct.calcsize(f"<{FORMATS[numeric_type]}")
-
-
-def integer_limits(numeric_type: str) -> tuple[int, int]:
-    """Returns the smallest and the largest integer of a wire type."""
-    bits = bits_of(numeric_type)
-    return (
-        (0, 2**bits - 1)
-        if numeric_type.startswith("u")
-        else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    )
-
-
-def length_format(numeric_type: str) -> str:
-    """Returns the struct format of a count or tag.
-
-    Raises:
-        ValueError: It is not an unsigned integer.
-    """
-    if not numeric_type.startswith("u"):
-        raise ValueError(f"{numeric_type} cannot count")
-    return FORMATS[numeric_type]
-
-
+_TYPES: tuple[wire.IntegerType | wire.RealType, ...] = (
+    *wire.INTEGERS.values(),
+    *wire.REALS.values(),
+)
 _WORDS = {
-    letter: name.upper().replace("UINT", "U").replace("INT", "I").replace("FLOAT", "F")
-    for name, letter in FORMATS.items()
+    each.format: each.name.upper().replace("UINT", "U").replace("INT", "I").replace("FLOAT", "F")
+    for each in _TYPES
 }
 
 
@@ -235,56 +189,6 @@ class Blob:
         return Call("sized", (value, str(self.lower), str(self.upper), f'"{field}"'))
 
 
-def value_ranges(value_set: Any, lower: int, upper: int) -> Ranges:
-    """Returns the legal integers of a value set.
-
-    Args:
-        value_set: The ValueSet, or None.
-        lower: Smallest integer of the type.
-        upper: Largest integer of the type.
-    """
-    found = []
-    for value in value_set.values if value_set is not None else ():
-        if value.eClass.name == "EnumeratedValue":
-            found.append((int(value.value), int(value.value)))
-        else:
-            first = math.ceil(value.lower) if value.lowerInclusive else math.floor(value.lower) + 1
-            last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
-            found.append((first, last))
-    legal = merge((max(first, lower), min(last, upper)) for first, last in found)
-    return legal or ((lower, upper),)
-
-
-def listed_values(value_set: Any) -> tuple[tuple[str, int], ...]:
-    """Returns names and values of the single integers of a value set.
-
-    Args:
-        value_set: The ValueSet, or None.
-    """
-    return tuple(
-        (str(value.name), int(value.value))
-        for value in (value_set.values if value_set is not None else ())
-        if value.eClass.name == "EnumeratedValue"
-    )
-
-
-def merge(ranges: Iterable[tuple[int, int]]) -> Ranges:
-    """Returns as few ranges as hold the same integers.
-
-    Args:
-        ranges: Smallest and largest integer of each; one with none in it is left out.
-    """
-    merged: list[tuple[int, int]] = []
-    for first, last in sorted(ranges):
-        if first > last:
-            continue
-        if merged and first <= merged[-1][1] + 1:
-            merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
-        else:
-            merged.append((first, last))
-    return tuple(merged)
-
-
 def as_real(value: Fixed) -> Fixed:
     """Describes a number whose Python type is float because another choice of it is.
 
@@ -297,40 +201,23 @@ def as_real(value: Fixed) -> Fixed:
     return replace(value, python_type="float", check=check)
 
 
-def count_limits(count_type: str, lower: int, upper: int) -> tuple[int, int]:
-    """Returns the smallest and the largest legal count.
-
-    Args:
-        count_type: Wire type of the count.
-        lower: Smallest count.
-        upper: Largest count; 0 means as many as the type can say.
-    """
-    largest = integer_limits(count_type)[1]
-    return lower, min(upper, largest) if upper > 0 else largest
-
-
-def size_of(struct_format: str) -> int:
-    """Returns the bytes of a struct format."""
-    return struct.calcsize(f"<{struct_format}")
-
-
-def number(numeric_type: str, scale: Any, value_set: Any) -> Fixed:
+def number(kind: wire.Number) -> Fixed:
     """Describes a number.
 
     Args:
-        numeric_type: Its wire type.
-        scale: Its ScaleRange, or None.
-        value_set: Its ValueSet, or None.
+        kind: Its layout.
     """
-    if numeric_type in _FLOAT_LIMITS:
-        return _real(numeric_type, value_set)
-    if scale is not None:
-        return _scaled(numeric_type, scale)
-    ranges = value_ranges(value_set, *integer_limits(numeric_type))
-    return replace(integer(FORMATS[numeric_type], ranges), listed=listed_values(value_set))
+    match kind:
+        case wire.Integer():
+            listed = tuple((each.name, each.value) for each in kind.legal.listed)
+            return replace(integer(kind.type.format, kind.legal.ranges), listed=listed)
+        case wire.Real():
+            return _real(kind)
+        case wire.Scaled():
+            return _scaled(kind)
 
 
-def integer(struct_format: str, ranges: Ranges) -> Fixed:
+def integer(struct_format: str, ranges: wire.Ranges) -> Fixed:
     """Describes an integer.
 
     Args:
@@ -346,55 +233,17 @@ def integer(struct_format: str, ranges: Ranges) -> Fixed:
     return Fixed(struct_format, "int", str(default), "one_of", (pairs,), range_text=text)
 
 
-def _real(numeric_type: str, value_set: Any) -> Fixed:
-    limit = _FLOAT_LIMITS[numeric_type]
-    lower, upper = -limit, limit
-    values = list(value_set.values) if value_set is not None else []
-    # A set of single reals has no use; of ranges the outer limits are kept.
-    if values and all(value.eClass.name == "ValueRange" for value in values):
-        starts = [_end(numeric_type, v.lower, inclusive=v.lowerInclusive, up=True) for v in values]
-        ends = [_end(numeric_type, v.upper, inclusive=v.upperInclusive, up=False) for v in values]
-        lower, upper = max(lower, min(starts)), min(upper, max(ends))
-    text = "" if upper == limit else f"{lower!r} .. {upper!r}"
+def _real(kind: wire.Real) -> Fixed:
+    lower, upper = kind.lower, kind.upper
+    text = "" if upper == kind.type.largest else f"{lower!r} .. {upper!r}"
     limits = (python_literal(lower), python_literal(upper))
     default = python_literal(0.0 if lower <= 0.0 <= upper else lower)
-    return Fixed(FORMATS[numeric_type], "float", default, "real", limits, range_text=text)
+    return Fixed(kind.type.format, "float", default, "real", limits, range_text=text)
 
 
-def _end(numeric_type: str, limit: float, *, inclusive: bool, up: bool) -> float:
-    """Returns the last legal number at an end of a range.
-
-    Args:
-        numeric_type: Wire type, whose precision counts.
-        limit: The limit that the model states.
-        inclusive: Whether the limit itself is legal.
-        up: Whether legal numbers lie above the limit.
-    """
-    if numeric_type == "float64" or abs(limit) > _FLOAT_LIMITS[numeric_type]:
-        return limit if inclusive else math.nextafter(limit, math.inf if up else -math.inf)
-    single: float = struct.unpack("<f", struct.pack("<f", limit))[0]
-    # A limit that is not a single is met by the single next to it.
-    if inclusive:
-        return min(single, limit) if up else max(single, limit)
-    beyond = single > limit if up else single < limit
-    return single if beyond else _next_single(single, up=up)
-
-
-def _next_single(value: float, *, up: bool) -> float:
-    """Returns the single precision number above or below another."""
-    if value == 0.0:
-        return 2.0**-149 if up else -(2.0**-149)
-    bits: int = struct.unpack("<I", struct.pack("<f", value))[0]
-    step = 1 if up == (value > 0) else -1
-    following: float = struct.unpack("<f", struct.pack("<I", bits + step))[0]
-    return following
-
-
-def _scaled(numeric_type: str, scale: Any) -> Fixed:
-    lower, upper = float(scale.lower), float(scale.upper)
-    if not lower < upper or not numeric_type.startswith("u"):
-        raise ValueError(f"scale {lower} .. {upper} of {numeric_type} has no meaning in AS5684")
-    maximum = f"0x{integer_limits(numeric_type)[1]:X}"
+def _scaled(kind: wire.Scaled) -> Fixed:
+    lower, upper = kind.lower, kind.upper
+    maximum = f"0x{kind.type.upper:X}"
     step = f"{python_literal(upper - lower)} / {maximum}"
     # The sum and the product are the standard's own: value = lower + raw * step.
     if lower == 0.0:
@@ -402,10 +251,10 @@ def _scaled(numeric_type: str, scale: Any) -> Fixed:
     else:
         back = f"{{}} * ({step}) {'-' if lower < 0 else '+'} {python_literal(abs(lower))}"
     return Fixed(
-        FORMATS[numeric_type],
+        kind.type.format,
         "float",
         python_literal(0.0 if lower <= 0.0 <= upper else lower),
-        _SCALED[name_of(scale.rounding)],
+        _SCALED[kind.rounding],
         (python_literal(lower), step, maximum),
         back,
         range_text=f"{lower:.12g} .. {upper:.12g}",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml import wire
 from jausml.generation import docstrings as docs
 from jausml.generation.errors import GenerationError
 from jausml.generators.python import names
@@ -17,38 +19,44 @@ from jausml.generators.python.codec.nested import (
     VariableFieldClass,
     VariantAlias,
 )
-from jausml.generators.python.codec.nesting import Nest, Resolved, resolve
+from jausml.generators.python.codec.nesting import Nest
 from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
 from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
-Value = fields.Fixed | fields.Blob | PartValue | VariantValue | ListValue | ArrayValue
+    from jausml.metamodel.classes import jaus
+
 Element = fields.Fixed | fields.Blob | PartValue | VariantValue
+Value = Element | ListValue | ArrayValue
 
 
-def build_message(element: Any, class_name: str | None = None) -> MessageView:
+def build_message(element: jaus.MessageDef, class_name: str | None = None) -> MessageView:
     """Returns the view of a message.
 
     Args:
-        element: A MessageDef of the model.
+        element: The message.
         class_name: Name of the class; made from the message's name when it is not given.
 
     Raises:
         GenerationError: The message cannot be encoded; validation tells users before.
     """
-    return MessageBuilder(element, class_name or names.class_name(str(element.name))).build()
+    try:
+        layout = wire.resolve(element)
+    except wire.LayoutError as error:
+        raise GenerationError(str(error)) from None
+    return MessageBuilder(layout, class_name or names.class_name(layout.name)).build()
 
 
-def build_messages(elements: Iterable[Any]) -> tuple[MessageView, ...]:
+def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ...]:
     """Returns the views of the messages of one module, in the order of their codes.
 
     A message that occurs more than once (several services of a set define SetTravelSpeed) becomes
     one class; messages that share no more than a name get different ones.
 
     Args:
-        elements: MessageDefs of the model.
+        elements: The messages.
 
     Raises:
         GenerationError: A message cannot be encoded.
@@ -56,18 +64,18 @@ def build_messages(elements: Iterable[Any]) -> tuple[MessageView, ...]:
     return tuple(dict.fromkeys(build_message_map(elements).values()))
 
 
-def build_message_map(elements: Iterable[Any]) -> dict[Any, MessageView]:
+def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageDef, MessageView]:
     """Returns the views of `build_messages` by model element.
 
     Args:
-        elements: MessageDefs of the model.
+        elements: The messages.
 
     Raises:
         GenerationError: A message cannot be encoded.
     """
     scope = names.Scope(names.RESERVED_CLASSES, separator="")
     classes: dict[MessageView, MessageView] = {}
-    found: dict[Any, MessageView] = {}
+    found: dict[jaus.MessageDef, MessageView] = {}
     for element in sorted(elements, key=lambda e: (int(str(e.code), 16), str(e.name))):
         view = build_message(element)
         if view not in classes:
@@ -81,49 +89,30 @@ class MessageBuilder:
     """Builds the view of one message.
 
     Args:
-        element: A MessageDef of the model.
+        layout: How it stands on the wire.
         class_name: Name of the class.
     """
 
-    def __init__(self, element: Any, class_name: str) -> None:
-        self._element = element
+    def __init__(self, layout: wire.Message, class_name: str) -> None:
+        self._layout = layout
         self._class_name = class_name
-        self._nest = Nest(class_name, str(element.name))
-        self._open: list[Any] = []
-        self._kinds: dict[str, Callable[[Resolved, str], Value]] = {
-            "FixedField": self._number,
-            "BitField": self._bits,
-            "FixedLengthString": self._fixed_text,
-            "VariableLengthString": self._text,
-            "VariableLengthField": self._blob,
-            "VariableFormatField": self._part,
-            "VariableField": self._part,
-            "Record": self._part,
-            "Sequence": self._part,
-            "List": self._list,
-            "Array": self._array,
-            "Variant": self._variant,
-        }
+        self._nest = Nest(class_name, layout.name)
 
     def build(self) -> MessageView:
         """Returns the view."""
-        element = self._element
-        code = int(str(element.code), 16)
-        body = resolve(element.body) if element.body is not None else None
-        summary = f"{docs.clean(element.name)} (message code 0x{code:04X})."
-        text = docs.clean(element.documentation)
-        container = self._container(
-            self._class_name, body, summary, (docs.sentence(text),) if text else ()
-        )
+        layout = self._layout
+        summary = f"{docs.clean(layout.name)} (message code 0x{layout.code:04X})."
+        text = docs.clean(layout.documentation)
+        paragraphs = (docs.sentence(text),) if text else ()
+        container = self._container(self._class_name, layout.body, summary, paragraphs)
         return MessageView(
-            jaus_name=str(element.name),
-            code=code,
-            is_command=bool(element.isCommand),
+            jaus_name=layout.name,
+            code=layout.code,
+            is_command=layout.is_command,
             body=container,
             nested=tuple(self._nest.classes),
             structs=tuple(sorted(self._nest.structs.items())),
-            body_name=body.name if body else "",
-            body_kind=body.kind if body else "",
+            layout=layout,
         )
 
     # -- classes ---------------------------------------------------------------------------------
@@ -131,33 +120,22 @@ class MessageBuilder:
     def _container(
         self,
         name: str,
-        body: Resolved | None,
+        body: wire.Field | None,
         summary: str,
         paragraphs: tuple[str, ...] = (),
         tag: int | None = None,
     ) -> ContainerClass:
         """Builds a class of members: those of a record or sequence, or the one field itself."""
         path = self._nest.path(name)
-        presence = "none"
-        elements: Sequence[Any] = ()
-        if body is not None and body.kind in ("Record", "Sequence"):
-            if body.type in self._open:
-                raise GenerationError(f"'{body.name}' of {self._element.name} contains itself")
-            self._open.append(body.type)
-            presence = fields.name_of(body.type.presenceVector)
-            elements = list(body.type.fields)
-        members = self._members(
-            path,
-            [resolve(e) for e in elements]
-            if elements
-            else [replace(body, optional=False)]
-            if body
-            else [],
-            presence,
-        )
-        if elements:
-            self._open.pop()
-        presence_format = "" if presence == "none" else fields.length_format(presence)
+        presence: wire.IntegerType | None = None
+        parts: tuple[wire.Field, ...] = ()
+        is_wrapper = body is not None and not isinstance(body.kind, wire.Record)
+        if body is not None and isinstance(body.kind, wire.Record):
+            parts, presence = body.kind.members, body.kind.presence
+        elif body is not None:
+            parts = (replace(body, bit=0),)
+        members = self._members(path, parts)
+        presence_format = presence.format if presence else ""
         return ContainerClass(
             name=name,
             path=path,
@@ -165,37 +143,34 @@ class MessageBuilder:
             paragraphs=paragraphs,
             members=members,
             segments=self._segments(members, presence_format),
-            presence_struct=self._nest.use(presence_format) if presence_format else "",
-            presence_size=fields.bits_of(presence) // 8 if presence_format else 0,
+            presence_struct=self._nest.use(presence_format) if presence else "",
+            presence_size=presence.size if presence else 0,
             tag=tag,
             jaus_name=body.name if body else "",
-            is_wrapper=body is not None and not elements,
+            is_wrapper=is_wrapper,
         )
 
-    def _members(
-        self, path: str, resolved: Sequence[Resolved], presence: str
-    ) -> tuple[Member, ...]:
+    def _members(self, path: str, parts: Sequence[wire.Field]) -> tuple[Member, ...]:
         scope = names.Scope(names.RESERVED_ATTRIBUTES)
-        attributes = [scope.claim(names.snake_case(field.name)) for field in resolved]
+        attributes = [scope.claim(names.snake_case(field.name)) for field in parts]
         members: list[Member] = []
-        bit = 1
-        for field, attribute in zip(resolved, attributes, strict=True):
-            value = self._value(field, path)
+        for field, attribute in zip(parts, attributes, strict=True):
+            kind = field.kind
+            value = self._value(field)
             repeated = isinstance(value, ListValue | ArrayValue)
             first = not any(member.item for member in members)
-            optional = field.optional and presence != "none"
+            listed = kind.legal.listed if isinstance(kind, wire.Integer) else ()
             member = Member(
                 jaus_name=field.name,
                 attribute=attribute,
                 value=self._with_reader(value, attribute, scope),
-                default="None" if optional else self._default(value, path),
-                bit=bit if optional else 0,
+                default="None" if field.is_optional else self._default(value, path),
+                bit=field.bit,
                 item="" if not repeated else "item" if first else scope.claim(f"{attribute}_item"),
-                units=docs.clean(getattr(field.type, "units", "")),
-                documentation=field.documentation,
-                enumeration=self._nest.enumeration(field, getattr(field.type, "values", None)),
+                units=docs.clean(kind.units) if isinstance(kind, wire.Number) else "",
+                documentation=docs.clean(field.documentation),
+                enumeration=self._nest.enumeration(field.name, listed),
             )
-            bit <<= optional
             members.append(member)
         return tuple(members)
 
@@ -235,53 +210,54 @@ class MessageBuilder:
     def _run(self, members: Sequence[Member], presence_format: str) -> Run:
         formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
         items = [presence_format, *formats] if presence_format else formats
-        size = sum(fields.size_of(item) for item in items)
+        size = struct.calcsize("<" + "".join(items))
         name = self._nest.use("".join(items))
         return Run(name, tuple(members), bool(presence_format), size)
 
-    def _class(self, field: Resolved, tag: int | None = None) -> PartValue:
+    def _class(self, field: wire.Field, tag: int | None = None) -> PartValue:
         """Returns the class of a field as a part; each option of a variant has its own."""
-        key = (id(field.type), field.name, tag)
+        key = (field.kind, field.name, tag)
         if tag is not None or key not in self._nest.known:
             name = self._nest.scope.claim(names.class_name(field.name))
-            summary = self._nest.summary(field)
-            if field.kind == "VariableField":
-                part: ContainerClass | VariableFieldClass = self._variable(field, name, summary)
-            elif field.kind == "VariableFormatField":
-                part = self._format(field, name, summary)
-            else:
-                part = self._container(name, field, summary, tag=tag)
+            part = self._class_named(name, field, tag)
             self._nest.classes.append(part)
             self._nest.known[key] = PartValue(part, part.path)
         part_value: PartValue = self._nest.known[key]
         return part_value
 
-    def _variable(self, field: Resolved, name: str, summary: str) -> VariableFieldClass:
-        numbers = [
-            fields.number(fields.name_of(a.type), a.scale, a.values)
-            for a in field.type.alternatives
-        ]
+    def _class_named(
+        self, name: str, field: wire.Field, tag: int | None
+    ) -> ContainerClass | VariableFieldClass:
+        summary = self._nest.summary(field)
+        match field.kind:
+            case wire.VariableNumber():
+                return self._variable(field.name, field.kind, name, summary)
+            case wire.FormattedOctets():
+                return self._formatted(field.name, field.kind, name, summary)
+        return self._container(name, field, summary, tag=tag)
+
+    def _variable(
+        self, jaus_name: str, kind: wire.VariableNumber, name: str, summary: str
+    ) -> VariableFieldClass:
+        numbers = [fields.number(each.number) for each in kind.alternatives]
         python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
         alternatives = []
-        for element, value in zip(field.type.alternatives, numbers, strict=True):
+        for each, value in zip(kind.alternatives, numbers, strict=True):
             self._nest.use(value.format)
             number = fields.as_real(value) if python_type == "float" else value
-            alternatives.append(
-                Alternative(
-                    int(element.index), number, str(element.name), docs.clean(element.units)
-                )
-            )
+            units = docs.clean(each.number.units)
+            alternatives.append(Alternative(each.index, number, each.name, units))
         self._nest.use("B")
-        return VariableFieldClass(
-            name, self._nest.path(name), summary, python_type, tuple(alternatives), field.name
-        )
-
-    def _format(self, field: Resolved, name: str, summary: str) -> ContainerClass:
-        """Builds the class of a variable format field: the index of a format, and bytes."""
         path = self._nest.path(name)
-        indices = [(int(f.index), str(f.name)) for f in field.type.formats]
-        enumeration = self._nest.listed(f"{name}Format", docs.clean(field.name), indices)
-        ranges = fields.merge((index, index) for index, _ in indices)
+        return VariableFieldClass(name, path, summary, python_type, tuple(alternatives), jaus_name)
+
+    def _formatted(
+        self, jaus_name: str, kind: wire.FormattedOctets, name: str, summary: str
+    ) -> ContainerClass:
+        """Builds the class of bytes with a format: the index of the format, and the bytes."""
+        indices = [(each.index, each.name) for each in kind.formats]
+        enumeration = self._nest.listed(f"{name}Format", docs.clean(jaus_name), indices)
+        ranges = wire.merged((index, index) for index, _ in indices)
         index = Member(
             "format",
             "format_index",
@@ -289,91 +265,74 @@ class MessageBuilder:
             str(min(indices)[0]),
             enumeration=enumeration,
         )
-        blob = self._counted(field, "format", is_text=False)
-        data = Member("hex", "data", blob, blob.default)
-        members = (index, data)
+        blob = self._counted(kind.count, "format", is_text=False)
+        members = (index, Member("hex", "data", blob, blob.default))
         segments = self._segments(members, "")
+        path = self._nest.path(name)
         return ContainerClass(
-            name, path, summary, (), members, segments, jaus_name=field.name, is_format=True
+            name, path, summary, (), members, segments, jaus_name=jaus_name, is_format=True
         )
 
     # -- values ----------------------------------------------------------------------------------
 
-    def _value(self, field: Resolved, path: str) -> Value:
-        return self._kinds[field.kind](field, path)
+    def _value(self, field: wire.Field) -> Value:
+        match field.kind:
+            case wire.Integer() | wire.Real() | wire.Scaled():
+                return self._fixed(fields.number(field.kind))
+            case wire.BitField():
+                name = self._nest.bit_field(field, field.kind).path
+                struct_format = field.kind.type.format
+                reader = f"{name}.from_integer"
+                return self._fixed(fields.Bits(struct_format, name, "", "", (), reader=reader))
+            case wire.FixedText():
+                return self._fixed(fields.fixed_text(field.kind.length))
+            case wire.Text():
+                return self._counted(field.kind.count, "text", is_text=True)
+            case wire.Octets():
+                content = docs.clean(field.kind.content)
+                return self._counted(field.kind.count, content, is_text=False)
+            case wire.List():
+                return self._list(field.kind)
+            case wire.Array():
+                return self._array(field.kind)
+            case wire.Variant():
+                return self._variant(field.name, field.kind)
+            case wire.VariableNumber() | wire.FormattedOctets() | wire.Record():
+                return self._class(field)
 
-    def _number(self, field: Resolved, path: str) -> fields.Fixed:
-        del path
-        element = field.type
-        value = fields.number(fields.name_of(element.type), element.scale, element.values)
+    def _fixed(self, value: fields.Fixed) -> fields.Fixed:
         self._nest.use(value.format)
         return value
 
-    def _bits(self, field: Resolved, path: str) -> fields.Fixed:
-        del path
-        struct_format = self._nest.used(fields.length_format(fields.name_of(field.type.type)))
-        name = self._nest.bit_field(field).path
-        return fields.Bits(struct_format, name, "", "", (), reader=f"{name}.from_integer")
+    def _counted(self, count: wire.Count, content: str, *, is_text: bool) -> fields.Blob:
+        count_format = self._nest.used(count.type.format)
+        return fields.Blob(count_format, count.lower, count.upper, is_text, content)
 
-    def _fixed_text(self, field: Resolved, path: str) -> fields.Fixed:
-        del path
-        value = fields.fixed_text(int(field.type.length))
-        self._nest.use(value.format)
-        return value
+    def _list(self, kind: wire.List) -> ListValue:
+        count_format = self._nest.used(kind.count.type.format)
+        return ListValue(self._item(kind.element), count_format, kind.stated, kind.count.upper)
 
-    def _text(self, field: Resolved, path: str) -> fields.Blob:
-        del path
-        return self._counted(field, "text", is_text=True)
-
-    def _blob(self, field: Resolved, path: str) -> fields.Blob:
-        del path
-        return self._counted(field, docs.clean(field.type.format), is_text=False)
-
-    def _counted(self, field: Resolved, content: str, *, is_text: bool) -> fields.Blob:
-        count_type = fields.name_of(field.type.countType)
-        lower, upper = fields.count_limits(
-            count_type, int(field.type.minimumLength), int(field.type.maximumLength)
-        )
-        count_format = self._nest.used(fields.length_format(count_type))
-        return fields.Blob(count_format, lower, upper, is_text, content)
-
-    def _part(self, field: Resolved, path: str) -> PartValue:
-        del path
-        return self._class(field)
-
-    def _list(self, field: Resolved, path: str) -> ListValue:
-        element = field.type
-        count_type = fields.name_of(element.countType)
-        lower, upper = fields.count_limits(
-            count_type, int(element.minimumCount), int(element.maximumCount)
-        )
-        count_format = self._nest.used(fields.length_format(count_type))
-        return ListValue(self._item(resolve(element.element), path), count_format, lower, upper)
-
-    def _array(self, field: Resolved, path: str) -> ArrayValue:
-        item = self._item(resolve(field.type.element), path)
-        array = ArrayValue(item, tuple(int(size) for size in field.type.dimensions))
+    def _array(self, kind: wire.Array) -> ArrayValue:
+        item = self._item(kind.element)
+        array = ArrayValue(item, kind.dimensions)
         if isinstance(item, fields.Fixed) and not item.format.endswith("s"):
-            name = self._nest.use(f"{array.count}{item.format}")
-            return replace(array, struct=name)
+            return replace(array, struct=self._nest.use(f"{array.count}{item.format}"))
         return array
 
-    def _item(self, field: Resolved, path: str) -> Element:
+    def _item(self, field: wire.Field) -> Element:
         """Returns an element of a list or array; a list in a list gets a class around it."""
-        value = self._value(field, path)
+        value = self._value(field)
         return self._class(field) if isinstance(value, ListValue | ArrayValue) else value
 
-    def _variant(self, field: Resolved, path: str) -> fields.Fixed | VariantValue:
-        del path
-        tag_format = self._nest.used(fields.length_format(fields.name_of(field.type.tagType)))
-        resolved = [resolve(option) for option in field.type.options]
-        if not resolved:
+    def _variant(self, name: str, kind: wire.Variant) -> fields.Fixed | VariantValue:
+        tag_format = self._nest.used(kind.tag.format)
+        if not kind.options:
             return fields.Tag(tag_format, "int", "0", "integer", ("0", "0"))
-        if len(resolved) == 1:
-            only = self._class(resolved[0], 0)
+        if len(kind.options) == 1:
+            only = self._class(kind.options[0], 0)
             return VariantValue("", only.python_type, tag_format, (only,))
-        alias = self._nest.scope.claim(names.class_name(field.name))
-        options = tuple(self._class(option, tag) for tag, option in enumerate(resolved))
+        alias = self._nest.scope.claim(names.class_name(name))
+        options = tuple(self._class(option, tag) for tag, option in enumerate(kind.options))
         classes = tuple(option.part.name for option in options)
         self._nest.classes.append(VariantAlias(alias, classes))
         return VariantValue("", self._nest.path(alias), tag_format, options)

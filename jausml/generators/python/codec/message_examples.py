@@ -48,7 +48,7 @@ class _Examples:
             content = b"x" * max(1, value.lower)
             return len(content).to_bytes(value.count_size, "little") + content
         if isinstance(value, ListValue):
-            count = max(1, value.lower)
+            count = max(1, value.stated)
             return count.to_bytes(value.count_size, "little") + self.value(value.element) * count
         if isinstance(value, ArrayValue):
             return self.value(value.element) * value.count

@@ -8,7 +8,7 @@ class, a list is a list, a variant a union of the classes of its options.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.generators.python import imports, layout
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import ModuleType
 
+    from jausml import wire
     from jausml.generators.python.codec.nested import (
         Enumeration,
         SubField,
@@ -40,8 +41,7 @@ class MessageView:
         body: The class itself.
         nested: Enumerations, parts, bit fields and unions inside it, in the order to write.
         structs: Names and formats of the module's constants that it uses.
-        body_name: Name of the record, sequence, list or variant of the body, or empty.
-        body_kind: Kind of the body: Record, Sequence, List, Variant or empty.
+        layout: How it stands on the wire.
     """
 
     jaus_name: str
@@ -51,9 +51,9 @@ class MessageView:
     nested: tuple[
         Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias, ...
     ]
-    structs: tuple[tuple[str, str], ...] = ()
-    body_name: str = ""
-    body_kind: str = ""
+    structs: tuple[tuple[str, str], ...]
+    # Services may define one message with other words: the class counts.
+    layout: wire.Message = field(compare=False)
 
     @property
     def class_name(self) -> str:

@@ -2,66 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import docstrings as docs
-from jausml.generation.errors import GenerationError
 from jausml.generators.python import names
 from jausml.generators.python.codec import fields
 from jausml.generators.python.codec.nested import BitFieldClass, Enumeration, SubField
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
+    from jausml import wire
     from jausml.generators.python.codec.nested import (
         ContainerClass,
         VariableFieldClass,
         VariantAlias,
     )
-
-
-@dataclass(frozen=True)
-class Resolved:
-    """A field of the model with its type references followed.
-
-    Attributes:
-        name: Its name, the outermost reference's.
-        optional: Whether it is optional, as the outermost reference says.
-        documentation: Clean text.
-        type: The element that is no TypeReference.
-    """
-
-    name: str
-    optional: bool
-    documentation: str
-    type: Any
-
-    @property
-    def kind(self) -> str:
-        """Class of the type in the metamodel."""
-        return str(self.type.eClass.name)
-
-
-def resolve(element: Any) -> Resolved:
-    """Follows the type references of a field.
-
-    Args:
-        element: A Field of the model.
-
-    Raises:
-        GenerationError: The references lead nowhere or in a circle.
-    """
-    target, seen = element, []
-    while target is not None and target.eClass.name == "TypeReference":
-        if target in seen:
-            raise GenerationError(f"type reference '{element.name}' refers to itself")
-        seen.append(target)
-        target = target.target
-    if target is None:
-        raise GenerationError(f"type reference '{element.name}' has no target")
-    text = docs.clean(element.documentation or target.documentation)
-    return Resolved(str(element.name), bool(element.optional), text, target)
 
 
 class Nest:
@@ -86,9 +43,10 @@ class Nest:
         self.structs: dict[str, str] = {}
         self.known: dict[object, Any] = {}
 
-    def summary(self, field: Resolved) -> str:
+    def summary(self, field: wire.Field) -> str:
         """Returns the first line of the docstring of a field's class."""
-        return docs.described(field.documentation or f"{field.name} of {self._message}")
+        text = docs.clean(field.documentation)
+        return docs.described(text or f"{field.name} of {self._message}")
 
     def path(self, name: str) -> str:
         """Returns the full name of a class."""
@@ -105,10 +63,10 @@ class Nest:
         self.use(struct_format)
         return struct_format
 
-    def bit_field(self, field: Resolved) -> BitFieldClass:
+    def bit_field(self, field: wire.Field, kind: wire.BitField) -> BitFieldClass:
         """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
         scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
-        subs = tuple(self._sub_field(sub, scope) for sub in field.type.subFields)
+        subs = tuple(self._sub_field(each, scope) for each in kind.groups)
         key = (field.name, subs)
         if key not in self.known:
             name = self.scope.claim(names.class_name(field.name))
@@ -117,27 +75,22 @@ class Nest:
         found: BitFieldClass = self.known[key]
         return found
 
-    def _sub_field(self, element: Any, scope: names.Scope) -> SubField:
-        low, mask = int(element.lowBit), 2 ** (int(element.highBit) - int(element.lowBit) + 1) - 1
-        text = docs.clean(element.documentation)
-        resolved = Resolved(str(element.name), optional=False, documentation=text, type=element)
+    def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:
+        listed = tuple((each.name, each.value) for each in bits.legal.listed)
         return SubField(
-            jaus_name=resolved.name,
-            attribute=scope.claim(names.snake_case(resolved.name)),
-            low=low,
-            mask=mask,
-            value=replace(
-                fields.integer("", fields.value_ranges(element.values, 0, mask)),
-                listed=fields.listed_values(element.values),
-            ),
-            documentation=resolved.documentation,
-            enumeration=self.enumeration(resolved, element.values),
+            jaus_name=bits.name,
+            attribute=scope.claim(names.snake_case(bits.name)),
+            low=bits.low,
+            mask=bits.mask,
+            value=replace(fields.integer("", bits.legal.ranges), listed=listed),
+            documentation=docs.clean(bits.documentation),
+            enumeration=self.enumeration(bits.name, bits.legal.listed),
         )
 
-    def enumeration(self, field: Resolved, value_set: Any) -> str:
+    def enumeration(self, field: str, listed: Iterable[wire.Listed]) -> str:
         """Returns the name of the class of the listed values of a field, or nothing."""
-        listed = [(value, name) for name, value in fields.listed_values(value_set)]
-        return self.listed(names.class_name(field.name), docs.clean(field.name), listed)
+        pairs = [(each.value, each.name) for each in listed]
+        return self.listed(names.class_name(field), docs.clean(field), pairs)
 
     def listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:
         """Returns the name of the class of some values with names, or nothing without any.

@@ -85,14 +85,14 @@ class ListValue:
     Attributes:
         element: What is in it.
         count_format: Struct format of the count.
-        lower: Smallest legal count.
+        stated: Smallest count that the definition states, which is not enforced.
         upper: Largest legal count.
     """
 
     kind: ClassVar[str] = "list"
     element: Fixed | Blob | PartValue | VariantValue
     count_format: str
-    lower: int
+    stated: int
     upper: int
 
     @property
@@ -107,8 +107,6 @@ class ListValue:
 
     def sized(self, value: str, field: str) -> Call:
         """Returns the expression for the checked length of a value."""
-        # JAUS-DEVIATION: AS5684 also states a smallest count; components made with the JAUS Tool
-        # Set send shorter lists (QueryServiceList without a subsystem), and mean them.
         return Call("sized", (value, "0", str(self.upper), f'"{field}"'))
 
     def checked(self, field: str) -> Call:
@@ -134,7 +132,7 @@ class ListValue:
     @property
     def range_text(self) -> str:
         """Legal counts in words."""
-        shortest = f"{self.lower} .. " if self.lower else "up to "
+        shortest = f"{self.stated} .. " if self.stated else "up to "
         return f"{shortest}{self.upper} elements"
 
 
