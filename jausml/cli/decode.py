@@ -24,12 +24,21 @@ from jausml.cli.messages import (
     to_json,
     write,
 )
+from jausml.live.messages import AmbiguousMessageError, MessageError
+from jausml.live.messages import text as message_text
+from jausml.live.traffic import text as traffic_text
+from jausml.live.traffic.captures import is_capture, read_frames
+from jausml.live.traffic.errors import TrafficError
+from jausml.live.traffic.frames import Datagram, UdpReader
+from jausml.live.traffic.hexlines import parse_hex
+from jausml.live.traffic.listening import MulticastListener
+from jausml.live.traffic.observing import Observer
+from jausml.runtime.base.settings import TransportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue, DecodedMessage
-    from jausml.live.traffic.frames import Datagram
     from jausml.live.traffic.observing import Observation
 
 _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
@@ -143,8 +152,6 @@ def _is_file(text: str) -> bool:
 
 def _refuse_capture(path: str) -> None:
     """Refuses a capture where hex is wanted."""
-    from jausml.live.traffic.captures import is_capture  # noqa: PLC0415 - `--help` is quick
-
     # What is no plain file, such as a pipe, gives its bytes only once.
     if path != STDIN and Path(path).is_file():
         try:
@@ -172,10 +179,8 @@ class _Output:
         if self._is_json:
             write(to_json(decoded.to_json()))
             return
-        from jausml.live.messages import text  # noqa: PLC0415 - JSON does without
-
-        write(text.title(decoded))
-        for line in text.lines(decoded):
+        write(message_text.title(decoded))
+        for line in message_text.lines(decoded):
             write(f"  {line}")
 
     def observation(self, observation: Observation, place: str) -> None:
@@ -192,9 +197,7 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        from jausml.live.traffic import text  # noqa: PLC0415 - JSON does without
-
-        for line in text.lines(observation):
+        for line in traffic_text.lines(observation):
             write(line)
 
     def problem(self, place: str, reason: str) -> None:
@@ -207,8 +210,6 @@ class _Output:
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
     """Refuses a service or a message that nobody defines, before anything is read."""
-    from jausml.live.messages import AmbiguousMessageError, MessageError  # noqa: PLC0415 - `--help` is quick
-
     try:
         if service is not None:
             catalogue.find_services(service)
@@ -237,8 +238,6 @@ class _Reading:
 
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
-        from jausml.live.messages import MessageError  # noqa: PLC0415 - `--help` is quick
-
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
             self._datagrams(found)
@@ -251,9 +250,6 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
-        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415 - `--help` is quick
-        from jausml.live.traffic.hexlines import parse_hex  # noqa: PLC0415
-
         for place, line in lines:
             try:
                 data = parse_hex(line)
@@ -266,13 +262,9 @@ class _Reading:
                 yield place, data
 
     def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
-        from jausml.live.traffic.frames import Datagram  # noqa: PLC0415 - `--help` is quick
-
         self._observe((place, Datagram(data)) for place, data in lines)
 
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
-        from jausml.live.traffic.observing import Observer  # noqa: PLC0415 - `--help` is quick
-
         observer = Observer(self._catalogue, *self._meaning)
         for place, datagram in datagrams:
             for observation in observer.observe(datagram):
@@ -285,10 +277,6 @@ class _Reading:
 
     def capture(self, path: str, port: int) -> None:
         """Shows the JUDP traffic of a capture."""
-        from jausml.live.traffic.captures import read_frames  # noqa: PLC0415 - `--help` is quick
-        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415
-        from jausml.live.traffic.frames import UdpReader  # noqa: PLC0415
-
         reader = UdpReader(port)
         with ExitStack() as stack:
             try:
@@ -313,10 +301,6 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
-        from jausml.live.traffic.errors import TrafficError  # noqa: PLC0415
-        from jausml.live.traffic.listening import MulticastListener  # noqa: PLC0415
-        from jausml.runtime.base.settings import TransportSettings  # noqa: PLC0415 - `--help` is quick
-
         try:
             settings = TransportSettings(
                 interface=interface, port=port, multicast_group=multicast_group

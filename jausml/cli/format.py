@@ -13,6 +13,8 @@ from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.xmi.writer import replace_file
 from jausml.text.notation import SUFFIX, decode
+from jausml.text.reading.parsing import parse
+from jausml.text.writing.layout import render
 from jausml.validation.formats.text import lines_of
 
 if TYPE_CHECKING:
@@ -35,9 +37,6 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
     Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would
     change), 2 a file cannot be read or written or is no ros2jaus text, 3 internal error.
     """
-    from jausml.text.reading.parsing import parse  # noqa: PLC0415 - as above
-    from jausml.text.writing.layout import render  # noqa: PLC0415 - `--help` is quick
-
     texts = {name: _read(name) for name in find_files(files, (SUFFIX,))}
     parsed = {name: parse(text) for name, text in texts.items()}
     if _report(parsed):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, write
+from jausml.live.messages import UnknownServiceError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -99,8 +100,6 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 
 
 def _messages(catalogue: Catalogue, service: str | None) -> Sequence[MessageEntry]:
-    from jausml.live.messages import UnknownServiceError  # noqa: PLC0415 - `--help` is quick
-
     if service is None:
         return catalogue.messages
     try:

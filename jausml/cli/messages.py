@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.live.messages import CatalogueError, load_catalogue
+from jausml.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -51,9 +53,6 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         EnvironmentFault: A path cannot be read.
         ModelFault: A model has errors.
     """
-    from jausml.live.messages import CatalogueError, load_catalogue  # noqa: PLC0415 - `--help` is quick
-    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
-
     try:
         return load_catalogue(find_models(models), notations=NOTATIONS)
     except CatalogueError as error:

@@ -9,7 +9,9 @@ clause of a map that begins a line tells that the list before it lacks its brack
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from lark import Token, UnexpectedToken
 
 from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.reading.comments import attach
@@ -17,9 +19,6 @@ from jausml.text.reading.expectations import describe, suggestion
 from jausml.text.reading.scanning import Fault, language, scan
 from jausml.text.reading.shaping import Items, span_of
 from jausml.text.tree import Document, Span
-
-if TYPE_CHECKING:
-    from lark import Token
 
 __all__ = ["MOST_FAULTS", "Fault", "Parsed", "parse"]
 
@@ -75,8 +74,6 @@ class _Run:
 
     def document(self) -> Document:
         """Reads all tokens."""
-        from lark import UnexpectedToken  # noqa: PLC0415 - loaded long since, by the language
-
         position = depth = 0
         while position < len(self._tokens):
             token = self._tokens[position]
@@ -213,8 +210,6 @@ class _Run:
 
     def _token(self, type_: str) -> Token:
         """Returns a token that the text does not have, for its end."""
-        from lark import Token  # noqa: PLC0415 - loaded long since, by the language
-
         last = self._tokens[-1] if self._tokens else None
         return Token.new_borrow_pos(type_, "", last) if last is not None else Token(type_, "")
 

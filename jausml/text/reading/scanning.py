@@ -8,13 +8,15 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lark import Lark
+
 from jausml.text.reading.shaping import Shaper, span_of
 from jausml.text.tree import Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from lark import Lark, Token
+    from lark import Token
 
 NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
 """Tokens of the grammar that no rule has."""
@@ -78,8 +80,6 @@ class _KeepAll:
 @cache
 def language() -> Lark:
     """Returns the lexer and parser of the grammar; made on first use, for that takes 0.1 s."""
-    from lark import Lark  # noqa: PLC0415 - who reads no text does not wait for it
-
     options: dict[str, Any] = {
         "parser": "lalr",
         "lexer": "basic",
