@@ -17,6 +17,7 @@ from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import syntax_problem
 from jausml.generation.errors import InternalError
 from jausml.generation.header import add_header
+from jausml.generation.languages.python import layout
 from jausml.generation.tasks import TextTask
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
             return str(view.content)
         template = self.environment.get_template(self.task.template)
         text: str = template.render(view=view, **self.global_context)
-        return text
+        return layout(text) if self.task.path(view).endswith(".py") else text
 
     def _template_line(self, error: Exception) -> str | None:
         """Returns `file:line` of the innermost template in an error's traceback."""

@@ -1,0 +1,155 @@
+"""Rendered Python is laid out as ruff's formatter lays it out, which judges here."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+import jausml
+from jausml.generation.languages.python import layout
+
+HOUSE = Path(jausml.__file__).parent
+LETTERS = "abcdefghijklmnopqrstuvwxyz"
+
+names = st.builds(
+    lambda letter, length: letter * length,
+    st.sampled_from([each for each in LETTERS if each not in "bfrtu"]),
+    st.integers(2, 14),
+)
+paths = st.lists(names, min_size=1, max_size=3).map(".".join)
+strings = st.text(LETTERS, max_size=30).map(lambda text: f'"{text}"')
+numbers = st.integers(0, 10**9).map(str)
+atoms = st.one_of(paths, strings, numbers)
+
+
+def several(inner: st.SearchStrategy[str], least: int, most: int) -> st.SearchStrategy[str]:
+    return st.lists(inner, min_size=least, max_size=most).map(", ".join)
+
+
+def chains(inner: st.SearchStrategy[str], *signs: str) -> st.SearchStrategy[str]:
+    return st.builds(
+        lambda sign, operands: f" {sign} ".join(operands),
+        st.sampled_from(signs),
+        st.lists(inner, min_size=2, max_size=4),
+    )
+
+
+def larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    keyword = st.builds(lambda name, value: f"{name}={value}", names, inner)
+    return st.one_of(
+        st.builds(lambda name, given: f"{name}({given})", paths, several(inner, 0, 4)),
+        st.builds(lambda name, given: f"{name}({given})", paths, several(keyword, 1, 3)),
+        st.builds(lambda name, at: f"{name}[{at}]", paths, inner),
+        several(inner, 0, 4).map(lambda items: f"[{items}]"),
+        several(inner, 2, 4).map(lambda items: f"({items})"),
+        inner.map(lambda item: f"({item},)"),
+        several(st.builds(lambda k, v: f"{k}: {v}", strings, inner), 0, 3).map(
+            lambda items: f"{{{items}}}"
+        ),
+        st.builds(lambda e, n, s: f"[{e} for {n} in {s}]", inner, names, paths),
+        st.builds(lambda e, n, s, c: f"f({e} for {n} in {s} if {c})", inner, names, paths, atoms),
+    )
+
+
+def operations(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    return st.one_of(
+        inner,
+        chains(inner, "and", "or"),
+        chains(inner, "+", "-", "|"),
+        chains(inner, "*"),
+        st.builds(lambda a, s, b: f"{a} {s} {b}", inner, st.sampled_from(["==", "in", "<"]), inner),
+        st.builds(lambda a, c, b: f"{a} if {c} else {b}", inner, inner, inner),
+        st.builds(lambda a: f"not {a}", inner),
+    )
+
+
+values = operations(larger(operations(larger(atoms)) | atoms) | atoms)
+parameters = st.lists(
+    st.builds(lambda name, kind: f"{name}: {kind}", names, paths), max_size=4, unique=True
+)
+statements = st.one_of(
+    st.builds(lambda place, value: f"{place} = {value}", paths, values),
+    st.builds(lambda place, value: f"{place} += {value}", names, values),
+    st.builds(lambda place, kind, value: f"{place}: {kind} = {value}", names, paths, values),
+    values.map(lambda value: f"return {value}"),
+    values.map(lambda value: f"assert {value}"),
+    values.map(lambda value: f"if {value}:\n        pass"),
+    st.builds(lambda name, text: f"raise {name}({text})", names, values),
+    st.builds(lambda n, call, g: f"for {n} in {call}({g}):\n        pass", names, paths, values),
+    st.builds(
+        lambda name, given, kind: f"def {name}({', '.join(given)}) -> {kind}:\n        pass",
+        names,
+        parameters,
+        paths,
+    ),
+)
+
+
+def formatted(text: str) -> str:
+    """Returns a text as ruff formats it."""
+    return subprocess.run(
+        [Path(sys.executable).with_name("ruff"), "format", "--isolated", "--line-length=100",
+         "--target-version=py310", "-"],
+        input=text, capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+
+
+@settings(
+    max_examples=40,
+    deadline=None,
+    phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+@given(st.lists(statements, min_size=40, max_size=40))
+def test_random_statements_are_laid_out_as_ruff_does(lines: list[str]) -> None:
+    text = "".join(f"def function():\n    {line}\n\n\n" for line in lines).rstrip("\n") + "\n"
+    laid = layout(text)
+    assert formatted(laid) == formatted(text)
+    assert laid == formatted(laid)
+
+
+@pytest.mark.parametrize("part", ["generators", "generation", "runtime", "text", "live"])
+def test_what_ruff_has_formatted_stays(part: str) -> None:
+    for path in (HOUSE / part).rglob("*.py"):
+        text = path.read_text("utf-8")
+        assert layout(text) == text, path
+
+
+def test_short_statements_stay_as_they_are() -> None:
+    text = "x = {'a':1}\n\n\n\ny = f( x )\n"
+    assert layout(text) == text
+
+
+def test_what_is_no_python_stays_as_it_is() -> None:
+    text = f"x = f({'a' * 60}, {'b' * 60}\n"
+    assert layout(text) == text
+
+
+def test_a_comment_with_no_room_behind_its_statement_stands_above() -> None:
+    text = f"def f():\n    x = {'a' * 80}  # meter per second\n"
+    assert layout(text) == f"def f():\n    # meter per second\n    x = {'a' * 80}\n"
+
+
+def test_comments_and_long_strings_inside_a_statement_stay() -> None:
+    text = f'x = f(\n    {"a" * 60},  # first\n    """{"b" * 60}\n    """, 1)\n'
+    assert layout(text) == text
+
+
+def test_a_comma_at_the_end_asks_for_a_line_for_each_item() -> None:
+    assert layout("x = [\n    a, b,\n]\n") == "x = [\n    a,\n    b,\n]\n"
+
+
+def test_a_broken_statement_that_fits_becomes_a_line() -> None:
+    assert layout("x = f(\n    a,\n    b\n)\n") == "x = f(a, b)\n"
+
+
+def test_f_strings_are_not_broken() -> None:
+    piece = "{each.value!r:>{width}}" * 3
+    text = f'x = function(f"{piece}", {"a" * 40}, {"b" * 20})\n'
+    assert layout(text) == formatted(text)
+    assert f'f"{piece}"' in layout(text)
