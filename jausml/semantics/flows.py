@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from jausml.semantics.services import code
 from jausml.semantics.topics import resolve_topic, topic_fault
+
+if TYPE_CHECKING:
+    from jausml.metamodel.classes import bridge, jaus
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,7 +18,7 @@ class Flow:
     """A connection with its bridge.
 
     Attributes:
-        connection: The `bridge.Connection`.
+        connection: The connection.
         owner: The bridge that has it.
         to_ros: Whether it publishes.
         code: Code of its message.
@@ -23,36 +26,36 @@ class Flow:
         peers: The components at the other end; empty means any.
     """
 
-    connection: Any
-    owner: Any
+    connection: bridge.Connection
+    owner: bridge.Bridge
     to_ros: bool
     code: int
     topics: frozenset[str]
-    peers: frozenset[Any]
+    peers: frozenset[jaus.Component]
 
     @property
     def is_message(self) -> bool:
         """Whether messages cross by themselves, neither asked for nor subscribed to."""
-        return bool(self.connection.exchange.name == "message")
+        return self.connection.exchange.name == "message"
 
-    def has_peer(self, component: Any) -> bool:
+    def has_peer(self, component: jaus.Component) -> bool:
         """Tells whether messages are exchanged with a component; no peers means any."""
         return component in self.peers or not self.peers
 
 
-def flow_of(connection: Any, bridge: Any) -> Flow:
+def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
     """Returns a connection as a flow.
 
     Args:
-        connection: A `bridge.Connection` with its map.
-        bridge: The bridge that has it.
+        connection: A connection with its map.
+        owner: The bridge that has it.
     """
-    namespace, node = bridge.namespace or "", bridge.name or ""
+    namespace, node = owner.namespace or "", owner.name or ""
     # What arrives on a joined topic waits for a message on the main one.
     names = [each.name for each in connection.topics if each.name and each.join is None]
     return Flow(
         connection,
-        bridge,
+        owner,
         to_ros=connection.direction.name == "jausToRos",
         code=code(connection.map.message),
         topics=frozenset(

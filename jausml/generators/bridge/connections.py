@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 from textwrap import indent
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import bridge, jaus, ros
 
 COMPLEX = "# noqa: C901"
 """Comment behind the first line of a method with many branches."""
@@ -51,16 +52,16 @@ class JoinView:
     """A further topic that a translation takes values from.
 
     Args:
-        join: The `bridge.Join`.
+        join: The join.
         name: Its name in Python.
         type_name: Name of its ROS message class in the generated modules.
-        topics: The `bridge.Topic` elements that feed it.
+        topics: The topics that feed it.
     """
 
-    join: Any
+    join: bridge.Join
     name: str
     type_name: str
-    topics: tuple[Any, ...]
+    topics: tuple[bridge.Topic, ...]
 
     @property
     def model_name(self) -> str:
@@ -68,7 +69,7 @@ class JoinView:
         return str(self.join.name)
 
     @property
-    def type(self) -> Any:
+    def type(self) -> ros.MessageType:
         """The ROS type in the model."""
         return self.join.type
 
@@ -78,7 +79,7 @@ class ConnectionView:
     """A modelled connection.
 
     Args:
-        connection: The `bridge.Connection`.
+        connection: The connection.
         name: Its name in Python.
         ros_name: Name of its ROS message class in the generated modules.
         view_of: Returns the class of a JAUS message.
@@ -86,10 +87,10 @@ class ConnectionView:
         requested: JAUS fields of the report that connections of the bridge read.
     """
 
-    connection: Any
+    connection: bridge.Connection
     name: str
     ros_name: str
-    view_of: Callable[[Any], MessageView]
+    view_of: Callable[[jaus.MessageDef], MessageView]
     around: Surroundings
     requested: frozenset[str] = frozenset()
 
@@ -106,7 +107,7 @@ class ConnectionView:
         return str(self.connection.exchange.name)
 
     @property
-    def message_element(self) -> Any:
+    def message_element(self) -> jaus.MessageDef:
         """The JAUS message in the model."""
         return self.connection.map.message
 
@@ -161,7 +162,7 @@ class ConnectionView:
     # ------------------------------------------------------------------ JAUS messages
 
     @property
-    def query_element(self) -> Any:
+    def query_element(self) -> jaus.MessageDef | None:
         """The query for the report in the model; None when the connection needs none."""
         return query_of(self.connection)
 
@@ -199,7 +200,8 @@ class ConnectionView:
             query = self._query_call(self.query) if self.to_ros else self.query.class_name
             found.append(("query", query))
         if self.to_ros and self.exchange in {"periodicEvent", "query"}:
-            rate = connection.rate or connection.eContainer().frequency
+            owner = connection.eContainer()
+            rate = connection.rate or (owner.frequency if owner is not None else 0.0)
             found.append(("rate", python_literal(float(rate))))
         if self._handler_guard != "ANY":
             found.append(("when", condition(self.message_element, self._handler_guard)))
@@ -251,6 +253,8 @@ class ConnectionView:
             return "ANY"
         # A command that a service keeps in Standby moves what listens to a topic at once.
         service = self.message_element.eContainer()
+        if service is None:
+            return "ANY"
         if inherits(service, "Management"):
             return "READY"
         return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
@@ -343,7 +347,7 @@ class ConnectionView:
         return jaus_constants(self.message, constants)
 
 
-def query_of(connection: Any) -> Any:
+def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     """Returns the query for the report of a connection; None for single messages.
 
     Raises:
@@ -356,8 +360,11 @@ def query_of(connection: Any) -> Any:
     report = connection.map.message
     to_ros = connection.direction.name == "jausToRos"
     senders = connection.peers if to_ros else [connection.eContainer()]
-    services = with_inherited(service for sender in senders for service in sender.provides)
-    query = query_for(report, [report.eContainer(), *services])
+    provided = with_inherited(
+        service for sender in senders if sender is not None for service in sender.provides
+    )
+    own = report.eContainer()
+    query = query_for(report, provided if own is None else [own, *provided])
     if query is None:
         raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
     return query
@@ -386,7 +393,7 @@ def _join(join: JoinView) -> Call:
     return Call("Join", tuple(arguments))
 
 
-def _topic(topic: Any) -> Call:
+def _topic(topic: bridge.Topic) -> Call:
     arguments: list[str | Call] = [python_string(topic.name)]
     if topic.qos is not None:
         policies = []

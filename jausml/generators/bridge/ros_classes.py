@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.common.ros import RosType, ros_type
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from jausml.metamodel.classes import ros
 
 
 class RosClasses:
@@ -29,11 +31,11 @@ class RosClasses:
         self.names: dict[RosType, str] = {}
         self._taken = set(taken)
 
-    def name_of(self, element: Any) -> str:
+    def name_of(self, element: ros.MessageType) -> str:
         """Returns the name of the class of a type.
 
         Args:
-            element: The `ros.MessageType`.
+            element: The type.
         """
         kind = ros_type(element)
         if kind not in self.names:

@@ -6,7 +6,7 @@ import functools
 from contextlib import suppress
 from dataclasses import dataclass
 from textwrap import indent
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
@@ -27,11 +27,15 @@ from jausml.generators.common.ros import import_lines
 from jausml.generators.python.codec.message_builder import build_message, build_messages
 from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import Scope, class_name, names_in, package_name, snake_case
+from jausml.metamodel.classes import bridge, jaus
+from jausml.semantics.paths import source_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes.bridge import Bridge
+    from jausml.metamodel.classes.system import System
 
 _ARGUMENT = 16
 
@@ -58,13 +62,13 @@ class BridgeView:
     """A modelled bridge.
 
     Args:
-        bridge: The `bridge.Bridge`.
-        system: The `system.System` that owns it.
+        bridge: The bridge.
+        system: The system that owns it.
         source: Model file.
     """
 
-    bridge: Any
-    system: Any
+    bridge: Bridge
+    system: System
     source: str
 
     @property
@@ -144,7 +148,7 @@ class BridgeView:
             connection.body  # noqa: B018 - writing a translation collects what it uses
         return self._around
 
-    def message_of(self, element: Any) -> MessageView:
+    def message_of(self, element: jaus.MessageDef) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
         return next(
             view
@@ -254,7 +258,7 @@ class BridgeView:
         names = VALUE_TYPES & self.module.method_words
         return import_lines(((runtime.CONVERSIONS, name) for name in names), 4)
 
-    def _requested(self, message: Any) -> frozenset[str]:
+    def _requested(self, message: jaus.MessageDef) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""
         return frozenset(
             path.split(".")[0].partition("[")[0]
@@ -264,17 +268,17 @@ class BridgeView:
         )
 
 
-def _read_paths(assignments: Iterable[Any]) -> Iterator[str]:
+def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
     """Yields the source paths that start at the message, those in lists included."""
     for assignment in assignments:
-        for path in getattr(assignment, "source", "").split(","):
-            yield path.strip()
-        for inner in _read_paths(getattr(assignment, "assignments", ())):
+        yield from source_paths(assignment)
+        nested = assignment.assignments if isinstance(assignment, bridge.ListAssignment) else ()
+        for inner in _read_paths(nested):
             if inner.startswith("/"):
                 yield inner[1:]
 
 
-def _messages_of(connection: Any) -> Iterator[Any]:
+def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
     """Yields the message of a connection and those inside it that have maps of their own."""
     to_ros = connection.direction.name == "jausToRos"
     for attribute_map in used_maps(connection.map, to_ros=to_ros):

@@ -106,11 +106,11 @@ class Catalogue:
             model: A model that was read without errors.
         """
         self.services: dict[tuple[str, str], ServiceEntry] = {}
-        self._by_code: dict[int, list[tuple[Any, ServiceEntry]]] = {}
+        self._by_code: dict[int, list[tuple[jaus.MessageDef, ServiceEntry]]] = {}
         self._codes: dict[str, list[int]] = {}
         self._entries: dict[int, tuple[MessageEntry, ...]] = {}
-        self._entry_of: dict[Any, MessageEntry] = {}
-        services: dict[Any, ServiceEntry] = {}
+        self._entry_of: dict[jaus.MessageDef, MessageEntry] = {}
+        services: dict[jaus.Service, ServiceEntry] = {}
         for definition in model.instances(jaus.Service):
             entry = ServiceEntry(definition, self._entries_of)
             key = (entry.urn, entry.version)
@@ -122,7 +122,7 @@ class Catalogue:
             if definition.inherits is not None:
                 entry.inherits = services.get(definition.inherits)
 
-    def _list_messages(self, definition: Any, service: ServiceEntry) -> None:
+    def _list_messages(self, definition: jaus.Service, service: ServiceEntry) -> None:
         for message in (*definition.inputs, *definition.outputs):
             code = int(str(message.code), 16)
             self._by_code.setdefault(code, []).append((message, service))
@@ -130,7 +130,7 @@ class Catalogue:
             if code not in codes:
                 codes.append(code)
 
-    def _entries_of(self, definitions: Iterable[Any]) -> tuple[MessageEntry, ...]:
+    def _entries_of(self, definitions: Iterable[jaus.MessageDef]) -> tuple[MessageEntry, ...]:
         found = []
         for definition in definitions:
             self._with_code(int(str(definition.code), 16))

@@ -11,10 +11,11 @@ from jausml.live.messages.errors import DecodeError, EncodeError
 from jausml.live.messages.shapes import may_hold, shape
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from jausml.live.messages.blobs import EncodeMessage
     from jausml.live.messages.containers import Record
+    from jausml.metamodel.classes import jaus
 
 _CODE = struct.Struct("<H")
 
@@ -47,13 +48,15 @@ class ServiceEntry:
     """
 
     def __init__(
-        self, definition: Any, messages: Callable[[Any], tuple[MessageEntry, ...]]
+        self,
+        definition: jaus.Service,
+        messages: Callable[[Iterable[jaus.MessageDef]], tuple[MessageEntry, ...]],
     ) -> None:
         """Makes an entry.
 
         Args:
-            definition: A Service of the model.
-            messages: Returns the entries of MessageDefs.
+            definition: The service in the model.
+            messages: Returns the entries of messages.
         """
         self.urn = str(definition.urn)
         self.version = str(definition.version)
@@ -110,11 +113,11 @@ class MessageEntry:
         definition: The first MessageDef of the model.
     """
 
-    def __init__(self, definition: Any, encode_message: EncodeMessage) -> None:
+    def __init__(self, definition: jaus.MessageDef, encode_message: EncodeMessage) -> None:
         """Makes an entry without services.
 
         Args:
-            definition: A MessageDef of the model.
+            definition: The message in the model.
             encode_message: Encodes messages that stand in this one.
         """
         self.name = str(definition.name)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.check import MARGIN, store
 from jausml.generators.bridge.checks.figures import Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
 from jausml.generators.bridge.translation import used_maps
 from jausml.generators.python.layout import Call, statement
+from jausml.metamodel.classes import bridge, ros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -29,7 +30,7 @@ class Ends:
     """
 
     view: ConnectionView
-    type_name: Callable[[Any], str]
+    type_name: Callable[[ros.MessageType], str]
 
     @property
     def name(self) -> str:
@@ -37,8 +38,8 @@ class Ends:
         return self.view.name
 
     @property
-    def map(self) -> Any:
-        """The `bridge.AttributeMap`."""
+    def map(self) -> bridge.AttributeMap:
+        """The map."""
         return self.view.connection.map
 
     @property
@@ -63,7 +64,7 @@ class Ends:
         return self.message("target", is_ros=self.to_ros)
 
     @property
-    def assignments(self) -> list[Any]:
+    def assignments(self) -> list[bridge.Assignment]:
         """The assignments of the direction."""
         return list(self.map.toRos if self.to_ros else self.map.toJaus)
 
@@ -74,7 +75,7 @@ class Ends:
         chains = [
             Chain(self.map, assignment, self.to_ros, quantities)
             for assignment in self.assignments
-            if assignment.eClass.name == "FieldAssignment"
+            if isinstance(assignment, bridge.FieldAssignment)
         ]
         return [each for each in chains if not any(map(self.join_of, each.sources))]
 
@@ -93,7 +94,7 @@ class Ends:
         first = path.partition(".")[0]
         return next((join for join in self.view.joins if join.model_name == first), None)
 
-    def policy(self, assignment: Any) -> str:
+    def policy(self, assignment: bridge.FieldAssignment) -> str:
         """Returns what becomes of values out of range, as a literal of the metamodel."""
         own = str(assignment.outOfRange.name)
         return str(self.view.connection.outOfRange.name) if own == "asConnection" else own
@@ -104,7 +105,7 @@ class Ends:
             target.strip()
             for assignment in self.assignments
             for target in assignment.target.split(",")
-            if assignment.eClass.name != "Ignore" and overlap(target.strip(), path)
+            if not isinstance(assignment, bridge.Ignore) and overlap(target.strip(), path)
         ]
         return len(writers) <= 1
 

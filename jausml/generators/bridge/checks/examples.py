@@ -8,6 +8,7 @@ from jausml.generators.bridge.checks.assertions import has_value
 from jausml.generators.bridge.checks.check import Check, equals, holds, tidy
 from jausml.generators.bridge.checks.ends import overlap
 from jausml.generators.bridge.translation.ros_fields import PathError
+from jausml.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,12 +52,14 @@ def _untouched(ends: Ends) -> Iterator[str]:
     written = [
         target.strip()
         for assignment in ends.assignments
-        if assignment.eClass.name != "Ignore"
+        if not isinstance(assignment, bridge.Ignore)
         for target in assignment.target.split(",")
     ]
     for assignment in ends.assignments:
         path = assignment.target.strip()
-        if assignment.eClass.name != "Ignore" or any(overlap(path, each) for each in written):
+        if not isinstance(assignment, bridge.Ignore):
+            continue
+        if any(overlap(path, each) for each in written):
             continue
         try:
             place = ends.target.place(path)

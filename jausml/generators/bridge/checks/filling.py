@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
 from jausml.generators.bridge.checks.check import MARGIN, store
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation.ros_fields import RosField
     from jausml.generators.python.codec.jaus_fields import JausField
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import jaus, ros
 
 _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
 # A shorter last step, such as x, says little alone.
@@ -133,12 +134,12 @@ class JausMessage:
     """A JAUS message.
 
     Attributes:
-        element: The `jaus.MessageDef`.
+        element: The message in the model.
         message: Its class.
         name: Name of the variable.
     """
 
-    element: Any
+    element: jaus.MessageDef
     message: MessageView
     name: str
 
@@ -192,14 +193,14 @@ class RosMessage:
     """A ROS message.
 
     Attributes:
-        type: The `ros.MessageType`.
+        type: Its type.
         name: Name of the variable.
         type_name: Returns the name of the class of a type.
     """
 
-    type: Any
+    type: ros.MessageType
     name: str
-    type_name: Callable[[Any], str]
+    type_name: Callable[[ros.MessageType], str]
 
     def field(self, path: str) -> RosField:
         """Returns what stands at the end of a path."""
@@ -242,7 +243,8 @@ class RosMessage:
             if element is None:
                 continue
             prefix = ".".join([*steps[: number - 1], element["list"]])
-            if self.field(prefix).field.arrayKind.name != "fixedArray":
+            array = self.field(prefix).field
+            if array is None or array.arrayKind.name != "fixedArray":
                 found.append((prefix, int(element["index"])))
         return found
 

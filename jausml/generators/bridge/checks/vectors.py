@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generators.bridge.checks.assertions import SINGLE, has_value, is_absent
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.generators.bridge.checks.ends import Ends
+    from jausml.metamodel.classes import bridge
 
 ABSENT = "absent"
 # Rounding of the sums that turn integers of the wire into values.
@@ -42,7 +43,7 @@ def vectors(ends: Ends) -> Iterator[Check]:
             ) from error
 
 
-def _check(ends: Ends, vector: Any) -> Check:
+def _check(ends: Ends, vector: bridge.TestVector) -> Check:
     lines, joined = _given(ends, vector)
     lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
     lines += ends.translated(joined)
@@ -60,7 +61,7 @@ def _check(ends: Ends, vector: Any) -> Check:
     return Check(name, str(about), tidy(lines))
 
 
-def _given(ends: Ends, vector: Any) -> tuple[list[str], list[str]]:
+def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
     """The statements that make the source and joined messages, and the names of the latter."""
     values: dict[str, dict[str, Scalar]] = {"": {}}
     messages = {"": ends.source}
@@ -77,7 +78,7 @@ def _given(ends: Ends, vector: Any) -> tuple[list[str], list[str]]:
     return lines, [name for name in messages if name]
 
 
-def _tolerance(ends: Ends, expected: Any, value: Scalar) -> float:
+def _tolerance(ends: Ends, expected: bridge.VectorValue, value: Scalar) -> float:
     """The stated one, but no less than rounding on the wire; else half a step of JAUS fields."""
     if isinstance(value, str):
         return 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.generators.bridge.translation.body import Body
@@ -15,6 +15,7 @@ from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import JausStart
 from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml.generators.python.names import Scope, names_in, snake_case
+from jausml.metamodel.classes import bridge, ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -40,12 +41,16 @@ _TAKEN = names_in(
 
 
 def to_ros(
-    connection: Any, message: MessageView, owner: str, class_name: str, around: Surroundings
+    connection: bridge.Connection,
+    message: MessageView,
+    owner: str,
+    class_name: str,
+    around: Surroundings,
 ) -> Body:
     """Returns the statements that make `target` (ROS) from `source` (JAUS).
 
     Args:
-        connection: The `bridge.Connection`, whose map has the assignments.
+        connection: The connection, whose map has the assignments.
         message: Its JAUS message.
         owner: Python path of the connection.
         class_name: Name of the ROS message class in the module.
@@ -61,16 +66,16 @@ def to_ros(
 
 
 def to_jaus(
-    connection: Any,
+    connection: bridge.Connection,
     message: MessageView,
     owner: str,
-    joins: Mapping[str, tuple[str, Any]],
+    joins: Mapping[str, tuple[str, ros.MessageType]],
     around: Surroundings,
 ) -> Body:
     """Returns the statements that make `target` (JAUS) from `source` (ROS).
 
     Args:
-        connection: The `bridge.Connection`, whose map has the assignments.
+        connection: The connection, whose map has the assignments.
         message: Its JAUS message.
         owner: Python path of the connection.
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
@@ -85,7 +90,9 @@ def to_jaus(
     return body
 
 
-def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]) -> Body:
+def ros_constants(
+    message_type: ros.MessageType, class_name: str, assignments: Iterable[bridge.ConstantAssignment]
+) -> Body:
     """Returns the statements that make `target` (ROS) of constants."""
     body = Body()
     body.add(f"target = {class_name}()")
@@ -96,7 +103,7 @@ def ros_constants(message_type: Any, class_name: str, assignments: Iterable[Any]
     return body
 
 
-def jaus_constants(message: MessageView, assignments: Iterable[Any]) -> Body:
+def jaus_constants(message: MessageView, assignments: Iterable[bridge.ConstantAssignment]) -> Body:
     """Returns the statements that make `target` (JAUS) of constants."""
     body = Body()
     body.add(f"target = {message.class_name}()")
@@ -108,14 +115,14 @@ def jaus_constants(message: MessageView, assignments: Iterable[Any]) -> Body:
     return body
 
 
-def used_maps(attribute_map: Any, *, to_ros: bool) -> Iterator[Any]:
+def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[bridge.AttributeMap]:
     """Yields a map and those that its messages inside messages use, each once.
 
     Args:
-        attribute_map: The `bridge.AttributeMap`.
+        attribute_map: The map.
         to_ros: Which of its assignments.
     """
-    seen: list[Any] = []
+    seen: list[bridge.AttributeMap] = []
     waiting = [attribute_map]
     while waiting:
         current = waiting.pop(0)
@@ -126,8 +133,9 @@ def used_maps(attribute_map: Any, *, to_ros: bool) -> Iterator[Any]:
         assignments = list(current.toRos if to_ros else current.toJaus)
         while assignments:
             assignment = assignments.pop(0)
-            assignments = [*getattr(assignment, "assignments", ()), *assignments]
-            if assignment.eClass.name == "MessageAssignment":
+            if isinstance(assignment, bridge.ListAssignment):
+                assignments = [*assignment.assignments, *assignments]
+            if isinstance(assignment, bridge.MessageAssignment):
                 waiting.append(assignment.map)
 
 
@@ -136,7 +144,11 @@ def _body(owner: str, policy: str, *parameters: str) -> Body:
 
 
 def _map_to_ros(
-    body: Body, attribute_map: Any, message: MessageView, class_name: str, around: Surroundings
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    class_name: str,
+    around: Surroundings,
 ) -> None:
     if may_set_limits(attribute_map.message):
         _refuse_limits(body, attribute_map)
@@ -151,9 +163,9 @@ def _map_to_ros(
 
 def _map_to_jaus(
     body: Body,
-    attribute_map: Any,
+    attribute_map: bridge.AttributeMap,
     message: MessageView,
-    joins: Mapping[str, tuple[str, Any]],
+    joins: Mapping[str, tuple[str, ros.MessageType]],
     around: Surroundings,
 ) -> None:
     source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
@@ -165,7 +177,7 @@ def _map_to_jaus(
     translation.add(attribute_map.toJaus)
 
 
-def _nested_method(translation: Translation, attribute_map: Any) -> str:
+def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap) -> str:
     """Returns the Python path of the method that translates a message inside another one.
 
     Args:
@@ -196,7 +208,7 @@ def _nested_method(translation: Translation, attribute_map: Any) -> str:
     return f"self.{name}"
 
 
-def _refuse_limits(body: Body, attribute_map: Any) -> None:
+def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
     """Adds the refusal of limits, which a topic would carry as if they were the command.
 
     Where the map carries the CommandType as well, the ROS side can tell them apart.
@@ -204,7 +216,7 @@ def _refuse_limits(body: Body, attribute_map: Any) -> None:
     carried = {
         path
         for assignment in attribute_map.toRos
-        if assignment.eClass.name == "FieldAssignment"
+        if isinstance(assignment, bridge.FieldAssignment)
         for path in paths_of(assignment.source)
     }
     if "CommandType" not in carried:

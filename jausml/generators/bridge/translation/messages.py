@@ -12,14 +12,15 @@ from jausml.generators.python.layout import Call
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.translation import Translation
     from jausml.generators.bridge.translation.values import Value
+    from jausml.metamodel.classes import bridge
 
 
-def add_message(translation: Translation, assignment: Any) -> None:
+def add_message(translation: Translation, assignment: bridge.MessageAssignment) -> None:
     """Adds the statements that translate a message which a JAUS field carries.
 
     Args:
         translation: The translation that the assignment belongs to.
-        assignment: The `bridge.MessageAssignment`.
+        assignment: The assignment.
 
     Raises:
         AssignmentError: A value does not fit its target.
@@ -28,7 +29,7 @@ def add_message(translation: Translation, assignment: Any) -> None:
     (_to_ros if translation.to_ros else _to_jaus)(translation, assignment)
 
 
-def _to_ros(translation: Translation, assignment: Any) -> None:
+def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> None:
     body, source = translation.body, translation.source
     surroundings = translation.surroundings
     field: Any = source.carried(assignment.source.strip())  # type: ignore[union-attr]
@@ -47,7 +48,7 @@ def _to_ros(translation: Translation, assignment: Any) -> None:
         translation.target.put(body, path, Call(method, (decoded,)))
 
 
-def _to_jaus(translation: Translation, assignment: Any) -> None:
+def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> None:
     body = translation.body
     path = assignment.target.strip()
     target: Any = translation.target

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
+
+from jausml.metamodel.classes import ros
+from jausml.semantics.installed import package_of
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 
@@ -31,8 +33,8 @@ class RosStart:
     """
 
     root: str
-    type: Any
-    field: Any = None
+    type: ros.MessageType | None
+    field: ros.Field | None = None
     label: str = ""
 
 
@@ -60,12 +62,12 @@ class RosField:
     bound: int = 0
     place: str = ""
     counts: tuple[int, int] | None = None
-    message_type: Any = None
-    field: Any = None
+    message_type: ros.MessageType | None = None
+    field: ros.Field | None = None
     constants: tuple[tuple[str, str], ...] = ()
 
 
-def ros_field(message_type: Any, path: str, start: RosStart | None = None) -> RosField:
+def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None = None) -> RosField:
     """Follows a path through the fields of a modelled message type.
 
     Args:
@@ -88,35 +90,35 @@ def ros_field(message_type: Any, path: str, start: RosStart | None = None) -> Ro
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
         constants = _constants(current)
         is_array = field.arrayKind.name != "single" and found["index"] is None
-        current = field.messageType if field.eClass.name == "MessageField" else None
-    is_primitive = current is None and field is not None
+        current = field.messageType if isinstance(field, ros.MessageField) else None
+    primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
     return RosField(
         ".".join(each for each in (begin.label, path) if each not in ("", ".")),
-        str(field.type.name) if is_primitive else full_name(current),
+        primitive.type.name if primitive is not None else full_name(current or message_type),
         is_array,
-        int(field.stringBound) if is_primitive else 0,
+        primitive.stringBound if primitive is not None else 0,
         begin.root if path == "." else f"{begin.root}.{path}",
-        _counts(field) if is_array else None,
+        _counts(field) if is_array and field is not None else None,
         current,
         field,
         constants,
     )
 
 
-def full_name(message_type: Any) -> str:
+def full_name(message_type: ros.MessageType) -> str:
     """Returns package and name, e.g. `geometry_msgs/Quaternion`."""
-    return f"{message_type.eContainer().name}/{message_type.name}"
+    return f"{package_of(message_type)}/{message_type.name}"
 
 
-def _counts(field: Any) -> tuple[int, int] | None:
-    size = int(field.arraySize)
+def _counts(field: ros.Field) -> tuple[int, int] | None:
+    size = field.arraySize
     kinds = {"fixedArray": (size, size), "boundedSequence": (0, size)}
     return kinds.get(field.arrayKind.name)
 
 
-def _constants(message_type: Any) -> tuple[tuple[str, str], ...]:
+def _constants(message_type: ros.MessageType) -> tuple[tuple[str, str], ...]:
     return tuple((str(each.name), str(each.value)) for each in message_type.constants)
 
 
-def _field_named(message_type: Any, name: str) -> Any:
+def _field_named(message_type: ros.MessageType, name: str) -> ros.Field | None:
     return next((field for field in message_type.fields if field.name == name), None)

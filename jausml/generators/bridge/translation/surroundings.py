@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.translation.values import AssignmentError
 from jausml.generators.python.names import Scope, constant_name, snake_case
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.translation.body import Body
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import bridge, jaus, ros
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,9 @@ class Surroundings:
         nested: The translations of messages inside others, by connection, map and direction.
     """
 
-    view_of: Callable[[Any], MessageView]
-    type_name: Callable[[Any], str]
-    overrides: dict[str, Any] = field(default_factory=dict)
+    view_of: Callable[[jaus.MessageDef], MessageView]
+    type_name: Callable[[ros.MessageType], str]
+    overrides: dict[str, bridge.Quantity] = field(default_factory=dict)
     attributes: Scope = field(default_factory=Scope)
     constant_names: Scope = field(default_factory=Scope)
     constants: dict[object, Constant] = field(default_factory=dict)
@@ -145,11 +146,11 @@ class Surroundings:
             self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
         return self.constants[key].name
 
-    def quantity(self, quantity: Any) -> str:
+    def quantity(self, quantity: bridge.Quantity) -> str:
         """Returns the Python path of a quantity, whose value a parameter may change.
 
         Args:
-            quantity: The `bridge.Quantity`.
+            quantity: The quantity.
         """
         key = self._quantity_key(quantity)
         if key not in self.quantities:
@@ -159,7 +160,7 @@ class Surroundings:
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
         return f"self.{self.quantities[key].name}"
 
-    def overridden(self, quantities: Iterable[Any]) -> dict[str, float]:
+    def overridden(self, quantities: Iterable[bridge.Quantity]) -> dict[str, float]:
         """Returns what maps state for quantities that the bridge replaces.
 
         Args:
@@ -175,7 +176,7 @@ class Surroundings:
                 found.setdefault(used.name, float(quantity.value))
         return found
 
-    def _quantity_key(self, quantity: Any) -> tuple[str, float, str]:
+    def _quantity_key(self, quantity: bridge.Quantity) -> tuple[str, float, str]:
         """Returns name, value and unit: what is the same in all of them is one attribute."""
         found = self.overrides.get(quantity.name, quantity)
         return str(quantity.name), float(found.value), str(found.units or quantity.units or "")

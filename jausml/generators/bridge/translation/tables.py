@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.translation.values import (
     BOOLEAN,
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.generators.bridge.translation.values import Value
+    from jausml.metamodel.classes import bridge
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,17 @@ class Table:
 
 
 def look_up(
-    table: Any, value: Value, kind: str, listed: Sequence[tuple[str, str]], *, to_ros: bool
+    table: bridge.ValueTable,
+    value: Value,
+    kind: str,
+    listed: Sequence[tuple[str, str]],
+    *,
+    to_ros: bool,
 ) -> Table:
     """Returns a table as the dictionary that a look_up needs.
 
     Args:
-        table: The `bridge.ValueTable`.
+        table: The table.
         value: What is looked up; its kind is that of the keys.
         kind: Kind of what is found.
         listed: Names and values of what is found, as its field names them.
