@@ -14,7 +14,7 @@ from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.xmi.writer import replace_file
 from jausml.text.notation import SUFFIX, decode
 from jausml.text.reading.parsing import parse
-from jausml.text.writing.layout import render
+from jausml.text.writing.layout import lay_out
 from jausml.validation.formats.text import lines_of
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
     parsed = {name: parse(text) for name, text in texts.items()}
     if _report(parsed):
         raise click.exceptions.Exit(PROBLEMS)
-    laid_out = {name: render(each.document) for name, each in parsed.items()}
+    laid_out = {name: lay_out(each.document) for name, each in parsed.items()}
     changed = {name: new for name, new in laid_out.items() if new != texts[name]}
     for name, new in changed.items():
         if diff:

@@ -17,8 +17,8 @@ from jausml.semantics.conversions import conversion_signature
 from jausml.text.keywords import snake_case
 from jausml.text.reading.imports import library_files
 from jausml.text.tree import Assignment, Direction, End
-from jausml.text.writing.words import path as written_path
-from jausml.text.writing.words import word as written_word
+from jausml.text.writing.spelling import path as written_path
+from jausml.text.writing.spelling import word as written_word
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -18,11 +18,11 @@ from jausml.text.reading.shaping import Items
 from jausml.text.tree import (
     Assignment,
     Direction,
-    Document,
     Element,
     End,
     Feature,
     Item,
+    SyntaxTree,
     Vector,
     lists_of,
 )
@@ -123,7 +123,7 @@ class Context:
         return next(found, None)
 
 
-def context_at(text: str, document: Document, place: Place) -> Context:
+def context_at(text: str, document: SyntaxTree, place: Place) -> Context:
     """Returns where a place is.
 
     Args:
@@ -157,7 +157,7 @@ def _is_text_around(token: Token, place: Place) -> bool:
     return (token.column or 1) < place.column <= (token.end_column or 1)
 
 
-def _levels(document: Document, place: Place) -> Iterable[Level]:
+def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
     """Yields the lists that hold a place."""
     level = Level(None, None, document.items)
     while True:

@@ -11,12 +11,12 @@ from jausml.text.tree import (
     Assignment,
     Call,
     Direction,
-    Document,
     Element,
     End,
     Feature,
     Item,
     Name,
+    SyntaxTree,
     Table,
     Vector,
 )
@@ -98,7 +98,7 @@ class Names:
         return next(found, None)
 
 
-def names_of(document: Document) -> Names:
+def names_of(document: SyntaxTree) -> Names:
     """Returns the names of a document."""
     collector = _Collector()
     collector.items(document.items, None, None, ())

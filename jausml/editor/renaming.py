@@ -9,8 +9,8 @@ from jausml.editor.definition import declaration_at, meant
 from jausml.editor.positions import is_within
 from jausml.editor.workbench import names_in
 from jausml.model.uris import library_root
-from jausml.text.writing.words import path as written_path
-from jausml.text.writing.words import word as written_word
+from jausml.text.writing.spelling import path as written_path
+from jausml.text.writing.spelling import word as written_word
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

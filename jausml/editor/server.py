@@ -27,7 +27,7 @@ from jausml.model.diagnostics import Severity
 from jausml.text.notation import SUFFIX
 from jausml.text.reading.shaping import span_of
 from jausml.text.tree import Span
-from jausml.text.writing.layout import render
+from jausml.text.writing.layout import lay_out
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -224,7 +224,7 @@ class _Desk:
         parsed = parsed_text(text)
         if parsed.faults:
             return None
-        laid_out = render(parsed.document)
+        laid_out = lay_out(parsed.document)
         if laid_out == text:
             return []
         line, units = self._columns(path).end()

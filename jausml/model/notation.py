@@ -48,7 +48,7 @@ class Fault:
 
 
 @dataclass(frozen=True, slots=True)
-class Import:
+class ImportedDocument:
     """A document whose names another one uses: its URI, and where that is said."""
 
     uri: str
@@ -95,7 +95,7 @@ class Written(Protocol):
         """What is wrong with the text."""
 
     @property
-    def imports(self) -> Sequence[Import]:
+    def imports(self) -> Sequence[ImportedDocument]:
         """The documents that it imports."""
 
     def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:

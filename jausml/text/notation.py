@@ -57,11 +57,11 @@ class Ros2Jaus:
         # All this takes a while to load, and models in XMI do without it.
         from jausml.text.reading.document import TextDocument  # noqa: PLC0415
         from jausml.text.reading.parsing import parse  # noqa: PLC0415
-        from jausml.text.tree import Document  # noqa: PLC0415
+        from jausml.text.tree import SyntaxTree  # noqa: PLC0415
 
         text, fault = decode(data)
         if fault is not None:
-            return TextDocument(Document(), [fault], path, metamodels)
+            return TextDocument(SyntaxTree(), [fault], path, metamodels)
         parsed = parse(text)
         faults = [
             Fault("JML701", each.message, each.hint, each.span.line, each.span.column)

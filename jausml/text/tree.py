@@ -258,7 +258,7 @@ BlockItem: TypeAlias = (
 
 
 @dataclass(slots=True)
-class Document:
+class SyntaxTree:
     """A text.
 
     Attributes:

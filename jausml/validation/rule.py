@@ -50,7 +50,7 @@ class Finding:
     severity: Severity | None = None
 
 
-Check = Callable[["Subject"], Iterator[Finding]]
+RuleFunction = Callable[["Subject"], Iterator[Finding]]
 """Looks at all elements that a rule is about and yields what is wrong with them."""
 
 
@@ -68,7 +68,7 @@ class Rule:
     id: str
     severity: Severity
     title: str
-    check: Check
+    check: RuleFunction
 
     @property
     def documentation(self) -> str:
@@ -76,7 +76,7 @@ class Rule:
         return inspect.getdoc(self.check) or ""
 
 
-def rule(rule_id: str, severity: Severity, title: str) -> Callable[[Check], Rule]:
+def rule(rule_id: str, severity: Severity, title: str) -> Callable[[RuleFunction], Rule]:
     """Makes a rule of a function, whose docstring is the documentation page of the rule.
 
     Args:
@@ -85,7 +85,7 @@ def rule(rule_id: str, severity: Severity, title: str) -> Callable[[Check], Rule
         title: A few words for lists.
     """
 
-    def make(check: Check) -> Rule:
+    def make(check: RuleFunction) -> Rule:
         return Rule(rule_id, severity, title, check)
 
     return make

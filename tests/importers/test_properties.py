@@ -13,7 +13,7 @@ from jsidl_support import WINCH
 from lxml import etree
 
 from jausml.importers.jsidl import JSIDL_RULES, Source, import_sources
-from jausml.importers.jsidl.expressions import ExpressionError, evaluate
+from jausml.importers.jsidl.numbers import NumberError, evaluate
 from jausml.importers.jsidl.scopes import matches, pick_version
 from jausml.model import READER_RULES
 from jausml.model.xmi.writer import to_xmi
@@ -94,10 +94,10 @@ def test_cut_and_changed_bytes_are_reported(name, data):
 @given(st.text(st.sampled_from("0123456789.,eE+-*/() aPI_"), max_size=20))
 def test_any_text_is_a_number_or_is_refused(text):
     def constant(path):
-        raise ExpressionError(f"no constant {path}")
+        raise NumberError(f"no constant {path}")
 
     value = None
-    with contextlib.suppress(ExpressionError):
+    with contextlib.suppress(NumberError):
         value = evaluate(text, constant)
     assert not text.isdigit() or value == int(text)
 

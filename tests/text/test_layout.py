@@ -17,7 +17,6 @@ from jausml.text.tree import (
     Call,
     Clock,
     Direction,
-    Document,
     Element,
     End,
     Entry,
@@ -28,13 +27,14 @@ from jausml.text.tree import (
     Member,
     Name,
     Number,
+    SyntaxTree,
     Table,
     Text,
     Vector,
     VectorEntry,
 )
-from jausml.text.writing.layout import WIDTH, render
-from jausml.text.writing.words import can_document
+from jausml.text.writing.layout import WIDTH, lay_out
+from jausml.text.writing.spelling import can_document
 
 
 def without_spans(value):
@@ -200,7 +200,7 @@ block_items = st.recursive(
 imports = st.builds(Import, names.filter(lambda each: "[" not in each.text) | texts)
 documents = closed(
     st.builds(
-        Document,
+        SyntaxTree,
         listed(imports | elements_of(block_items) | simple_features | arrays | structs),
     )
 )
@@ -209,7 +209,7 @@ documents = closed(
 @settings(max_examples=25)
 @given(documents)
 def test_what_is_written_is_read(document):
-    text = render(document)
+    text = lay_out(document)
     parsed = parse(text)
     assert parsed.faults == []
     assert without_spans(parsed.document) == without_spans(document)
@@ -223,7 +223,7 @@ separators = st.sampled_from([" ", "\n", "\n\n\n", "\t", " // why\n", " /* what\
 @settings(max_examples=25)
 @given(documents, st.randoms(use_true_random=False), st.data())
 def test_layout_is_idempotent_and_keeps_all_tokens_and_comments(document, random, data):
-    tokens = scan(render(document)).tokens
+    tokens = scan(lay_out(document)).tokens
     kinds = data.draw(st.lists(separators, min_size=1, max_size=4))
     gaps = [random.choice(kinds) for _ in tokens]
     for position, token in enumerate(tokens):
@@ -234,8 +234,8 @@ def test_layout_is_idempotent_and_keeps_all_tokens_and_comments(document, random
     loose = "".join(f"{token}{gap}" for token, gap in zip(tokens, gaps, strict=True))
     parsed = parse(loose)
     assert parsed.faults == []
-    laid_out = render(parsed.document)
-    assert render(parse(laid_out).document) == laid_out
+    laid_out = lay_out(parsed.document)
+    assert lay_out(parse(laid_out).document) == laid_out
     again = scan(laid_out)
     assert as_text(again.tokens) == as_text(tokens)
     assert squeezed(again.comments) == squeezed(scan(loose).comments)
@@ -276,7 +276,7 @@ vector v ROS->JAUS(x=1 y=2=>Z=0.70711~1e-5)}
 /* last */
 """
     assert (
-        render(parse(text).document)
+        lay_out(parse(text).document)
         == """\
 // The robot.
 
@@ -317,33 +317,33 @@ def test_comments_between_the_halves_of_a_vector_stay_there():
     )
 }
 """
-    laid_out = render(parse(text).document)
+    laid_out = lay_out(parse(text).document)
     assert laid_out.index("at rest") < laid_out.index("gives") < laid_out.index("data")
-    assert render(parse(laid_out).document) == laid_out
+    assert lay_out(parse(laid_out).document) == laid_out
 
 
 def test_a_struct_without_name_ends_its_line():
     text = "x {\n    struct []\n    name: 1\n}\n"
-    assert render(parse(text).document) == text
+    assert lay_out(parse(text).document) == text
 
 
 def test_lists_share_a_line_while_they_fit():
     members = [Member(Name("float32"), "", Name(f"member_{number}")) for number in range(4)]
     end = End(True, Name("Message"), members)
-    short = render(Document([end])).splitlines()
+    short = lay_out(SyntaxTree([end])).splitlines()
     assert len(short) == 1
     end.members += [Member(Name("float32"), "", Name("x" * (WIDTH - len(short[0]) - 10)))]
-    fitting = render(Document([end])).splitlines()
+    fitting = lay_out(SyntaxTree([end])).splitlines()
     assert [len(each) for each in fitting] == [WIDTH]
     end.members[-1] = Member(Name("float32"), "", Name("x" * (WIDTH - len(short[0]) - 9)))
-    assert len(render(Document([end])).splitlines()) == 7
+    assert len(lay_out(SyntaxTree([end])).splitlines()) == 7
 
 
 def test_values_that_do_not_fit_go_on_in_the_next_line():
     feature = Feature(Name("provides"), [Name("x" * 40) for _ in range(5)])
-    text = render(Document([feature]))
+    text = lay_out(SyntaxTree([feature]))
     assert [len(each) <= WIDTH for each in text.splitlines()] == [True, True, True]
-    assert without_spans(parse(text).document) == Document([feature])
+    assert without_spans(parse(text).document) == SyntaxTree([feature])
 
 
 @pytest.mark.parametrize(
@@ -351,6 +351,6 @@ def test_values_that_do_not_fit_go_on_in_the_next_line():
 )
 def test_documentation_that_a_comment_holds(text):
     item = Import(Name("x"), documentation=text)
-    back = parse(render(Document([item]))).document.items[0]
+    back = parse(lay_out(SyntaxTree([item]))).document.items[0]
     assert (back.documentation == text) == (can_document(text) or not text)
     assert can_document(text) == (text not in ("", " a", "a ", "\na", "a\nb"))

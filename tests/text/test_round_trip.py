@@ -20,7 +20,7 @@ from jausml.model.identifiers import name_identifiers
 from jausml.model.xmi.writer import to_xmi, write_model
 from jausml.text.notation import NOTATIONS
 from jausml.text.reading.parsing import parse
-from jausml.text.writing.layout import render
+from jausml.text.writing.layout import lay_out
 from jausml.text.writing.unparsing import to_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -129,7 +129,7 @@ def check_round_trip(roots, model, folder):
     second.write_text(text, encoding="utf-8", newline="\n")
     parsed = parse(text)
     assert parsed.faults == []
-    assert render(parsed.document) == text
+    assert lay_out(parsed.document) == text
     again, its_model = reread(second)
     assert_same(roots, again)
     assert to_xmi(again, its_model, first) == first.read_text(encoding="utf-8")
@@ -179,7 +179,7 @@ def test_the_car_in_text_is_the_car():
     (theirs,), _ = reread(text)
     assert_same([ours], [theirs])
     written = text.read_text(encoding="utf-8")
-    assert render(parse(written).document) == written
+    assert lay_out(parse(written).document) == written
 
 
 @EMF

@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.importers.jsidl.expressions import ExpressionError, evaluate
 from jausml.importers.jsidl.findings import Findings, Place
+from jausml.importers.jsidl.numbers import NumberError, evaluate
 from jausml.model.diagnostics import Related
 from jausml.model.values import show, suggest
 
@@ -212,7 +212,7 @@ class Scopes:
             path: For example `basicConsts.PI`.
 
         Raises:
-            ExpressionError: There is no such constant, or it has no value.
+            NumberError: There is no such constant, or it has no value.
         """
         try:
             found = self.find(scope, path)
@@ -220,19 +220,19 @@ class Scopes:
             if error.is_known:
                 raise
             hint = f" ({error.hint})" if error.hint else ""
-            raise ExpressionError(f"has an unknown constant: {error}{hint}") from error
+            raise NumberError(f"has an unknown constant: {error}{hint}") from error
         node = found.place.node
         if node.tag != "const_def":
-            raise ExpressionError(f"has '{path}', which is a {node.tag} and no constant")
+            raise NumberError(f"has '{path}', which is a {node.tag} and no constant")
         if found.place in self._evaluating:
-            raise ExpressionError(f"needs itself by the constant '{path}'")
+            raise NumberError(f"needs itself by the constant '{path}'")
         if len(self._evaluating) > _DEEPEST_CONSTANT:
-            raise ExpressionError("is nested too deeply in constants")
+            raise NumberError("is nested too deeply in constants")
         self._evaluating.append(found.place)
         try:
             return self.number(found.scope, node.get("const_value") or "")
-        except ExpressionError as error:
-            raise ExpressionError(f"has '{path}', whose value {error}") from error
+        except NumberError as error:
+            raise NumberError(f"has '{path}', whose value {error}") from error
         finally:
             self._evaluating.pop()
 
@@ -244,7 +244,7 @@ class Scopes:
             text: The expression.
 
         Raises:
-            ExpressionError: It has none.
+            NumberError: It has none.
             MissingError: It needs a set whose absence was reported.
         """
         return evaluate(text, lambda path: self.constant(scope, path))

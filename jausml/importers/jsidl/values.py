@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from jausml.importers.jsidl.expressions import ExpressionError
+from jausml.importers.jsidl.numbers import NumberError
 from jausml.importers.jsidl.scopes import MissingError
 from jausml.importers.jsidl.vocabulary import VOCABULARY
 from jausml.model.values import show, suggest
@@ -135,7 +135,7 @@ class Values:
             return None
         try:
             return self._scopes.number(scope, text)
-        except ExpressionError as error:
+        except NumberError as error:
             self._wrong(place, name, str(error))
         except MissingError:
             pass  # the missing set was reported

@@ -14,7 +14,7 @@ from jausml.metamodel.filling import holds, link, new_object, set_value, set_val
 from jausml.model.diagnostics import Related
 from jausml.model.notation import BY_NAME
 from jausml.model.reading.classes import XSI, ClassFinder, is_xmi, target_class
-from jausml.model.reading.problems import Attribute, Place, Problems
+from jausml.model.reading.problems import Place, Problems, XmlAttribute
 from jausml.model.values import convert, nearest, show
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ class ElementBuilder:
         table: ClassTable,
         node: Node,
         name: str,
-        attribute: Attribute | None = None,
+        attribute: XmlAttribute | None = None,
     ) -> None:
         near = nearest(name, table.features)
         if near:
@@ -143,7 +143,7 @@ class ElementBuilder:
         hint = f"did you mean '{near}'?" if near else ""
         self._report("JML103", node, f"unknown feature '{name}' of {table.name}", hint, attribute)
 
-    def _identify(self, node: Node, identifier: str, attribute: Attribute | None) -> None:
+    def _identify(self, node: Node, identifier: str, attribute: XmlAttribute | None) -> None:
         self._model.name_by_id(node.obj, identifier)
         holder = self._document.ids.setdefault(identifier, node)
         if holder is not node:
@@ -207,7 +207,7 @@ class ElementBuilder:
         node: Node,
         table: ClassTable,
         feature: FeatureTable,
-        attribute: Attribute | None,
+        attribute: XmlAttribute | None,
         owner: Node,
     ) -> bool:
         if not feature.settable:
@@ -323,7 +323,7 @@ class ElementBuilder:
     def _set(
         self,
         node: Node,
-        attribute: Attribute | None,
+        attribute: XmlAttribute | None,
         obj: EObject,
         feature: FeatureTable,
         texts: list[str],
@@ -381,7 +381,7 @@ class ElementBuilder:
         node: Node,
         message: str,
         hint: str = "",
-        attribute: Attribute | None = None,
+        attribute: XmlAttribute | None = None,
     ) -> None:
         self._problems.report(rule, Place(self._document, node, attribute), message, hint)
 
@@ -394,7 +394,7 @@ def _is_nil(node: Node) -> bool:
     return (node.get(f"{XSI} nil") or "").strip() in _TRUE
 
 
-def _idref(node: Node) -> tuple[Attribute, str] | None:
+def _idref(node: Node) -> tuple[XmlAttribute, str] | None:
     for index in range(0, len(node.attributes), 2):
         namespace, _, local = node.attributes[index].rpartition(" ")
         if local == "idref" and is_xmi(namespace):

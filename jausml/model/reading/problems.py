@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jausml.model.rules import RuleInfo
     from jausml.model.xmi.parsing import Node
 
-Attribute = tuple[str, str]
+XmlAttribute = tuple[str, str]
 """Namespace URI and local name of an XML attribute."""
 
 
@@ -29,7 +29,7 @@ class Place:
 
     document: Document
     node: Node
-    attribute: Attribute | None = None
+    attribute: XmlAttribute | None = None
 
     @property
     def location(self) -> Location:

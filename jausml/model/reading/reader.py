@@ -16,9 +16,9 @@ from jausml.model.model import Model
 from jausml.model.names import NameFinder
 from jausml.model.reading.conformance import check_bounds
 from jausml.model.reading.elements import ElementBuilder
+from jausml.model.reading.known import KnownNames, in_order_of_import
 from jausml.model.reading.problems import Place, Problems
 from jausml.model.reading.references import Resolution
-from jausml.model.reading.surroundings import Surroundings, in_order_of_import
 from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.model.xmi.parsing import Node, parse
 
@@ -254,7 +254,7 @@ class _Reading:
         for document in in_order_of_import(self._written):
             if document not in self._written or document.lacks_imports:
                 continue  # what looks new may stand in the document that is missing
-            known = Surroundings(self._model, self._names, document)
+            known = KnownNames(self._model, self._names, document)
             nodes, faults = self._written[document].declare(known)
             self._add_roots(document, nodes, faults)
             self._names.forget(document)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.text.comments import documentation_text, is_documentation
 from jausml.text.reading.shaping import Items
-from jausml.text.tree import Document, Item, Vector, lists_of
+from jausml.text.tree import Item, SyntaxTree, Vector, lists_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -29,7 +29,7 @@ class _Body:
     end: tuple[int, int]
 
 
-def attach(document: Document, comments: Sequence[Token]) -> None:
+def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
     """Puts comments to the items of a document, and tells items that stand behind an empty line.
 
     Args:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.model.notation import Fault
-from jausml.model.notation import Import as ImportedUri
+from jausml.model.notation import Fault, ImportedDocument
 from jausml.text.reading import imports
 from jausml.text.reading.declaring.declaring import Declarer
 from jausml.text.reading.elements import ElementReader
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.model.notation import Known
     from jausml.model.xmi.parsing import Node
-    from jausml.text.tree import Document
+    from jausml.text.tree import SyntaxTree
 
 
 class TextDocument:
@@ -36,7 +35,7 @@ class TextDocument:
     """
 
     def __init__(
-        self, document: Document, faults: Sequence[Fault], path: Path, metamodels: Metamodels
+        self, document: SyntaxTree, faults: Sequence[Fault], path: Path, metamodels: Metamodels
     ) -> None:
         self._nodes = NodeMaker(metamodels)
         self._nodes.faults += faults
@@ -45,7 +44,7 @@ class TextDocument:
         elements.special |= self._maps.special
         self._roots = RootReader(metamodels, self._nodes, elements, path)
         self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
-        self.imports: list[ImportedUri] = []
+        self.imports: list[ImportedDocument] = []
         for item in document.items:
             if isinstance(item, Import):
                 self._import(item)

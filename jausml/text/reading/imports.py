@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.model.notation import Fault
-from jausml.model.notation import Import as ImportedUri
+from jausml.model.notation import Fault, ImportedDocument
 from jausml.model.uris import LIBRARY_URI, library_root
 from jausml.model.values import show, suggest
 from jausml.text.tree import Text
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 _SUFFIXES = (".xmi", ".ros2jaus")
 
 
-def resolve(item: Import) -> ImportedUri | Fault:
+def resolve(item: Import) -> ImportedDocument | Fault:
     """Returns the document that an import names.
 
     Args:
@@ -32,11 +31,11 @@ def resolve(item: Import) -> ImportedUri | Fault:
             return Fault("JML704", "an import names a file", line=line, column=column)
         is_uri = target.text.startswith(LIBRARY_URI)
         uri = target.text if is_uri else quote(target.text, safe="/:")
-        return ImportedUri(uri, line, column)
+        return ImportedDocument(uri, line, column)
     known = library_files()
     path = known.get(target.text)
     if path is not None:
-        return ImportedUri(f"{LIBRARY_URI}{path}", line, column)
+        return ImportedDocument(f"{LIBRARY_URI}{path}", line, column)
     ends = [name for name in known if name.partition(".")[2] == target.text]
     hint = f"did you mean '{ends[0]}'?" if ends else suggest(target.text, known)
     hint = hint or 'a file of yours stands in quotation marks: import "robot.xmi"'

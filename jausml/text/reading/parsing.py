@@ -16,11 +16,11 @@ from lark import Token, UnexpectedToken
 from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.reading.comments import attach
 from jausml.text.reading.expectations import describe, suggestion
-from jausml.text.reading.scanning import Fault, language, scan
+from jausml.text.reading.scanning import SyntaxFault, language, scan
 from jausml.text.reading.shaping import Items, span_of
-from jausml.text.tree import Document, Span
+from jausml.text.tree import Span, SyntaxTree
 
-__all__ = ["MOST_FAULTS", "Fault", "Parsed", "parse"]
+__all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse"]
 
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
@@ -39,8 +39,8 @@ class Parsed:
         faults: The syntax errors, in the order of the text.
     """
 
-    document: Document
-    faults: list[Fault] = field(default_factory=list)
+    document: SyntaxTree
+    faults: list[SyntaxFault] = field(default_factory=list)
 
 
 def parse(text: str) -> Parsed:
@@ -51,8 +51,8 @@ def parse(text: str) -> Parsed:
     """
     text = text.removeprefix("\ufeff")
     if len(text) > LONGEST:
-        fault = Fault(Span(), f"the text is longer than {LONGEST:,} characters")
-        return Parsed(Document(), [fault])
+        fault = SyntaxFault(Span(), f"the text is longer than {LONGEST:,} characters")
+        return Parsed(SyntaxTree(), [fault])
     scanned = scan(text)
     run = _Run(scanned.tokens)
     document = run.document()
@@ -65,14 +65,14 @@ class _Run:
     """One run of the parser over the tokens of a text."""
 
     def __init__(self, tokens: list[Token]) -> None:
-        self.faults: list[Fault] = []
+        self.faults: list[SyntaxFault] = []
         self._tokens = tokens
         self._parser: Any = language().parse_interactive()  # Any: its methods have no types
         # What the parser holds at present: a value for each symbol, and a state more.
         self._values: list[Any] = self._parser.parser_state.value_stack
         self._states: list[Any] = self._parser.parser_state.state_stack
 
-    def document(self) -> Document:
+    def document(self) -> SyntaxTree:
         """Reads all tokens."""
         position = depth = 0
         while position < len(self._tokens):
@@ -91,20 +91,20 @@ class _Run:
                 depth -= token.type in _OPENERS
         return self._end(position)
 
-    def _end(self, position: int) -> Document:
+    def _end(self, position: int) -> SyntaxTree:
         """Ends the document, with the brackets that are missing."""
         if position < len(self._tokens):
             is_deep = len(self.faults) < MOST_FAULTS
             deep = f"brackets are nested more than {DEEPEST} deep"
             message = deep if is_deep else "so much is wrong above that the rest is not read"
-            self.faults.append(Fault(span_of(self._tokens[position]), message))
+            self.faults.append(SyntaxFault(span_of(self._tokens[position]), message))
         elif not self._accepts("$END"):
             self._report(position)
         self._complete_item()
         self._drop_item()
         while self._open_brackets():
             self._close()
-        document: Document = self._parser.feed_token(self._token("$END"))
+        document: SyntaxTree = self._parser.feed_token(self._token("$END"))
         return document
 
     def _report(self, position: int) -> None:
@@ -120,7 +120,7 @@ class _Run:
             span = Span(last.end_line, last.end_column, last.end_line, last.end_column)
             if brackets:
                 hint = f"the '{brackets[0]}' of line {brackets[0].line} is not closed"
-        self.faults.append(Fault(span, message, hint))
+        self.faults.append(SyntaxFault(span, message, hint))
 
     def _recover(self, position: int) -> int:
         """Drops what is wrong.

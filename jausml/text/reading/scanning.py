@@ -39,7 +39,7 @@ _INSTEAD = {
 }
 
 
-class Fault(NamedTuple):
+class SyntaxFault(NamedTuple):
     """A syntax error.
 
     Attributes:
@@ -65,7 +65,7 @@ class Scan:
 
     tokens: list[Token] = field(default_factory=list)
     comments: list[Token] = field(default_factory=list)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[SyntaxFault] = field(default_factory=list)
 
 
 class _KeepAll:
@@ -117,26 +117,26 @@ def _mend(token: Token, before: Token | None, result: Scan) -> None:
     span = span_of(token)
     if token.type == "OPEN_COMMENT":
         start = Span(span.line, span.column, span.line, span.column + 2)
-        result.faults.append(Fault(start, "the comment is not closed", "it ends with '*/'"))
+        result.faults.append(SyntaxFault(start, "the comment is not closed", "it ends with '*/'"))
     elif token.type == "OPEN_TEXT":
         result.faults.append(
-            Fault(span, "the text is not closed on its line", "a line break is written \\n")
+            SyntaxFault(span, "the text is not closed on its line", "a line break is written \\n")
         )
         kind, value = ("HREF", token[1:]) if token.startswith("@") else ("TEXT", token)
         closed = f'{_whole(value)}"'
         result.tokens.append(token.update(kind, closed if kind == "TEXT" else f"@{closed}"))
     elif token.type == "OPEN_NAME":
-        result.faults.append(Fault(span, "the name in back quotes is not closed on its line"))
+        result.faults.append(SyntaxFault(span, "the name in back quotes is not closed on its line"))
         result.tokens.append(token.update("WORD", f"{_whole(token)}`"))
     elif token.type == "WRONG_NUMBER":
         hint = f"a name that begins with a digit stands in back quotes: `{token}`"
-        result.faults.append(Fault(span, f"'{token}' is no number", hint))
+        result.faults.append(SyntaxFault(span, f"'{token}' is no number", hint))
         result.tokens.append(token.update("WORD", f"`{token}`"))
     else:
         shown = str(token) if token.isprintable() else f"U+{ord(token):04X}"
         joins = before is not None and before.end_pos == token.start_pos
         hint = _INSTEAD.get(str(token), "") if joins or str(token) not in "-$" else ""
-        result.faults.append(Fault(span, f"nothing is written with '{shown}' here", hint))
+        result.faults.append(SyntaxFault(span, f"nothing is written with '{shown}' here", hint))
 
 
 def _whole(text: str) -> str:
@@ -145,7 +145,7 @@ def _whole(text: str) -> str:
     return text[:-1] if halves % 2 else text
 
 
-def _escape_faults(token: Token) -> Iterator[Fault]:
+def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
     if "\\" not in token:
         return
     plain = token.replace("\\\\", "//")
@@ -155,4 +155,4 @@ def _escape_faults(token: Token) -> Iterator[Fault]:
             span = Span(token.line or 1, column, token.line or 1, column + len(match.group()))
             message = f"'{match.group()}' is no escape"
             known = '\\" \\` \\\\ \\n \\t \\r \\uXXXX'
-            yield Fault(span, message, f"there are {known}")
+            yield SyntaxFault(span, message, f"there are {known}")

@@ -13,7 +13,6 @@ from jausml.text.tree import (
     Call,
     Clock,
     Direction,
-    Document,
     Element,
     End,
     Entry,
@@ -25,6 +24,7 @@ from jausml.text.tree import (
     Name,
     Number,
     Span,
+    SyntaxTree,
     Table,
     Text,
     Vector,
@@ -130,8 +130,8 @@ def _items_of(block: _Block | None) -> Items[Any]:
 class Shaper:
     """The actions of the grammar: each takes what its rule consists of, tokens and all."""
 
-    def start(self, children: list[Any]) -> Document:
-        return Document(children[0])
+    def start(self, children: list[Any]) -> SyntaxTree:
+        return SyntaxTree(children[0])
 
     def no_items(self, children: list[Any]) -> Items[Any]:  # noqa: ARG002 - one shape for all
         return Items()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.text.tree import Item, Name
 from jausml.text.writing.literals import is_name
-from jausml.text.writing.words import can_document
+from jausml.text.writing.spelling import can_document
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject

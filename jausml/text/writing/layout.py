@@ -16,7 +16,6 @@ from jausml.text.tree import (
     Call,
     Clock,
     Direction,
-    Document,
     Element,
     End,
     Entry,
@@ -28,12 +27,13 @@ from jausml.text.tree import (
     Member,
     Name,
     Number,
+    SyntaxTree,
     Table,
     Text,
     Vector,
     VectorEntry,
 )
-from jausml.text.writing.words import documentation, feature_name, path, quoted, word
+from jausml.text.writing.spelling import documentation, feature_name, path, quoted, word
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -47,7 +47,7 @@ _SHORT = (Feature, Member, Entry, VectorEntry)
 _BOUNDED = re.compile(r"(.+)<=(\d+)")
 
 
-def render(document: Document) -> str:
+def lay_out(document: SyntaxTree) -> str:
     """Returns a document as text.
 
     Args:

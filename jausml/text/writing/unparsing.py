@@ -9,7 +9,7 @@ from jausml.model.names import name_of
 from jausml.model.xmi.writer import UnwritableError, is_written
 from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.root_names import system_name
-from jausml.text.tree import BlockItem, Document, Element, Import, Item, lists_of
+from jausml.text.tree import BlockItem, Element, Import, Item, SyntaxTree, lists_of
 from jausml.text.writing import layout
 from jausml.text.writing.elements import ElementWriter
 from jausml.text.writing.maps import MAP, MapWriter
@@ -47,13 +47,13 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
     document = to_tree(roots, model, path)
     if _depth(document.items) > DEEPEST:
         raise UnwritableError(f"its elements are nested more than {DEEPEST} deep")
-    text = layout.render(document)
+    text = layout.lay_out(document)
     if len(text) > LONGEST:
         raise UnwritableError(f"the text would have more than {LONGEST:,} characters")
     return text
 
 
-def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> Document:
+def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> SyntaxTree:
     """Returns root elements with all that they own as a syntax tree.
 
     Args:
@@ -67,7 +67,7 @@ def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
     names = ReferenceNames(roots, model, Path(path))
     elements = ElementWriter(model.metamodels, names)
     elements.special[MAP] = MapWriter(elements, names, model.metamodels).items
-    document = Document()
+    document = SyntaxTree()
     document.items += [Import(target) for target in names.imports]
     implied: set[str] = set()
     for root in roots:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.conformance.trace import Line
 
 
-Body = Callable[["Session"], None]
+CheckFunction = Callable[["Session"], None]
 """Returns when all is well; raises CheckFailed or CheckSkipped otherwise."""
 
 
@@ -33,7 +33,7 @@ class Check:
     id: str
     title: str
     source: str
-    body: Body
+    body: CheckFunction
     destructive: bool = False
 
     @property
@@ -49,7 +49,7 @@ class Check:
 
 def check(
     check_id: str, title: str, source: str, *, destructive: bool = False
-) -> Callable[[Body], Check]:
+) -> Callable[[CheckFunction], Check]:
     """Makes a check of a function, whose docstring is its explanation.
 
     Args:
@@ -59,7 +59,7 @@ def check(
         destructive: Whether the target cannot go on afterwards.
     """
 
-    def make(body: Body) -> Check:
+    def make(body: CheckFunction) -> Check:
         return Check(check_id, title, source, body, destructive)
 
     return make

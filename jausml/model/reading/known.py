@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _HEXADECIMAL = 16
 
 
-class Surroundings:
+class KnownNames:
     """What a document can name, as `jausml.model.notation.Known` says.
 
     Args:

@@ -20,15 +20,15 @@ _LARGEST_EXPONENT = 400
 _NUMBER = re.compile(r"(?:[0-9]+|[0-9]{1,3}(?:,[0-9]{3})+)?\.?[0-9]*(?:[eE]([+-]?[0-9]+))?")
 
 Lookup = Callable[[str], Fraction]
-"""Returns the value of a constant by its dotted name; raises ExpressionError."""
+"""Returns the value of a constant by its dotted name; raises NumberError."""
 
 
-class ExpressionError(ValueError):
+class NumberError(ValueError):
     """A text is no expression, or has no value; the message says of the text why."""
 
 
-def _malformed(message: str, column: int) -> ExpressionError:
-    return ExpressionError(f"is no expression: {message} at column {column}")
+def _malformed(message: str, column: int) -> NumberError:
+    return NumberError(f"is no expression: {message} at column {column}")
 
 
 _LANGUAGE = Language(
@@ -52,10 +52,10 @@ def evaluate(text: str, constant: Lookup) -> Fraction:
         constant: Knows the constants.
 
     Raises:
-        ExpressionError: The text is no expression, divides by zero or is out of all bounds.
+        NumberError: The text is no expression, divides by zero or is out of all bounds.
     """
     if not text.strip():
-        raise ExpressionError("is empty")
+        raise NumberError("is empty")
     return _Parser(text, constant).whole()
 
 
@@ -83,7 +83,7 @@ class _Parser:
         while sign := self._cursor.take("*", "/"):
             right = self._factor()
             if sign == "/" and not right:
-                raise ExpressionError("divides by zero")
+                raise NumberError("divides by zero")
             value = value * right if sign == "*" else value / right
             _check_size(value)
         return value
@@ -105,13 +105,13 @@ class _Parser:
 def _number(text: str) -> Fraction:
     match = _NUMBER.fullmatch(text)
     if match is None:
-        raise ExpressionError(f"has '{text}', whose commas do not part thousands")
+        raise NumberError(f"has '{text}', whose commas do not part thousands")
     exponent = match.group(1) or "0"
     if len(exponent) > 4 or abs(int(exponent)) > _LARGEST_EXPONENT:
-        raise ExpressionError(f"has '{text}', which is out of all bounds")
+        raise NumberError(f"has '{text}', which is out of all bounds")
     return Fraction(text.replace(",", ""))
 
 
 def _check_size(value: Fraction) -> None:
     if max(value.numerator.bit_length(), value.denominator.bit_length()) > 20_000:
-        raise ExpressionError("is out of all bounds")
+        raise NumberError("is out of all bounds")
