@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +13,7 @@ from jausml.generation import (
     GenerationError,
     InternalError,
     NoSystemError,
+    OwnershipError,
     RefusedError,
     Result,
     Selection,
@@ -73,6 +74,12 @@ class WholeLibraryOption(click.Option):
 @click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
+@click.option(
+    "--adopt",
+    default="",
+    metavar="NAME",
+    help="Take over what OUT holds of the model NAME: this is it under a new name.",
+)
 @click.option("--force", is_flag=True, help="Overwrite generated files that were edited.")
 @click.option(
     "--frequency",
@@ -88,6 +95,7 @@ def command(
     out: str | None,
     names: tuple[str, ...],
     whole_library: bool,
+    adopt: str,
     force: bool,
     frequency: float | None,
     project_root: str | None,
@@ -115,7 +123,7 @@ def command(
             owner.frequency = frequency
     valid = _valid_model(read)
     mode = chosen[0] if chosen else "write"
-    result = _generated(valid, selection, folder, force=force, write=mode == "write")
+    result = _generated(valid, selection, folder, adopt=adopt, force=force, write=mode == "write")
     _report_drift(result)
     _report(result, mode, quiet=quiet)
 
@@ -156,17 +164,15 @@ def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
         raise EnvironmentFault(str(error)) from error
 
 
-def _generated(
-    model: Model, selection: Selection, folder: Path, *, force: bool, write: bool
-) -> Result:
+def _generated(model: Model, selection: Selection, folder: Path, **options: Any) -> Result:
     try:
-        return generate(
-            model, selection.targets, folder, kept=selection.kept, force=force, write=write
-        )
+        return generate(model, selection.targets, folder, kept=selection.kept, **options)
     except InternalError:
         raise
     except NoSystemError as error:
         raise EnvironmentFault(_no_system(error)) from error
+    except OwnershipError as error:
+        raise EnvironmentFault(str(error)) from error
     except (RefusedError, WriteError) as error:
         raise EnvironmentFault(f"cannot write into {folder}: {error}") from error
     except GenerationError as error:

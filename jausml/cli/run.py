@@ -48,7 +48,7 @@ def command(out: str, only: tuple[str, ...], duration: float | None) -> None:
         _require_rclpy()
     supervisor = Supervisor(
         [_command(entry, folder) for entry in entries],
-        environment=_environment(folder, max(entry.get("domain", 0) for entry in entries)),
+        environment=_environment(folder),
         emit=click.echo,
     )
     if not supervisor.run(duration):
@@ -70,10 +70,12 @@ def _entries(folder: Path) -> list[Mapping[str, Any]]:
     manifest = read_manifest(folder)
     if manifest.problem:
         raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
-    entries = manifest.extra.get("processes")
-    if not isinstance(entries, list) or not all(_is_entry(each) for each in entries):
+    lists = [known.get("processes") for known in manifest.models.values()]
+    entries = [entry for each in lists if isinstance(each, list) for entry in each]
+    if not any(isinstance(each, list) for each in lists) or not all(map(_is_entry, entries)):
         raise EnvironmentFault(f"{folder}: the manifest lists no processes; generate it again")
-    return entries
+    # A component that two models have is one process.
+    return list({entry["name"]: entry for entry in entries}.values())
 
 
 def _is_entry(entry: Any) -> bool:
@@ -116,19 +118,22 @@ def _command(entry: Mapping[str, Any], folder: Path) -> Command:
     parameters = entry.get("parameters", "")
     if parameters:
         arguments += ["--ros-args", "--params-file", str(folder / parameters)]
-    return Command(entry["name"], (sys.executable, "-u", "-m", entry["module"], *arguments))
+    return Command(
+        entry["name"],
+        (sys.executable, "-u", "-m", entry["module"], *arguments),
+        {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
+    )
 
 
-def _environment(folder: Path, domain: int) -> dict[str, str]:
+def _environment(folder: Path) -> dict[str, str]:
     """Returns our environment with the packages of the workspace on Python's path.
 
     Args:
         folder: The generated folder.
-        domain: The modelled ROS domain, unless ROS_DOMAIN_ID says otherwise.
     """
     packages = sorted(
         str(package) for package in folder.iterdir() if (package / package.name).is_dir()
     )
     inherited = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
-    return {"ROS_DOMAIN_ID": str(domain), **os.environ, "PYTHONPATH": path}
+    return {**os.environ, "PYTHONPATH": path}

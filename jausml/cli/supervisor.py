@@ -9,7 +9,7 @@ import subprocess
 import threading
 import time
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -31,10 +31,12 @@ class Command:
     Attributes:
         name: What marks its output.
         arguments: Program and arguments.
+        defaults: Variables for an environment that lacks them.
     """
 
     name: str
     arguments: tuple[str, ...]
+    defaults: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +114,7 @@ class Supervisor:
             # A session of its own: Ctrl-C reaches us alone, and children of a child stop with it.
             process = subprocess.Popen(  # noqa: S603 - our own interpreter and modules
                 command.arguments,
-                env=self._environment,
+                env={**command.defaults, **self._environment},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,

@@ -67,6 +67,7 @@ class Artifact:
         target: Name of the target that produced it.
         executable: Whether the file gets the executable bits when it is written.
         contract: For a Python skeleton, what its base expects.
+        is_shared: Whether it is the same for every model, so that those of a workspace share it.
     """
 
     path: str
@@ -77,6 +78,7 @@ class Artifact:
     target: str
     executable: bool = False
     contract: SkeletonContract | None = None
+    is_shared: bool = False
 
 
 def normalize_newlines(text: str) -> str:

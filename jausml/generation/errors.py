@@ -16,6 +16,10 @@ class SelectionError(GenerationError):
     """The targets that the user names do not exist, or not with that option."""
 
 
+class OwnershipError(GenerationError):
+    """Files of the workspace are those of another model."""
+
+
 class NoSystemError(GenerationError):
     """The file to generate from does not hold exactly one system.
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
 from jausml.generation.artifact import Artifact, Kind, text_digest
+from jausml.generation.header import has_valid_header
 from jausml.generation.paths import path_problem
 
 if TYPE_CHECKING:
@@ -15,7 +17,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MANIFEST_PATH = ".jausml/manifest.json"
-SCHEMA = 1
+SCHEMA = 2
+_WITHOUT_MODELS = 1
+"""The schema that knew one model for each workspace, and not its name."""
 
 
 @dataclass(frozen=True)
@@ -24,20 +28,27 @@ class Entry:
 
     Attributes:
         kind: Who owns it.
-        sha256: Hash of the text as written; of a skeleton, as first written.
+        sha256: Hash of the text as written, for a generated file that has no header to keep it.
         source: Model file, relative path.
         element: Identity of the model element.
         target: The target that produced it.
+        models: Names of the models that have the file; empty when the schema knew none.
         methods: For a skeleton, identity by method name, names of former models included; tells
             a renamed message from a new one.
     """
 
     kind: Kind
-    sha256: str
     source: str
     element: str
     target: str
+    models: tuple[str, ...] = ()
+    sha256: str = ""
     methods: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def is_of_runtime(self) -> bool:
+        """Whether it is a copy of what comes with jausml, of no model."""
+        return PurePath(self.source).parts[:1] == ("jausml",)
 
 
 @dataclass(frozen=True)
@@ -46,20 +57,44 @@ class Manifest:
 
     Attributes:
         files: Entries by path.
-        extra: Free data of other verbs (JSON values), e.g. `processes` for `jausml run`.
+        models: What other verbs want to know of each model (JSON values), by the model's name, e.g.
+            `processes` for `jausml run`.
         problem: Why nothing is known of earlier runs (missing, conflicted), or empty.
     """
 
     files: Mapping[str, Entry] = field(default_factory=dict)
-    extra: Mapping[str, Any] = field(default_factory=dict)
+    models: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     problem: str = ""
+
+    def strangers(self, source: str) -> list[str]:
+        """Returns the model files of which the schema knew no model's name, but for one.
+
+        Args:
+            source: Name of the file that is generated from; in whichever notation.
+        """
+        stem = PurePath(source).stem
+        unknown = {e.source for e in self.files.values() if not e.models and not e.is_of_runtime}
+        return sorted(each for each in unknown if PurePath(each).stem != stem)
+
+    def adopted(self, model: str, former: str = "") -> Manifest:
+        """Returns the manifest with files given to a model.
+
+        Args:
+            model: It gets the files of which no model is known.
+            former: And those of the model of this name, which it had before.
+        """
+        files = {path: _adopted(entry, model, former) for path, entry in self.files.items()}
+        models = dict(self.models)
+        known = [models.pop(name, {}) for name in ("", former, model)]
+        merged = {key: value for each in known for key, value in each.items()}
+        return replace(self, files=files, models={**models, model: merged})
 
     def dump(self) -> str:
         """Returns the file's text: the same bytes for the same content."""
         content = {
-            "extra": dict(self.extra),
             "files": {path: _entry_to_json(entry) for path, entry in self.files.items()},
             "generator": f"jausml {__version__}",
+            "models": {name: dict(known) for name, known in self.models.items()},
             "schema": SCHEMA,
         }
         return json.dumps(content, indent=2, sort_keys=True) + "\n"
@@ -85,39 +120,41 @@ def read_manifest(out: Path) -> Manifest:
         return Manifest(problem=f"the manifest is damaged: {error}")
 
 
-def new_entry(artifact: Artifact, old: Entry | None) -> Entry:
+def new_entry(artifact: Artifact, old: Entry | None, model: str) -> Entry:
     """Returns the entry for a file of this run.
 
     Args:
         artifact: The file.
-        old: Its entry of earlier runs, whose hash and method names a skeleton keeps.
+        old: Its entry of earlier runs, whose models it keeps; a skeleton its method names, too.
+        model: Name of the model of this run.
     """
-    sha256 = text_digest(artifact.text)
+    has_hash = artifact.kind is Kind.GENERATED and not has_valid_header(artifact.text)
     methods: dict[str, str] = {}
     if artifact.kind is Kind.SKELETON and old is not None and old.kind is Kind.SKELETON:
-        sha256 = old.sha256
         methods.update(old.methods)
     if artifact.contract is not None:
         methods.update({method.name: method.identity for method in artifact.contract.methods})
     return Entry(
         kind=artifact.kind,
-        sha256=sha256,
+        sha256=text_digest(artifact.text) if has_hash else "",
         source=artifact.source,
         element=artifact.element_id,
         target=artifact.target,
+        models=tuple(sorted({model, *(old.models if old else ())})),
         methods=methods,
     )
 
 
 def _parse(data: bytes) -> Manifest:
     content = json.loads(data.decode("utf-8"))
-    if content["schema"] != SCHEMA:
+    schema = content["schema"]
+    if schema not in (_WITHOUT_MODELS, SCHEMA):
         raise ValueError(f"schema {content['schema']} is not known to jausml {__version__}")
     files = {path: _entry_from_json(path, raw) for path, raw in content["files"].items()}
-    extra = content["extra"]
-    if not isinstance(extra, dict):
-        raise TypeError("'extra' is not an object")
-    return Manifest(files=files, extra=extra)
+    models = {"": content["extra"]} if schema == _WITHOUT_MODELS else content["models"]
+    if not all(isinstance(known, dict) for known in models.values()):
+        raise TypeError("what is known of a model is not an object")
+    return Manifest(files=files, models=models)
 
 
 def _entry_from_json(path: str, raw: Mapping[str, Any]) -> Entry:
@@ -125,21 +162,30 @@ def _entry_from_json(path: str, raw: Mapping[str, Any]) -> Entry:
     problem = path_problem(path)
     if problem is not None:
         raise ValueError(f"{path!a}: {problem}")
-    texts = {key: raw[key] for key in ("sha256", "source", "element", "target")}
+    texts = {key: raw[key] for key in ("source", "element", "target")}
+    texts["sha256"] = raw.get("sha256", "")
+    models = tuple(raw.get("models", ()))
     methods = dict(raw.get("methods", {}))
-    if not all(isinstance(value, str) for value in (*texts.values(), *methods.values())):
+    if not all(isinstance(value, str) for value in (*texts.values(), *models, *methods.values())):
         raise TypeError(f"{path!a}: a value is not text")
-    return Entry(kind=Kind(raw["kind"]), methods=methods, **texts)
+    return Entry(kind=Kind(raw["kind"]), models=models, methods=methods, **texts)
+
+
+def _adopted(entry: Entry, model: str, former: str) -> Entry:
+    names = {model if name == former else name for name in entry.models} or {model}
+    return replace(entry, models=tuple(sorted(names)))
 
 
 def _entry_to_json(entry: Entry) -> dict[str, object]:
     content: dict[str, object] = {
         "element": entry.element,
         "kind": entry.kind.value,
-        "sha256": entry.sha256,
+        "models": list(entry.models),
         "source": entry.source,
         "target": entry.target,
     }
+    if entry.sha256:
+        content["sha256"] = entry.sha256
     if entry.methods:
         content["methods"] = dict(entry.methods)
     return content

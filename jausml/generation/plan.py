@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -94,21 +94,23 @@ def make_plan(
     out: Path,
     manifest: Manifest,
     *,
+    model: str,
     targets: Collection[str] | None,
     force: bool = False,
-    extra: Mapping[str, Any] | None = None,
+    known: Mapping[str, Any] | None = None,
 ) -> Plan:
     """Compares rendered files with the output folder. Reads only.
 
     Args:
         artifacts: The files of this run.
         out: The output folder; it may be missing.
-        manifest: What earlier runs wrote there.
+        manifest: What earlier runs wrote there, each file with the models that have it.
+        model: Name of the model; files of other models stay as they are.
         targets: Names of the targets that were run, so that files of others stay; None means all:
             each file that is not among the artifacts is no longer produced.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
-        extra: Replaces the keys of the manifest's free section that it names.
+        known: Replaces the keys that it names of what the manifest knows of the model.
 
     Returns:
         The plan.
@@ -119,18 +121,24 @@ def make_plan(
     actions: list[Action] = []
     files: dict[str, Entry] = {}
     for path, artifact in unique.items():
-        entry = manifest.files.get(path)
+        entry, state = manifest.files.get(path), inspect(out, path)
         problem = problems.get(path) or _foreign(entry, targets)
+        problem = problem or _claimed(entry, artifact, state, model)
         if problem:
             actions.append(Action(ActionKind.REFUSE, path, problem))
         else:
-            actions.append(_compare(artifact, inspect(out, path), entry, out, force=force))
-            files[path] = new_entry(artifact, entry)
+            actions.append(_compare(artifact, state, entry, out, force=force))
+            files[path] = new_entry(artifact, entry, model)
+    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
     for path, entry in manifest.files.items():
         if path in unique:
             continue
-        if _foreign(entry, targets):
+        if _foreign(entry, targets) or model not in entry.models:
             files[path] = entry
+            continue
+        others = tuple(name for name in entry.models if name != model)
+        if others and entry.target not in shared:
+            files[path] = replace(entry, models=others)
             continue
         action = _gone(path, entry, inspect(out, path), _successor(entry, artifacts))
         actions += [action] if action else []
@@ -138,7 +146,8 @@ def make_plan(
             files[path] = entry
     actions += _strays(out, manifest, unique)
     actions.sort(key=lambda action: action.path)
-    new = Manifest(files=files, extra={**manifest.extra, **(extra or {})})
+    models = {**manifest.models, model: {**manifest.models.get(model, {}), **(known or {})}}
+    new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)))
 
 
@@ -151,6 +160,17 @@ def _foreign(entry: Entry | None, targets: Collection[str] | None) -> str:
     if entry is None or targets is None or entry.target in targets:
         return ""
     return f"the file belongs to target '{entry.target}', which is not part of this run"
+
+
+def _claimed(entry: Entry | None, artifact: Artifact, state: FileState, model: str) -> str:
+    """Says which other model has a file that would have another text; empty when none has."""
+    others = [name for name in entry.models if name != model] if entry else []
+    if entry is None or not others or artifact.is_shared or state.text in (None, artifact.text):
+        return ""
+    return (
+        f"{artifact.element_id} of '{model}' asks for the file of {entry.element} of the model"
+        f" '{others[0]}' ({entry.source}); rename one of them, or generate into another folder"
+    )
 
 
 def _compare(
@@ -194,13 +214,14 @@ def _write(
 def _is_untouched(state: FileState, entry: Entry | None) -> bool:
     """Whether a file is as some run wrote it.
 
-    The header alone is enough: after a merge the manifest may be of one branch and the file of
-    the other.
+    The header tells it, where the file has one: after a merge the manifest may be of one branch
+    and the file of the other. The manifest knows the others.
     """
     if state.text is None:
         return False
-    known = entry is not None and entry.sha256 == text_digest(state.text)
-    return known or has_valid_header(state.text)
+    if has_valid_header(state.text):
+        return True
+    return entry is not None and entry.sha256 == text_digest(state.text)
 
 
 def _gone(path: str, entry: Entry, state: FileState, successor: str) -> Action | None:

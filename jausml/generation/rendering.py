@@ -73,7 +73,7 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
 
     def __init__(self, target: Target[ModelT], model: ModelT) -> None:
         self.templates_path = [str(folder.resolve()) for folder in target.template_folders]
-        self.tasks = [_FilesInMemory(task, target.name) for task in target.tasks(model)]
+        self.tasks = [_FilesInMemory(task, target) for task in target.tasks(model)]
         super().__init__(global_context={"target": target.name, "version": __version__})
 
     def create_environment(self, **kwargs: object) -> jinja2.Environment:
@@ -92,7 +92,7 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
 class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
     """A task in multigen's loop, which keeps the files that it makes."""
 
-    def __init__(self, task: Task, target: str) -> None:
+    def __init__(self, task: Task, target: Target[Any]) -> None:
         super().__init__()
         self.task = task
         self.target = target
@@ -130,9 +130,10 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
             kind=task.kind,
             element_id=view.element_id,
             source=view.source,
-            target=self.target,
+            target=self.target.name,
             executable=task.executable,
             contract=task.contract(view) if task.contract else None,
+            is_shared=self.target.is_shared,
         )
 
     def _text(self, view: Any) -> str:

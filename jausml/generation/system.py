@@ -31,6 +31,16 @@ def system_of(model: Model) -> system.System:
     return systems[0]
 
 
+def name_of(model: Model) -> str:
+    """Returns the name by which a workspace knows a model, wherever its file lies.
+
+    It is that of its system; without one, e.g. with mere interface packages, that of its file.
+    """
+    document = model.documents[0]
+    systems = [root for root in document.roots if isinstance(root, system.System)]
+    return str(systems[0].name) if len(systems) == 1 else PurePath(document.display).stem
+
+
 def source_of(model: Model) -> str:
     """Returns the name of the file that is generated from, without a path.
 

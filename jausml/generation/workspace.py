@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.drift import Finding, drift
-from jausml.generation.errors import SelectionError
-from jausml.generation.manifest import read_manifest
+from jausml.generation.errors import OwnershipError, SelectionError
+from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
-from jausml.generation.system import system_of
+from jausml.generation.system import name_of, source_of, system_of
 from jausml.generation.writer import apply
 
 if TYPE_CHECKING:
@@ -85,6 +85,7 @@ def generate(
     out: Path,
     *,
     kept: Collection[str] | None = (),
+    adopt: str = "",
     force: bool = False,
     write: bool = True,
 ) -> Result:
@@ -95,6 +96,7 @@ def generate(
         targets: The targets that run.
         out: The folder; it may be missing.
         kept: Names of targets that do not run and whose files stay; None means every other.
+        adopt: Name of the model that the workspace knows this one by, when it was renamed.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
         write: Whether to write; else the result tells what would happen.
@@ -103,12 +105,14 @@ def generate(
         NoSystemError: A target needs one system, and the model's file holds none or several.
         InternalError: A target is wrong.
         GenerationError: The model has what a target cannot generate.
+        OwnershipError: The workspace is that of another model, or has no such one to adopt.
         WriteError: The operating system refused.
     """
     if any(target.needs_system for target in targets):
         system_of(model)
     artifacts = render(model, targets)
-    manifest = read_manifest(out)
+    name = name_of(model)
+    manifest = _manifest(out, name, source_of(model), adopt)
     written = {entry.target for entry in manifest.files.values()}
     others = frozenset() if kept is None else written - frozenset(kept)
     covered = {target.name for target in targets} | others
@@ -118,12 +122,29 @@ def generate(
         artifacts,
         out,
         manifest,
+        model=name,
         targets=covered,
         force=force,
-        extra={"processes": processes} if launching else None,
+        known={"processes": processes} if launching else None,
     )
     findings = drift(artifacts, out, manifest)
     is_written = write and not plan.refused
     if is_written:
         apply(plan)
     return Result(plan, tuple(findings), is_written)
+
+
+def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
+    """Returns the manifest of a folder, the model's files being told from those of others."""
+    manifest = read_manifest(out)
+    strangers = [file for file in manifest.strangers(source) if file != adopt]
+    if strangers:
+        raise OwnershipError(
+            f"{out} was generated from {strangers[0]}, before workspaces knew their models;"
+            f" generate that one again first, or say --adopt {strangers[0]} if it is now {source}"
+        )
+    former = set(manifest.models) | set(manifest.strangers(source))
+    if adopt and adopt not in former:
+        names = ", ".join(sorted(filter(None, former))) or "none"
+        raise OwnershipError(f"{out} knows no model '{adopt}' to adopt; there are: {names}")
+    return manifest.adopted(name, adopt)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,7 @@ from jausml.generation import (
     TextFile,
     TextTask,
     WholeLibrary,
+    read_manifest,
 )
 from jausml.metamodel.classes import jaus
 
@@ -57,6 +60,7 @@ def one_file(path, text):
 
 
 SMALL = Target("small", "A generated file for each component.", small_tasks, processes=processes)
+BASES = replace(SMALL, tasks=lambda model: small_tasks(model)[:1])
 BROKEN = Target("broken", "Fails.", one_file("a.py", "def"))
 ASKED = Target(
     "asked",
@@ -255,3 +259,78 @@ def test_all_without_such_a_target_is_a_usage_error(jausml, folder, arguments):
     assert result.exit_code == 2
     assert "--all is an option of --target asked" in result.stderr
     assert not (folder / "out").exists()
+
+
+@pytest.fixture
+def another(folder, model_text):
+    """A second system with a bridge of its own, in other.xmi."""
+    text = model_text.replace('name="minimal"', 'name="other"').replace("sensor_bridge", "arm")
+    (folder / "other.xmi").write_text(text)
+    return text
+
+
+@pytest.mark.usefixtures("another")
+def test_two_models_share_a_workspace(jausml, folder, targets):
+    targets["small"] = BASES
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    result = jausml("generate", "other.xmi", "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    assert "delete" not in result.stdout
+    assert (folder / "out" / "sensor_bridge_base.py").exists()
+    assert jausml("generate", "good.xmi", "-o", "out", "--check").exit_code == 0
+    names = read_manifest(folder / "out").models
+    assert list(names["minimal"]["processes"]) == [{"name": "sensor"}, {"name": "sensor_bridge"}]
+    assert list(names["other"]["processes"]) == [{"name": "sensor"}, {"name": "arm"}]
+
+
+def test_a_file_that_two_models_want_is_refused(jausml, folder, another):
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    before = contents(folder / "out")
+    (folder / "other.xmi").write_text(
+        another.replace('"arm"', '"sensor_bridge"').replace('"10.1.1"', '"10.1.9"')
+    )
+    result = jausml("generate", "other.xmi", "-o", "out")
+    assert result.exit_code == 1
+    where = folder / "out" / "sensor_base.py"
+    assert f"{where}: error: component:sensor of 'other' asks for the" in result.stderr
+    assert "of the model 'minimal'" in result.stderr
+    assert "nothing written" in result.stderr
+    assert contents(folder / "out") == before
+
+
+@pytest.mark.usefixtures("another")
+def test_a_renamed_system_takes_over_its_files(jausml, folder, targets):
+    targets["small"] = BASES
+    jausml("generate", "good.xmi", "-o", "out")
+    unknown = jausml("generate", "other.xmi", "-o", "out", "--adopt", "nobody")
+    assert unknown.exit_code == 2
+    assert "knows no model 'nobody' to adopt; there are: minimal" in unknown.stderr
+    result = jausml("generate", "other.xmi", "-o", "out", "--adopt", "minimal")
+    assert result.exit_code == 0
+    assert "delete sensor_bridge_base.py" in result.stdout
+    assert list(read_manifest(folder / "out").models) == ["other"]
+
+
+@pytest.mark.usefixtures("another")
+def test_a_workspace_that_does_not_know_its_model(jausml, folder, targets):
+    targets["small"] = BASES
+    jausml("generate", "good.xmi", "-o", "out")
+    path = folder / "out" / ".jausml" / "manifest.json"
+    content = json.loads(path.read_text())
+    content |= {"schema": 1, "extra": content.pop("models")["minimal"]}
+    for entry in content["files"].values():
+        del entry["models"]
+        entry |= {"source": "good.xmi", "sha256": ""}
+    path.write_text(json.dumps(content))
+    before = contents(folder / "out")
+    refused = jausml("generate", "other.xmi", "-o", "out")
+    assert refused.exit_code == 2
+    assert "out was generated from good.xmi, before workspaces knew their models" in refused.stderr
+    assert contents(folder / "out") == before
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    assert jausml("generate", "other.xmi", "-o", "out").exit_code == 0
+    assert (folder / "out" / "sensor_bridge_base.py").exists()
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -70,7 +70,7 @@ def test_generates_what_the_same_xmi_generates(jausml, text):
     assert jausml("generate", "demo.xmi", "-o", "theirs").exit_code == 0
     ours, theirs = contents("ours"), contents("theirs")
     manifest = ".jausml/manifest.json"
-    processes = [json.loads(each.pop(manifest))["extra"] for each in (ours, theirs)]
+    processes = [json.loads(each.pop(manifest))["models"] for each in (ours, theirs)]
     assert processes[0] == processes[1]
     assert {
         name: each.replace("demo.xmi", "demo.ros2jaus") for name, each in theirs.items()

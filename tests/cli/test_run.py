@@ -59,10 +59,10 @@ def workspace(tmp_path, monkeypatch):
 def write_manifest(out, processes):
     (out / ".jausml").mkdir(parents=True, exist_ok=True)
     content = {
-        "schema": 1,
+        "schema": 2,
         "generator": f"jausml {__version__}",
         "files": {},
-        "extra": {"processes": processes},
+        "models": {"demo": {"processes": processes}},
     }
     (out / ".jausml" / "manifest.json").write_text(json.dumps(content))
 

@@ -145,6 +145,7 @@ class Workspace:
 
     out: Path
     targets: list
+    model: str = "toy"
 
     def render(self, model, targets=None):
         return gen.render(model, self.targets if targets is None else targets)
@@ -153,7 +154,9 @@ class Workspace:
         names = None if targets is None else {target.name for target in targets}
         manifest = gen.read_manifest(self.out)
         artifacts = self.render(model, targets)
-        return gen.make_plan(artifacts, self.out, manifest, targets=names, **options)
+        return gen.make_plan(
+            artifacts, self.out, manifest, model=self.model, targets=names, **options
+        )
 
     def write(self, model, targets=None, **options):
         plan = self.plan(model, targets, **options)

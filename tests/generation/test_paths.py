@@ -113,5 +113,5 @@ def test_a_keyword_as_component_name_is_refused(workspace, vehicle, rename):
     assert not plan.refused
 
     artifacts = [artifact("del/del_base.py")]
-    plan = gen.make_plan(artifacts, workspace.out, gen.Manifest(), targets=None)
+    plan = gen.make_plan(artifacts, workspace.out, gen.Manifest(), model="toy", targets=None)
     assert "Python keyword" in plan.refused[0].reason

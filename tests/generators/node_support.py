@@ -26,9 +26,7 @@ def model_of(path):
 def write(case, out, targets=(ROS_NODE, BRINGUP)):
     """Generates into a folder as the command line does; returns the plan."""
     model = model_of(CASES / f"{case}.xmi")
-    plan = gen.make_plan(gen.render(model, targets), out, gen.read_manifest(out), targets=None)
-    gen.apply(plan)
-    return plan
+    return gen.generate(model, targets, out).plan
 
 
 def artifacts(case, *targets):

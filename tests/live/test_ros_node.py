@@ -157,8 +157,7 @@ def start(workspace):
 
 
 def generate(out):
-    artifacts = gen.render(read_models([MODEL]).model, [ROS_NODE, BRINGUP])
-    gen.apply(gen.make_plan(artifacts, out, gen.read_manifest(out), targets=None))
+    gen.generate(read_models([MODEL]).model, [ROS_NODE, BRINGUP], out)
     return out
 
 

@@ -25,6 +25,8 @@ def tasks(model: Model) -> list[Task]:
         NAME,
         version=jausml.__version__,
         license="Apache-2.0",
+        maintainer="jausml",
+        maintainer_email="jausml@example.com",
         element_id="runtime",
         source="jausml",
         description="JAUS over UDP, the core services, and what bridges run on.",
@@ -54,5 +56,6 @@ TARGET = Target(
     description="The runtime as the package jausml_runtime.",
     tasks=tasks,
     template_folders=(PACKAGE_TEMPLATES,),
+    is_shared=True,
 )
 """The package `jausml_runtime`: JUDP, the core services and the bridge's engine."""
