@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from jausml import wire
 from jausml.metamodel.classes import jaus
 from jausml.semantics.attributes import (
     LIST,
@@ -19,21 +20,15 @@ from jausml.semantics.attributes import (
     PathFault,
     nearest_name,
 )
-from jausml.semantics.layouts import (
-    attributes,
-    class_name,
-    integer_range,
-    is_group,
-    is_time_stamp,
-    resolve,
-)
+from jausml.semantics.layouts import attributes, class_name, is_group
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.semantics.attributes import JausPart
 
-_LIST_NAMES = {"BitField": "bit field", "VariableField": "variable field"}
+_MOST_BITS = wire.UNSIGNED["uint64"].bits
+_NAMES = {"BitField": "bit field", "VariableField": "variable field"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +119,7 @@ class JausPlace:
             return replace(self._part(part, where), label=part.name or self.label)
         if isinstance(part, jaus.Alternative):
             return self._part(part, where)
-        found = resolve(part)
+        found = wire.target_of(part)
         if part is None or found is None:
             return None
         frames = [part.frame.name, found.frame.name]
@@ -173,7 +168,7 @@ class JausPlace:
 def message_place(message: jaus.MessageDef) -> JausPlace:
     """Returns the place from which the paths of a JAUS message start."""
     frame = UNSTATED
-    body = resolve(message.body)
+    body = wire.target_of(message.body)
     if is_group(body):
         stated = [each.frame.name for each in (message.body, body) if each is not None]
         frame = next((each for each in stated if each != UNSTATED), UNSTATED)
@@ -189,52 +184,50 @@ def _split(step: str, fields: Sequence[JausPart]) -> tuple[str, list[int]]:
 
 
 def _most_elements(field: jaus.List) -> int:
-    limits = integer_range(field.countType.name)
-    return field.maximumCount or (limits[1] if limits else 0)
+    count = wire.INTEGERS.get(field.countType.name)
+    return field.maximumCount or (count.upper if count else 0)
 
 
 def _value(part: JausPart) -> Attribute:
     match part:
-        case jaus.FixedField() | jaus.Alternative():
-            return _number(part)
-        case jaus.SubField(lowBit=low, highBit=high):
-            return _integer(part, 0, 2 ** (high - low + 1) - 1 if high >= low else 0)
-        case jaus.BitField() if is_time_stamp(part):
-            return Attribute(TIME_STAMP, "a JAUS TimeStamp")
-        case jaus.FixedLengthString():
-            return Attribute(TEXT, "text", length=part.length, encoding="latin-1")
-        case jaus.VariableLengthString():
-            limits = integer_range(part.countType.name)
-            length = part.maximumLength or (limits[1] if limits else None)
-            return Attribute(TEXT, "text", length=length, encoding="latin-1")
-        case jaus.VariableLengthField():
-            return Attribute(OCTETS, "a field of octets", carries=True)
         case jaus.List():
             return Attribute(LIST, "a list")
         case jaus.Array():
             return Attribute(LIST, "an array", count=math.prod(part.dimensions))
+        case jaus.SubField(lowBit=low, highBit=high):
+            mask = (1 << high - low + 1) - 1 if 0 <= low <= high < _MOST_BITS else 0
+            return _integer(wire.legal_integers(part.values, 0, mask), 0, mask)
+    try:
+        return _leaf(part)
+    except wire.LayoutError:  # which a rule tells
+        return Attribute(NUMBER, "a number")
+
+
+def _leaf(part: jaus.Field | jaus.Alternative) -> Attribute:
+    match wire.leaf_of(part):
+        case wire.Integer() as number:
+            return _integer(number.legal, number.type.lower, number.type.upper)
+        case wire.Scaled() as number:
+            ends = (number.lower, number.upper)
+            return Attribute(NUMBER, "a number", lower=ends[0], upper=ends[1], step=number.step)
+        case wire.Real() as number:
+            legal = tuple((each.lower, each.upper) for each in number.legal.intervals)
+            is_single = number.type.name == "float32"
+            return Attribute(NUMBER, "a number", values=legal, is_single=is_single)
+        case wire.BitField(is_time_stamp=True):
+            return Attribute(TIME_STAMP, "a JAUS TimeStamp")
+        case wire.FixedText(length=length):
+            return Attribute(TEXT, "text", length=length, encoding="latin-1")
+        case wire.Text(count=count):
+            return Attribute(TEXT, "text", length=count.upper, encoding="latin-1")
+        case wire.Octets():
+            return Attribute(OCTETS, "a field of octets", carries=True)
     kind = class_name(part)
-    name = _LIST_NAMES.get(kind, re.sub("(?<=[a-z])(?=[A-Z])", " ", kind).lower())
+    name = _NAMES.get(kind, re.sub("(?<=[a-z])(?=[A-Z])", " ", kind).lower())
     return Attribute("", f"a {name}", carries=isinstance(part, jaus.VariableFormatField))
 
 
-def _number(field: jaus.FixedField | jaus.Alternative) -> Attribute:
-    limits = integer_range(field.type.name)
-    if field.scale is not None:
-        lower, upper = field.scale.lower, field.scale.upper
-        step = (upper - lower) / limits[1] if limits else None
-        return Attribute(NUMBER, "a number", lower=lower, upper=upper, step=step)
-    if limits is not None:
-        return _integer(field, *limits)
-    is_single = field.type.name == "float32"
-    return Attribute(NUMBER, "a number", values=_legal(field.values), is_single=is_single)
-
-
-def _integer(
-    field: jaus.FixedField | jaus.Alternative | jaus.SubField, lower: int, upper: int
-) -> Attribute:
-    listed = field.values.values if field.values is not None else ()
-    named = [each for each in listed if isinstance(each, jaus.EnumeratedValue)]
+def _integer(legal: wire.LegalIntegers, lower: int, upper: int) -> Attribute:
     return Attribute(
         NUMBER,
         "a number",
@@ -242,19 +235,7 @@ def _integer(
         lower=lower,
         upper=upper,
         step=1,
-        values=_legal(field.values),
-        named=bool(named),
-        constants=tuple((each.name, str(each.value)) for each in named if each.name),
+        values=legal.ranges if legal.is_stated else (),
+        named=bool(legal.listed),
+        constants=tuple((each.name, str(each.value)) for each in legal.listed if each.name),
     )
-
-
-def _legal(value_set: jaus.ValueSet | None) -> tuple[tuple[float, float], ...]:
-    if value_set is None:
-        return ()
-    return tuple(_interval(each) for each in value_set.values)
-
-
-def _interval(value: jaus.Value) -> tuple[float, float]:
-    if isinstance(value, jaus.ValueRange):
-        return value.lower, value.upper
-    return (value.value, value.value) if isinstance(value, jaus.EnumeratedValue) else (0.0, 0.0)

@@ -1,41 +1,29 @@
-"""Layouts of JAUS message bodies (AS5684): what stands on the wire, and what codecs expose."""
+"""Layouts of JAUS message bodies (AS5684): what codecs expose, and which messages are the same."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from jausml import wire
 from jausml.metamodel.classes import jaus
-from jausml.metamodel.classes.ecore import EEnumLiteral, EObject
 
 if TYPE_CHECKING:
     from typing import TypeAlias
 
     from typing_extensions import TypeIs
 
+    from jausml.metamodel.classes.ecore import EObject
+
     Group: TypeAlias = jaus.Record | jaus.Sequence
     Container: TypeAlias = Group | jaus.List | jaus.Variant
 
-UNSIGNED_BITS = {"uint8": 8, "uint16": 16, "uint32": 32, "uint64": 64}
-SIGNED_BITS = {"int8": 8, "int16": 16, "int32": 32, "int64": 64}
-
-_TIME_STAMP = ((0, 9), (10, 15), (16, 21), (22, 26), (27, 31))
-_UNNAMED = frozenset({"name", "documentation", "units"})
+# What does not change the bytes of a legal message.
+_BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})
 
 
 def class_name(element: EObject) -> str:
     """Returns the name of the metamodel class of an element."""
     return str(element.eClass.name)
-
-
-def resolve(field: jaus.Field | None) -> jaus.Field | None:
-    """Returns the field that a reference stands for; None for a dangling one or a cycle."""
-    seen = set()
-    while isinstance(field, jaus.TypeReference):
-        if field in seen:
-            return None
-        seen.add(field)
-        field = field.target
-    return field
 
 
 def members(container: jaus.Field | None) -> list[jaus.Field]:
@@ -58,56 +46,19 @@ def attributes(message: jaus.MessageDef) -> list[jaus.Field]:
 
     The top record or sequence is flattened; a list or variant is one attribute.
     """
-    body = resolve(message.body)
+    body = wire.target_of(message.body)
     if body is None or message.body is None:
         return []
     return members(body) if is_group(body) else [message.body]
 
 
-def integer_range(type_name: str) -> tuple[int, int] | None:
-    """Returns the limits of an integer type, None for floating point."""
-    if type_name in UNSIGNED_BITS:
-        return 0, 2 ** UNSIGNED_BITS[type_name] - 1
-    if type_name in SIGNED_BITS:
-        bits = SIGNED_BITS[type_name]
-        return -(2 ** (bits - 1)), 2 ** (bits - 1) - 1
-    return None
-
-
-def is_time_stamp(field: EObject) -> bool:
-    """Tells whether a bit field is a JAUS TimeStamp (AS5710: milliseconds, ..., day of month)."""
-    if not isinstance(field, jaus.BitField) or field.type.name != "uint32":
-        return False
-    return tuple(sorted((s.lowBit, s.highBit) for s in field.subFields)) == _TIME_STAMP
-
-
 def signature(message: jaus.MessageDef) -> object:
-    """Returns a comparable description of what a message body puts on the wire."""
-    return _signature(message.body, ())
+    """Returns a comparable description of what a message body puts on the wire.
 
-
-def _signature(field: jaus.Field | None, above: tuple[jaus.Field, ...]) -> object:
-    target = resolve(field)
-    if field is None or target is None or target in above:
+    Returns:
+        None for a body without a layout.
+    """
+    try:
+        return wire.comparable(wire.resolve(message).body, _BESIDE_THE_WIRE)
+    except wire.LayoutError:
         return None
-    # A reference overrides the optionality of its target.
-    return (bool(field.optional), *_content(target, (*above, target)))
-
-
-def _content(element: EObject, above: tuple[jaus.Field, ...]) -> tuple[object, ...]:
-    parts: list[object] = [class_name(element)]
-    for feature in element.eClass.eAllStructuralFeatures():
-        if feature.name in _UNNAMED or feature.name == "optional":
-            continue
-        value = getattr(element, feature.name)
-        values = list(value) if feature.many else [value]
-        parts.append(tuple(_part(each, above) for each in values))
-    return tuple(parts)
-
-
-def _part(value: Any, above: tuple[jaus.Field, ...]) -> object:
-    if not isinstance(value, EObject) or isinstance(value, EEnumLiteral):
-        return str(value)
-    if isinstance(value, (jaus.ValueSet, jaus.Value)):
-        return None  # the legal values do not change the layout
-    return _signature(value, above) if isinstance(value, jaus.Field) else _content(value, above)

@@ -19,6 +19,7 @@ from jausml.wire.kinds import (
     FormattedOctets,
     Integer,
     Kind,
+    Leaf,
     List,
     Message,
     Number,
@@ -31,12 +32,20 @@ from jausml.wire.kinds import (
     VariableNumber,
     Variant,
 )
-from jausml.wire.legal import Interval, LegalIntegers, Listed, Ranges, legal_integers, merged
+from jausml.wire.legal import (
+    Interval,
+    LegalIntegers,
+    LegalReals,
+    Listed,
+    Ranges,
+    legal_integers,
+    merged,
+)
 from jausml.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.wire.resolving import (
     JAUS_MESSAGE,
     LARGEST,
-    number_of,
+    leaf_of,
     resolve,
     resolve_field,
     target_of,
@@ -62,7 +71,9 @@ __all__ = [
     "Interval",
     "Kind",
     "LayoutError",
+    "Leaf",
     "LegalIntegers",
+    "LegalReals",
     "List",
     "Listed",
     "Message",
@@ -78,9 +89,9 @@ __all__ = [
     "VariableNumber",
     "Variant",
     "comparable",
+    "leaf_of",
     "legal_integers",
     "merged",
-    "number_of",
     "resolve",
     "resolve_field",
     "target_of",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.wire.numbers import INTEGERS, IntegerType, RealType
 
 if TYPE_CHECKING:
-    from jausml.wire.legal import Interval, LegalIntegers
+    from jausml.wire.legal import LegalIntegers, LegalReals
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,13 @@ class Real:
 
     Attributes:
         type: Wire type.
-        lower: Smallest legal value.
-        upper: Largest legal value.
+        legal: Legal values.
         units: Unit, as the model says it; empty without one.
-        intervals: The ranges that the definition states.
     """
 
     type: RealType
-    lower: float
-    upper: float
+    legal: LegalReals
     units: str = ""
-    intervals: tuple[Interval, ...] = ()
 
     @property
     def minimum_size(self) -> int:
@@ -88,6 +84,8 @@ class Scaled:
 
 
 Number: TypeAlias = Integer | Real | Scaled
+
+_TIME_STAMP = ((0, 9), (10, 15), (16, 21), (22, 26), (27, 31))
 
 
 @dataclass(frozen=True)
@@ -130,6 +128,12 @@ class BitField:
 
     type: IntegerType
     groups: tuple[Bits, ...]
+
+    @property
+    def is_time_stamp(self) -> bool:
+        """Whether it is a TimeStamp (AS5710): milliseconds up to the day of the month."""
+        places = tuple(sorted((each.low, each.high) for each in self.groups))
+        return self.type.name == "uint32" and places == _TIME_STAMP
 
     @property
     def minimum_size(self) -> int:
@@ -378,20 +382,10 @@ class Variant:
         return self.tag.size + min((each.kind.minimum_size for each in self.options), default=0)
 
 
-Kind: TypeAlias = (
-    Number
-    | BitField
-    | FixedText
-    | Text
-    | Octets
-    | FormattedOctets
-    | VariableNumber
-    | Record
-    | Sequence
-    | List
-    | Array
-    | Variant
-)
+Leaf: TypeAlias = Number | BitField | FixedText | Text | Octets | FormattedOctets | VariableNumber
+"""Every kind of field that holds no other fields."""
+
+Kind: TypeAlias = Leaf | Record | Sequence | List | Array | Variant
 """Every kind of field. A reader that treats each of them treats every message."""
 
 HEADER = INTEGERS["uint16"]

@@ -79,6 +79,11 @@ class LegalIntegers:
     intervals: tuple[Interval, ...] = ()
 
     @property
+    def is_stated(self) -> bool:
+        """Whether the definition says more than the type does."""
+        return bool(self.listed or self.intervals)
+
+    @property
     def is_closed(self) -> bool:
         """Whether every legal integer has a meaning."""
         return bool(self.listed) and not self.intervals
@@ -87,6 +92,21 @@ class LegalIntegers:
     def names(self) -> dict[int, str]:
         """Meanings by integer; of several meanings of one integer the first."""
         return {each.value: each.name for each in reversed(self.listed)}
+
+
+@dataclass(frozen=True)
+class LegalReals:
+    """The legal values of a real number.
+
+    Attributes:
+        lower: Smallest of them.
+        upper: Largest of them.
+        intervals: The ranges that the definition states.
+    """
+
+    lower: float
+    upper: float
+    intervals: tuple[Interval, ...] = ()
 
 
 def intervals_of(value_set: jaus.ValueSet | None) -> tuple[Interval, ...]:
@@ -156,10 +176,10 @@ def merged(ranges: Iterable[tuple[int, int]]) -> Ranges:
     return tuple(found)
 
 
-def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> tuple[float, float]:
-    """Returns the smallest and the largest legal real number.
+def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> LegalReals:
+    """Returns the legal values of a real number.
 
-    Of several ranges the outer limits are kept; a set of single reals has no use.
+    A set with single reals has no use; of several ranges the outer limits are kept.
 
     Args:
         value_set: The value set, None for a field without one.
@@ -167,10 +187,10 @@ def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> tuple[float,
     """
     intervals = intervals_of(value_set)
     if value_set is None or not intervals or len(intervals) < len(value_set.values):
-        return -kind.largest, kind.largest
+        return LegalReals(-kind.largest, kind.largest)
     lower = min(_end(kind, each.lower, legal=each.has_lower, up=True) for each in intervals)
     upper = max(_end(kind, each.upper, legal=each.has_upper, up=False) for each in intervals)
-    return max(lower, -kind.largest), min(upper, kind.largest)
+    return LegalReals(max(lower, -kind.largest), min(upper, kind.largest), intervals)
 
 
 def _end(kind: RealType, limit: float, *, legal: bool, up: bool) -> float:

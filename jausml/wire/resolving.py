@@ -19,6 +19,7 @@ from jausml.wire.kinds import (
     FormattedOctets,
     Integer,
     Kind,
+    Leaf,
     List,
     Message,
     Number,
@@ -31,7 +32,7 @@ from jausml.wire.kinds import (
     VariableNumber,
     Variant,
 )
-from jausml.wire.legal import intervals_of, legal_integers, legal_reals
+from jausml.wire.legal import legal_integers, legal_reals
 from jausml.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType
 
 if TYPE_CHECKING:
@@ -98,27 +99,31 @@ def target_of(field: jaus.Field | None) -> jaus.Field | None:
     return field
 
 
-def number_of(element: jaus.FixedField | jaus.Alternative) -> Number:
-    """Returns the number of a field or of an alternative of a variable field.
+def leaf_of(part: jaus.Field | jaus.Alternative) -> Leaf | None:
+    """Returns the kind of a field that holds no other fields; None for a container.
 
     Args:
-        element: The definition.
+        part: A field that is no reference, or an alternative of a variable field.
 
     Raises:
-        LayoutError: Its scale has no meaning.
+        LayoutError: The definition cannot be encoded.
     """
-    type_name, units = element.type.name, str(element.units or "")
-    if type_name in REALS:
-        real = REALS[type_name]
-        lower, upper = legal_reals(element.values, real)
-        return Real(real, lower, upper, units, intervals_of(element.values))
-    kind = INTEGERS[type_name]
-    if element.scale is None:
-        return Integer(kind, legal_integers(element.values, kind.lower, kind.upper), units)
-    lower, upper = float(element.scale.lower), float(element.scale.upper)
-    if not lower < upper or not kind.is_unsigned:
-        raise LayoutError(f"{lower} .. {upper} is no scale of {type_name}")
-    return Scaled(kind, lower, upper, element.scale.rounding.name, units)
+    match part:
+        case jaus.FixedField() | jaus.Alternative():
+            return _number(part)
+        case jaus.BitField():
+            return _bit_field(part)
+        case jaus.FixedLengthString():
+            return _fixed_text(part)
+        case jaus.VariableLengthString():
+            return Text(_length(part))
+        case jaus.VariableLengthField():
+            return Octets(_length(part), str(part.format))
+        case jaus.VariableFormatField():
+            return _formatted(part)
+        case jaus.VariableField():
+            return _variable(part)
+    return None
 
 
 class _Resolver:
@@ -151,22 +156,8 @@ class _Resolver:
         self._open.pop()
         return kind
 
-    def _kind(self, target: jaus.Field) -> Kind:  # noqa: C901 - a branch for each kind
+    def _kind(self, target: jaus.Field) -> Kind:
         match target:
-            case jaus.FixedField():
-                return number_of(target)
-            case jaus.BitField():
-                return _bit_field(target)
-            case jaus.FixedLengthString():
-                return _fixed_text(target)
-            case jaus.VariableLengthString():
-                return Text(_length(target))
-            case jaus.VariableLengthField():
-                return Octets(_length(target), str(target.format))
-            case jaus.VariableFormatField():
-                return _formatted(target)
-            case jaus.VariableField():
-                return _variable(target)
             case jaus.Record():
                 return Record(*self._members(target))
             case jaus.Sequence():
@@ -178,7 +169,10 @@ class _Resolver:
             case jaus.Variant():
                 options = tuple(self.field(option) for option in target.options)
                 return Variant(_unsigned(target.tagType.name), options)
-        raise LayoutError(f"a {target.eClass.name} has no layout")
+        leaf = leaf_of(target)
+        if leaf is None:
+            raise LayoutError(f"a {target.eClass.name} has no layout")
+        return leaf
 
     def _members(
         self, group: jaus.Record | jaus.Sequence
@@ -209,6 +203,20 @@ class _Resolver:
         if field.element is None:
             raise LayoutError("it has no element")
         return self.field(field.element)
+
+
+def _number(part: jaus.FixedField | jaus.Alternative) -> Number:
+    type_name, units = part.type.name, str(part.units or "")
+    if type_name in REALS:
+        real = REALS[type_name]
+        return Real(real, legal_reals(part.values, real), units)
+    kind = INTEGERS[type_name]
+    if part.scale is None:
+        return Integer(kind, legal_integers(part.values, kind.lower, kind.upper), units)
+    lower, upper = float(part.scale.lower), float(part.scale.upper)
+    if not lower < upper or not kind.is_unsigned:
+        raise LayoutError(f"{lower} .. {upper} is no scale of {type_name}")
+    return Scaled(kind, lower, upper, part.scale.rounding.name, units)
 
 
 def _unsigned(type_name: str) -> IntegerType:
@@ -257,7 +265,7 @@ def _formatted(field: jaus.VariableFormatField) -> FormattedOctets:
 
 def _variable(field: jaus.VariableField) -> VariableNumber:
     alternatives = tuple(
-        Alternative(int(each.index), str(each.name), str(each.documentation or ""), number_of(each))
+        Alternative(int(each.index), str(each.name), str(each.documentation or ""), _number(each))
         for each in field.alternatives
     )
     _check_indices("alternatives", (each.index for each in alternatives))

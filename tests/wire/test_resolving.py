@@ -172,7 +172,7 @@ def test_limits_of_single_reals_are_singles(tmp_path: Path) -> None:
     )
     kind = layout.members[0].kind
     assert isinstance(kind, wire.Real)
-    assert (kind.lower, kind.upper) == (0.1, 1.0 - 2.0**-24)
+    assert (kind.legal.lower, kind.legal.upper) == (0.1, 1.0 - 2.0**-24)
 
 
 def test_layouts_compare_by_what_matters(tmp_path: Path) -> None:

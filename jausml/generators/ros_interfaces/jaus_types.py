@@ -217,7 +217,7 @@ def _numeric(number: wire.Number) -> str:
 def _limits(number: wire.Number) -> str:
     if isinstance(number, wire.Scaled):
         return f"{number.lower:.15g} to {number.upper:.15g}"
-    stated = number.legal.intervals if isinstance(number, wire.Integer) else number.intervals
+    stated = number.legal.intervals
     return ", ".join(f"{each.lower:.15g} to {each.upper:.15g}" for each in stated)
 
 

@@ -107,7 +107,7 @@ def _number(kind: wire.Number) -> Scalar:
         case wire.Integer():
             return Integer(struct_format, kind.legal.ranges, kind.legal.names, kind.units)
         case wire.Real():
-            return Real(struct_format, kind.lower, kind.upper, kind.units)
+            return Real(struct_format, kind.legal.lower, kind.legal.upper, kind.units)
         case wire.Scaled():
             return Scaled(struct_format, kind.lower, kind.upper, kind.rounding, kind.units)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.notation import Fault
 from jausml.model.values import nearest, show
-from jausml.semantics.layouts import attributes, class_name, resolve
+from jausml.semantics.layouts import attributes, class_name
 from jausml.text.keywords import snake_case
 from jausml.text.reading.declaring.common import DEEPEST
 from jausml.text.reading.declaring.jaus import VALUE
@@ -22,6 +22,7 @@ from jausml.text.reading.declaring.types import (
     size_of,
     type_word,
 )
+from jausml.wire import target_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -164,7 +165,7 @@ def kind_of(field: Part) -> Kind | None:
 
 
 def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> Kind | None:
-    field = resolve(part) if isinstance(part, jaus.Field) else part
+    field = target_of(part) if isinstance(part, jaus.Field) else part
     if field is None or field in above:
         return None
     keyword = snake_case(class_name(field))

@@ -234,7 +234,7 @@ def integer(struct_format: str, ranges: wire.Ranges) -> Fixed:
 
 
 def _real(kind: wire.Real) -> Fixed:
-    lower, upper = kind.lower, kind.upper
+    lower, upper = kind.legal.lower, kind.legal.upper
     text = "" if upper == kind.type.largest else f"{lower!r} .. {upper!r}"
     limits = (python_literal(lower), python_literal(upper))
     default = python_literal(0.0 if lower <= 0.0 <= upper else lower)

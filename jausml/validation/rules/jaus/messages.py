@@ -5,16 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from jausml import wire
 from jausml.metamodel.classes import jaus
 from jausml.model.diagnostics import Severity
-from jausml.semantics.layouts import (
-    UNSIGNED_BITS,
-    class_name,
-    integer_range,
-    is_container,
-    is_group,
-    resolve,
-)
+from jausml.semantics.layouts import class_name, is_container, is_group
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -30,9 +24,7 @@ if TYPE_CHECKING:
     Indexed: TypeAlias = jaus.Alternative | jaus.Format
     WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
 
-_PRESENCE_BITS = {"none": 0, **UNSIGNED_BITS}
-# What the runtime puts together from fragments, in bytes.
-_LARGEST = 4 << 20
+_PRESENCE_BITS = {"none": 0, **{name: each.bits for name, each in wire.UNSIGNED.items()}}
 _IN_RECORD = "a member of a record"
 
 
@@ -140,7 +132,7 @@ def scale_range(subject: Subject) -> Iterator[Finding]:
         elif scale.lower >= scale.upper:
             message = f"the scale of '{name}' has lower {scale.lower:g} and upper {scale.upper:g}"
             yield Finding(scale, message, "lower", "lower is below upper")
-        if field.type.name not in UNSIGNED_BITS:
+        if field.type.name not in wire.UNSIGNED:
             message = f"'{name}' is scaled, but {field.type.name} is no unsigned integer"
             yield Finding(field, message, "type")
         if field.values is not None:
@@ -158,8 +150,8 @@ def bit_ranges(subject: Subject) -> Iterator[Finding]:
     Good: parts 0..3 and 4..7
     """
     for field in subject.instances(jaus.BitField):
-        bits = UNSIGNED_BITS.get(field.type.name)
-        if bits is None:
+        whole = wire.UNSIGNED.get(field.type.name)
+        if whole is None:
             message = f"bit field '{field.name}' is of {field.type.name}, no unsigned integer"
             yield Finding(field, message, "type")
             continue
@@ -167,7 +159,7 @@ def bit_ranges(subject: Subject) -> Iterator[Finding]:
         for part in field.subFields:
             if subject.is_broken(part):
                 continue
-            yield from _bit_findings(part, field, bits, owners)
+            yield from _bit_findings(part, field, whole.bits, owners)
 
 
 @rule("JML327", Severity.ERROR, "count or tag of a wrong type")
@@ -189,10 +181,10 @@ def count_types(subject: Subject) -> Iterator[Finding]:
         yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
     for variant in subject.instances(jaus.Variant):
         type_name = variant.tagType.name
-        if type_name not in UNSIGNED_BITS:
+        if type_name not in wire.UNSIGNED:
             message = f"the tag of '{variant.name}' is of {type_name}, no unsigned integer"
             yield Finding(variant, message, "tagType")
-        elif len(variant.options) > 2 ** UNSIGNED_BITS[type_name]:
+        elif len(variant.options) > wire.UNSIGNED[type_name].upper + 1:
             message = f"the tag of '{variant.name}' cannot count {len(variant.options)} options"
             yield Finding(variant, message, "tagType")
 
@@ -210,15 +202,15 @@ def sizes(subject: Subject) -> Iterator[Finding]:
     for text in subject.instances(jaus.FixedLengthString):
         if text.length < 1:
             yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
-        elif text.length > _LARGEST:
-            message = f"'{text.name}' has a length of {text.length}, more than {_LARGEST}"
+        elif text.length > wire.LARGEST:
+            message = f"'{text.name}' has a length of {text.length}, more than {wire.LARGEST}"
             yield Finding(text, message, "length")
     for array in subject.instances(jaus.Array):
         if any(size < 1 for size in array.dimensions):
             yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
-        elif math.prod(array.dimensions) > _LARGEST:
+        elif math.prod(array.dimensions) > wire.LARGEST:
             count = math.prod(array.dimensions)
-            message = f"'{array.name}' has {count} elements, more than {_LARGEST}"
+            message = f"'{array.name}' has {count} elements, more than {wire.LARGEST}"
             yield Finding(array, message, "dimensions")
     for field in subject.instances(jaus.VariableField):
         yield from _index_findings(field.alternatives, field)
@@ -273,7 +265,7 @@ def _kind_findings(
     fields: Iterable[jaus.Field | None], role: str, *, containers: bool
 ) -> Iterator[Finding]:
     for field in fields:
-        target = resolve(field)
+        target = wire.target_of(field)
         if field is None or target is None:
             continue
         if is_container(target) is not containers:
@@ -284,7 +276,7 @@ def _kind_findings(
 
 
 def _vector_hint(count: int) -> str:
-    fitting = next((name for name, bits in UNSIGNED_BITS.items() if bits >= count), "")
+    fitting = next((name for name, each in wire.UNSIGNED.items() if each.bits >= count), "")
     return f'presenceVector="{fitting}"' if fitting else "split the group"
 
 
@@ -310,11 +302,11 @@ def _bit_findings(
 
 def _count_findings(field: jaus.List | Bytes, noun: str, low: int, high: int) -> Iterator[Finding]:
     minimum, maximum, type_name = f"minimum{noun}", f"maximum{noun}", field.countType.name
-    if type_name not in UNSIGNED_BITS:
+    if type_name not in wire.UNSIGNED:
         message = f"the count of '{field.name}' is of {type_name}, no unsigned integer"
         yield Finding(field, message, "countType")
         return
-    largest = 2 ** UNSIGNED_BITS[type_name] - 1
+    largest = wire.UNSIGNED[type_name].upper
     for feature, value in ((minimum, low), (maximum, high)):
         if not 0 <= value <= largest:
             message = f"{feature} {value} of '{field.name}' is not in 0..{largest}"
@@ -341,11 +333,12 @@ def _index_findings(choices: Iterable[Indexed], field: jaus.Field) -> Iterator[F
 def _limits(field: WithValues) -> tuple[int, int] | None:
     if isinstance(field, jaus.SubField):
         return (0, 2 ** (field.highBit - field.lowBit + 1) - 1) if _is_sane(field) else None
-    return integer_range(field.type.name)
+    kind = wire.INTEGERS.get(field.type.name)
+    return (kind.lower, kind.upper) if kind else None
 
 
 def _is_sane(part: jaus.SubField) -> bool:
-    return 0 <= part.lowBit <= part.highBit < UNSIGNED_BITS["uint64"]
+    return 0 <= part.lowBit <= part.highBit < wire.UNSIGNED["uint64"].bits
 
 
 def _value_findings(
@@ -376,8 +369,7 @@ def _range_findings(
 
 def _is_empty(value: jaus.ValueRange, *, integral: bool) -> bool:
     """Whether a range whose limits are in order has no value between them."""
-    if integral and math.isfinite(value.lower) and math.isfinite(value.upper):
-        first = math.ceil(value.lower) if value.lowerInclusive else math.floor(value.lower) + 1
-        last = math.floor(value.upper) if value.upperInclusive else math.ceil(value.upper) - 1
-        return first > last
+    if integral:
+        stated = wire.Interval(value.lower, value.upper, value.lowerInclusive, value.upperInclusive)
+        return stated.first > stated.last
     return value.lower == value.upper and not (value.lowerInclusive and value.upperInclusive)
