@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.common.components import inherits
+
+if TYPE_CHECKING:
+    from jausml.metamodel.classes import jaus
 
 # Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
 _STANDBY_MESSAGES = frozenset(
@@ -23,12 +26,12 @@ CURRENT_COMMAND = 0
 """CommandType of a SetVelocityCommand that moves; the others set limits and the default."""
 
 
-def guard_of(message: Any, service: Any) -> str:
+def guard_of(message: jaus.MessageDef, service: jaus.Service) -> str:
     """Returns whom a component obeys an input message from: ANY, CONTROLLED or READY.
 
     Args:
-        message: The `jaus.MessageDef`.
-        service: The `jaus.Service` that takes it.
+        message: The message.
+        service: The service that takes it.
     """
     # Codes below 2000h are of the command class; the JSIDL of ExecuteList forgets to say so.
     if not message.isCommand and int(str(message.code), 16) >= _FIRST_QUERY:
@@ -38,11 +41,11 @@ def guard_of(message: Any, service: Any) -> str:
     return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
 
 
-def condition(message: Any, guard: str) -> str:
+def condition(message: jaus.MessageDef, guard: str) -> str:
     """Returns the expression that says whom to obey: a guard, or a function of the message.
 
     Args:
-        message: The `jaus.MessageDef`.
+        message: The message.
         guard: What `guard_of` says of it.
     """
     # Limits may be set in Standby, the current command in Ready alone (AS6009, 0415h).
@@ -52,12 +55,12 @@ def condition(message: Any, guard: str) -> str:
     return f"Guard.{guard}"
 
 
-def may_set_limits(message: Any) -> bool:
+def may_set_limits(message: jaus.MessageDef) -> bool:
     """Tells whether a message moves the component or sets limits, as its CommandType says.
 
     Args:
-        message: The `jaus.MessageDef`.
+        message: The message.
     """
     owner = message.eContainer()
     is_of_driver = owner is not None and owner.urn == _VELOCITY_DRIVER
-    return bool(is_of_driver and message.name == "SetVelocityCommand")
+    return is_of_driver and message.name == "SetVelocityCommand"

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.generation.artifact import SkeletonContract
+    from jausml.metamodel.classes import jaus, ros
+    from jausml.metamodel.classes.system import System
 
 PACKAGE_TEMPLATES = templates_beside(__file__)
 """Folder of the shared templates, for the `template_folders` of a target."""
@@ -66,12 +68,17 @@ class PackageView:
 
 
 def package_view(
-    system: Any, name: str, *, dependencies: Iterable[str], element: Any = None, **attributes: Any
+    system: System,
+    name: str,
+    *,
+    dependencies: Iterable[str],
+    element: jaus.Component | ros.Node | None = None,
+    **attributes: Any,
 ) -> PackageView:
     """Returns the package of an element of a system, with the system's version and maintainer.
 
     Args:
-        system: The `system.System`.
+        system: The system.
         name: Package name.
         dependencies: Packages that the generated code needs at run time.
         element: The component or node; what its skeleton needs joins the dependencies.

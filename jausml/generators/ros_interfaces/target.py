@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target, WholeLibrary
@@ -17,7 +17,7 @@ from jausml.generators.ros_interfaces.selection import (
     unmapped_messages,
 )
 from jausml.generators.ros_interfaces.views import InterfacesView
-from jausml.metamodel.classes import ros
+from jausml.metamodel.classes import jaus, ros
 from jausml.metamodel.classes import system as system_language
 from jausml.metamodel.filling import new_object
 
@@ -48,7 +48,7 @@ def whole_library_tasks(model: Model) -> list[Task]:
     return _messages_tasks(model, all_messages(model))
 
 
-def _messages_tasks(model: Model, chosen: Iterable[Any]) -> list[Task]:
+def _messages_tasks(model: Model, chosen: Iterable[jaus.MessageDef]) -> list[Task]:
     system, source = _system(model), source_of(model)
     taken = {str(package.name) for package in model.instances(ros.InterfacePackage)}
     name = package_name(f"{system.name}_jaus_msgs")

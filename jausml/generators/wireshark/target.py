@@ -12,8 +12,8 @@ from jausml.generators.wireshark.views import DissectorView
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
+    from jausml.metamodel.classes import jaus
     from jausml.model.model import Model
 
 
@@ -27,7 +27,7 @@ def whole_library_tasks(model: Model) -> list[Task]:
     return _dissector(model, [*used_services(model), *library_services()])
 
 
-def _dissector(model: Model, services: Sequence[Any]) -> list[Task]:
+def _dissector(model: Model, services: Sequence[jaus.Service]) -> list[Task]:
     view = DissectorView(system_of(model), source_of(model), services)
     return [FileTask("dissector.lua.j2", [view], lambda view: view.path)]
 

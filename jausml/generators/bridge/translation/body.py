@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH, printable, python_string
 from jausml.generators.common import runtime
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.generators.python.codec.jaus_fields import Condition
+    from jausml.metamodel.classes import bridge
 
 MARGIN = 8
 
@@ -112,7 +113,7 @@ class Body:
         heads = (line.lstrip().startswith(("if ", "for ")) for line in self.lines)
         return sum(heads) + 1 > MAXIMUM_COMPLEXITY
 
-    def limit(self, assignment: Any) -> str:
+    def limit(self, assignment: bridge.FieldAssignment) -> str:
         """Returns the Python path of what keeps the value of an assignment within its target."""
         own = assignment.outOfRange.name
         return self.limit_of(self.policy if own == "asConnection" else own)

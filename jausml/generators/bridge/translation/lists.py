@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation.targets import ManyTarget
     from jausml.generators.bridge.translation.translation import Translation
 from jausml.generators.python.codec.jaus_fields import Condition
+from jausml.metamodel.classes import bridge
 
 
-def add_list(translation: Translation, assignment: Any) -> None:
+def add_list(translation: Translation, assignment: bridge.ListAssignment) -> None:
     """Adds the statements that fill a list of the target.
 
     Args:
@@ -51,7 +52,7 @@ class _Items:
 
 
 class _ListStatements:
-    def __init__(self, translation: Translation, assignment: Any) -> None:
+    def __init__(self, translation: Translation, assignment: bridge.ListAssignment) -> None:
         self._outer = translation
         self._body = translation.body
         self._assignment = assignment
@@ -180,7 +181,7 @@ class _ListStatements:
         (first, *others) = self._assignment.assignments
         return bool(
             not others
-            and first.eClass.name in {"FieldAssignment", "MessageAssignment"}
+            and isinstance(first, (bridge.FieldAssignment, bridge.MessageAssignment))
             and first.target.strip() == "."
             and not items.may_be_none
         )
@@ -190,7 +191,7 @@ class _ListStatements:
         (assignment,) = self._assignment.assignments
         trial = self._body.tried()
         trial_translation = replace(inner, body=trial)
-        if assignment.eClass.name != "FieldAssignment":
+        if not isinstance(assignment, bridge.FieldAssignment):
             return False
         values = trial_translation.values_of(assignment)
         if any(value.conditions for value in values):

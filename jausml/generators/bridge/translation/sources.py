@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from jausml.generators.python.codec.jaus_fields import Condition, JausField
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import ros
 
 INDEX, COUNT = "index", "count"
 MANY = 2**32 - 1
@@ -184,9 +185,9 @@ class RosSource:
         conditions: What must hold for the element to be there.
     """
 
-    type: Any
+    type: ros.MessageType
     start: RosStart
-    joins: Mapping[str, tuple[str, Any]]
+    joins: Mapping[str, tuple[str, ros.MessageType]]
     top: RosSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
     conditions: tuple[Condition, ...] = ()

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation.ros_fields import RosField
     from jausml.generators.python.codec.jaus_fields import JausField
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import ros
 
 _TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
 _ZEROS = {REAL: "0.0", INTEGER: "0", BOOLEAN: "False", TEXT: '""', OCTETS: 'b""'}
@@ -102,7 +103,7 @@ class RosTarget:
         start: Where paths start.
     """
 
-    type: Any
+    type: ros.MessageType
     start: RosStart
 
     def field(self, path: str) -> RosField:

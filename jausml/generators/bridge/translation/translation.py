@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.translation import lists, messages
 from jausml.generators.bridge.translation.conversions import Chain
@@ -19,6 +18,7 @@ from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import BITS, joined
 from jausml.generators.python.layout import Call
 from jausml.generators.python.names import snake_case
+from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import conversion_signature
 from jausml.semantics.paths import place
 from jausml.semantics.units import attribute_measure, result_measure, unit_step
@@ -45,7 +45,7 @@ class Translation:
     Attributes:
         body: Takes the statements.
         surroundings: The class and the module around.
-        map: The `bridge.AttributeMap`.
+        map: The map.
         source: Where source paths start.
         target: Where target paths start.
         name: Name of the translation, for what it keeps between messages.
@@ -54,47 +54,49 @@ class Translation:
 
     body: Body
     surroundings: Surroundings
-    map: Any
+    map: bridge.AttributeMap
     source: JausSource | RosSource
     target: JausTarget | RosTarget
     name: str
-    nested_method: Callable[[Translation, Any], str]
+    nested_method: Callable[[Translation, bridge.AttributeMap], str]
 
     @property
     def to_ros(self) -> bool:
         """Whether the target is of ROS."""
         return not hasattr(self.target, "message")
 
-    def require(self, assignments: Iterable[Any]) -> None:
+    def require(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the refusal of messages that lack what the assignments cannot do without."""
         for assignment in assignments:
-            if getattr(assignment, "whenAbsent", None) is None:
+            if not isinstance(assignment, (bridge.FieldAssignment, bridge.ListAssignment)):
                 continue
             if assignment.whenAbsent.name != "dropMessage":
                 continue
             paths = paths_of(assignment.source)
-            if assignment.eClass.name == "ListAssignment":
+            if isinstance(assignment, bridge.ListAssignment):
                 many = self.source.many(paths.pop(0))
                 self.body.require(many.conditions, many.path)
             for path in paths:
                 self.body.require(self.source.value(path, "").conditions, path)
 
-    def add(self, assignments: Iterable[Any]) -> None:
+    def add(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the statements of assignments."""
-        kinds: dict[str, Callable[[Any], None]] = {
-            "FieldAssignment": self._field,
-            "ConstantAssignment": self._constant,
-            "ClockAssignment": self._clock,
-            "ListAssignment": partial(lists.add_list, self),
-            "MessageAssignment": partial(messages.add_message, self),
-        }
         for assignment in assignments:
-            if assignment.eClass.name != "Ignore":
-                kinds[assignment.eClass.name](assignment)
+            match assignment:
+                case bridge.FieldAssignment():
+                    self._field(assignment)
+                case bridge.ConstantAssignment():
+                    self._constant(assignment)
+                case bridge.ClockAssignment():
+                    self._clock(assignment)
+                case bridge.ListAssignment():
+                    lists.add_list(self, assignment)
+                case bridge.MessageAssignment():
+                    messages.add_message(self, assignment)
 
     # -- constants and the clock -----------------------------------------------------------------
 
-    def _constant(self, assignment: Any) -> None:
+    def _constant(self, assignment: bridge.ConstantAssignment) -> None:
         self.target.prepare(self.body, assignment.target)
         self._store_constant(assignment.target, assignment.value)
 
@@ -102,7 +104,7 @@ class Translation:
         value = self.target.constant(path, text)
         self.target.put(self.body, path, value.code)
 
-    def _clock(self, assignment: Any) -> None:
+    def _clock(self, assignment: bridge.ClockAssignment) -> None:
         self.target.prepare(self.body, assignment.target)
         value = Value("self.now()", TIME)
         if not self.to_ros:
@@ -113,12 +115,14 @@ class Translation:
 
     # -- fields ----------------------------------------------------------------------------------
 
-    def values_of(self, assignment: Any) -> list[Value]:
+    def values_of(self, assignment: bridge.FieldAssignment) -> list[Value]:
         """Returns the values of the sources of an assignment, with what they need to be there."""
         limit = self.body.limit(assignment)
         return [self.source.value(path, limit) for path in paths_of(assignment.source)]
 
-    def results_of(self, assignment: Any, values: Sequence[Value]) -> list[Value]:
+    def results_of(
+        self, assignment: bridge.FieldAssignment, values: Sequence[Value]
+    ) -> list[Value]:
         """Returns the values for the targets of an assignment, in the unit of the targets."""
         targets, to_ros = paths_of(assignment.target), self.to_ros
         chain = Chain(self.body, self.surroundings, self.target, targets, to_ros=to_ros)
@@ -126,7 +130,7 @@ class Translation:
         step = unit_step(self.map, assignment, to_ros=to_ros)
         return chain.scaled(results, step)
 
-    def _field(self, assignment: Any) -> None:
+    def _field(self, assignment: bridge.FieldAssignment) -> None:
         targets = paths_of(assignment.target)
         for path in targets:
             self.target.prepare(self.body, path)
@@ -145,7 +149,7 @@ class Translation:
         with self.body.given(conditions):
             self._store(assignment, values)
 
-    def _field_of_some(self, assignment: Any) -> None:
+    def _field_of_some(self, assignment: bridge.FieldAssignment) -> None:
         """Several sources, of which the absent ones count as the default value."""
         source, limit = self.source.inlined(), self.body.limit(assignment)
         values = [source.value(path, limit) for path in paths_of(assignment.source)]
@@ -157,7 +161,7 @@ class Translation:
         with self.body.inside(self.body.condition(list(dict.fromkeys(tests)), "or")):
             self._store(assignment, [self._or_default(assignment, each) for each in values])
 
-    def _or_default(self, assignment: Any, value: Value) -> Value:
+    def _or_default(self, assignment: bridge.FieldAssignment, value: Value) -> Value:
         if not value.conditions:
             return value
         text, place = assignment.defaultValue or "", assignment.target
@@ -171,7 +175,10 @@ class Translation:
         return replace(value, code=name, conditions=(), kind=value.kind)
 
     def _field_with_memory(
-        self, assignment: Any, values: Sequence[Value], conditions: Sequence[Condition]
+        self,
+        assignment: bridge.FieldAssignment,
+        values: Sequence[Value],
+        conditions: Sequence[Condition],
     ) -> None:
         """Keeps what the last message with the sources gave, and stores that."""
         targets = paths_of(assignment.target)
@@ -190,7 +197,7 @@ class Translation:
             with self.body.inside(f"if {place} is not None:"):
                 self.target.put(self.body, path, place)
 
-    def _store(self, assignment: Any, values: Sequence[Value]) -> None:
+    def _store(self, assignment: bridge.FieldAssignment, values: Sequence[Value]) -> None:
         results = self.results_of(assignment, values)
         remark = self._unit_remark(assignment)
         # A conversion may make another quantity of the source, in a unit that nobody states.
@@ -200,7 +207,7 @@ class Translation:
             words = remark or (value.units if self.to_ros and keeps_units else "")
             self.target.put(self.body, path, self.target.fitted(path, value), words)
 
-    def _unit_remark(self, assignment: Any) -> str:
+    def _unit_remark(self, assignment: bridge.FieldAssignment) -> str:
         """Both units, where the units of source and target differ."""
         if unit_step(self.map, assignment, to_ros=self.to_ros) is None:
             return ""
