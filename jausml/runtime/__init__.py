@@ -15,12 +15,14 @@ them may move:
 
 from .base.address import JausAddress
 from .base.api import API_VERSION, ApiVersionError, require_api
+from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
-from .bridge.bridge import Bridge, BridgeSettings, RosSide
-from .bridge.joins import Join, StaleJoinError
-from .bridge.limits import OutOfRangeError
+from .bridge.bridge import Bridge
+from .bridge.ends import RosSide
+from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
+from .bridge.joins import Join
 from .bridge.process import run_bridge
-from .bridge.statistics import AbsentFieldError
+from .bridge.settings import BridgeSettings
 from .bridge.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.topics import Qos, Topic
@@ -75,6 +77,7 @@ __all__ = [
     "Guard",
     "JausAddress",
     "JausComponent",
+    "JausError",
     "Join",
     "Kind",
     "ListElement",

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from jausml.runtime.bridge.connection import ConnectionStatus
+from jausml.runtime.bridge.diagnostics import ConnectionStatus
 from jausml.runtime.bridge.topics import Qos, Topic
 
 from .bridge_support import RosPeer, wait_for

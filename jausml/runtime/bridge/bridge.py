@@ -10,19 +10,12 @@ on the thread that waits for ROS messages. Nothing is polled and nothing is hand
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from ..base.settings import TransportSettings
-from ..component.component import (
-    COMPONENT_TYPE,
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    ServiceIdentity,
-)
+from ..component.component import Guard, JausComponent
 from ..conversions import Time
 from ..services.definitions import MAX_EVENT_RATE
+from .ends import ReportHolder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -31,73 +24,10 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from ..wire.message import Message
-    from .connection import AnyConnection, ConnectionStatus
+    from .connection import AnyConnection
+    from .ends import RosSide
+    from .settings import BridgeSettings
     from .topics import Topic
-
-
-class RosSide(Protocol):
-    """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
-
-    Messages are objects of the message classes. A side that carries serialized messages instead
-    differs from this in what `message_type` and the arguments of `deliver` and of the publishing
-    function stand for.
-    """
-
-    def now(self) -> Time:
-        """Time of the ROS clock."""
-
-    def parameter(
-        self, name: str, default: Any, description: str, limits: tuple[float, float] | None = None
-    ) -> Any:
-        """Declares a parameter and returns its value."""
-
-    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Makes a publisher and returns what publishes on it, callable from any thread."""
-
-    def subscribe(
-        self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
-    ) -> None:
-        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
-
-    def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
-        """Publishes one status for each connection."""
-
-
-@dataclass(frozen=True)
-class BridgeSettings:
-    """What the model says about a bridge, apart from its connections.
-
-    Attributes:
-        name: Name of the bridge, of its node and of its JAUS identification.
-        address: Address of the JAUS component.
-        description: What the bridge is for.
-        namespace: ROS namespace of the node; empty means the root.
-        frequency: Messages each second where the model states no rate. Diagnostics come at this
-            rate too, but not more often than once a second.
-        services: Services that the bridge provides, inherited ones included.
-        component_type: Type that Discovery reports (AS5710, ReportIdentification).
-        authority: Authority code that control is requested with, 0 to 255.
-        component: Behaviour of the JAUS component.
-        transport: Network settings of the host.
-    """
-
-    name: str
-    address: JausAddress
-    description: str = ""
-    namespace: str = ""
-    frequency: float = 1.0
-    services: tuple[ServiceIdentity, ...] = ()
-    component_type: int = COMPONENT_TYPE
-    authority: int = 127
-    component: ComponentSettings = field(default_factory=ComponentSettings)
-    transport: TransportSettings = field(default_factory=TransportSettings)
-
-
-@dataclass
-class ReportHolder:
-    """The present value of a report that topics feed; None before their first message."""
-
-    value: Message | None = None
 
 
 class Bridge:

@@ -9,21 +9,20 @@ from __future__ import annotations
 
 import logging
 import time
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..conversions import ConversionError
 from ..wire.message import DecodeError, EncodeError
-from .joins import StaleJoinError
-from .limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error, OutOfRangeError
-from .statistics import AbsentFieldError, Statistics
+from .diagnostics import ConnectionStatus, Statistics
+from .errors import AbsentFieldError, OutOfRangeError, StaleJoinError
+from .limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.counters import Counters
     from ..base.loop import Timer
-    from .bridge import Bridge
+    from .ends import Ends
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -40,25 +39,6 @@ _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (EncodeError, "not_encodable"),
     (DecodeError, "not_decodable"),
 )
-
-
-@dataclass(frozen=True, slots=True)
-class ConnectionStatus:
-    """State of a connection for `/diagnostics`.
-
-    Attributes:
-        name: Name of the connection.
-        level: `ok`, `warning`, `error` or `stale`.
-        message: The state in a few words.
-        hardware_id: JAUS address of the bridge.
-        values: Names and values in the order in which they are shown.
-    """
-
-    name: str
-    level: str
-    message: str
-    hardware_id: str
-    values: tuple[tuple[str, str], ...]
 
 
 class Connection(Generic[SourceT, TargetT]):
@@ -102,22 +82,22 @@ class Connection(Generic[SourceT, TargetT]):
         self._safe_value = safe_value
         self._heard = 0.0
         self._watch: Timer | None = None
-        self._bridge: Bridge
+        self._ends: Ends
         self._counters: Counters | None = None
         self._reported: tuple[float, int, int, int] | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the publishers and subscriptions of the connection.
 
         Args:
-            bridge: The bridge, whose two sides are there.
+            ends: The bridge, whose two sides are there.
         """
-        self._bridge = bridge
-        self._counters = bridge.component.counters
+        self._ends = ends
+        self._counters = ends.component.counters
         if self.silence_timeout > 0:
-            self.silence_timeout = bridge.silence_parameter(self.name, self.silence_timeout)
+            self.silence_timeout = ends.silence_parameter(self.name, self.silence_timeout)
 
     def deliver(self, target: TargetT) -> bool:
         """Hands a message to the target side; False when it was dropped and counted."""
@@ -142,7 +122,7 @@ class Connection(Generic[SourceT, TargetT]):
         """Takes one message from the source and passes its translation on."""
         started = time.monotonic_ns()
         self.statistics.arrivals += 1
-        self.statistics.last_arrival = self._bridge.loop.now()
+        self.statistics.last_arrival = self._ends.loop.now()
         try:
             target = self._translate(source)
             # A source that sends nothing usable is as good as silent.
@@ -158,7 +138,7 @@ class Connection(Generic[SourceT, TargetT]):
         """Counts a message that is not passed on."""
         drops = self.statistics.drops
         drops[reason] = drops.get(reason, 0) + 1
-        self._bridge.component.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
+        self._ends.component.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
         """Counts a value that its target field cannot carry.
@@ -202,16 +182,16 @@ class Connection(Generic[SourceT, TargetT]):
 
     def watch(self) -> None:
         """Starts to watch for silence, which a source that never spoke also is."""
-        self._heard = self._bridge.loop.now()
+        self._heard = self._ends.loop.now()
         self._arm(self.silence_timeout)
 
     def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
-            self._watch = self._bridge.loop.call_later(delay, self._check_silence)
+            self._watch = self._ends.loop.call_later(delay, self._check_silence)
 
     def _note_usable(self) -> None:
         if self.silence_timeout > 0 or self.is_silent:
-            loop = self._bridge.loop
+            loop = self._ends.loop
             # With the lock the check either sees this message, or has sent the safe value before
             # the value that arrived.
             with loop.lock:
@@ -222,7 +202,7 @@ class Connection(Generic[SourceT, TargetT]):
 
     def _check_silence(self) -> None:
         """Runs on the loop, which holds its lock."""
-        remaining = self._heard + self.silence_timeout - self._bridge.loop.now()
+        remaining = self._heard + self.silence_timeout - self._ends.loop.now()
         if remaining > 0:
             self._arm(remaining)
         else:
@@ -257,7 +237,7 @@ class Connection(Generic[SourceT, TargetT]):
     def status(self) -> ConnectionStatus:
         """Returns the state since the last call, for `/diagnostics`."""
         counts = self.statistics
-        now = self._bridge.loop.now()
+        now = self._ends.loop.now()
         dropped = sum(counts.drops.values())
         present = (now, counts.arrivals, dropped, counts.errors)
         then, arrivals_then, dropped_then, errors_then = self._reported or present
@@ -287,7 +267,7 @@ class Connection(Generic[SourceT, TargetT]):
             *self.describe_peers(),
         ]
         return ConnectionStatus(
-            self.name, level, message, str(self._bridge.settings.address), tuple(values)
+            self.name, level, message, str(self._ends.settings.address), tuple(values)
         )
 
     def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:

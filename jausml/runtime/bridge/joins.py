@@ -9,23 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .errors import StaleJoinError
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .bridge import Bridge
+    from .ends import Ends
     from .topics import Topic
-
-
-class StaleJoinError(ValueError):
-    """A joined topic has delivered nothing, or nothing fresh, and the message needs it.
-
-    Attributes:
-        join: Name of the join.
-    """
-
-    def __init__(self, join: str, reason: str) -> None:
-        super().__init__(f"{join}: {reason}")
-        self.join = join
 
 
 @dataclass(frozen=True)
@@ -58,14 +48,14 @@ class JoinedTopic:
             join: What the model says.
         """
         self.join = join
-        self._bridge: Bridge
+        self._ends: Ends
         self._latest: tuple[float, Any] | None = None
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the subscriptions."""
-        self._bridge = bridge
+        self._ends = ends
         for topic in self.join.topics:
-            bridge.subscribe(self.join.type, topic, self._keep)
+            ends.subscribe(self.join.type, topic, self._keep)
 
     def fresh(self) -> Any:
         """Returns the latest message, or None when it is stale or there is none.
@@ -85,7 +75,7 @@ class JoinedTopic:
     def age(self) -> float | None:
         """Seconds since the latest message arrived; None before the first."""
         latest = self._latest
-        return None if latest is None else self._bridge.loop.now() - latest[0]
+        return None if latest is None else self._ends.loop.now() - latest[0]
 
     @property
     def is_stale(self) -> bool:
@@ -94,4 +84,4 @@ class JoinedTopic:
         return age is None or age > self.join.freshness
 
     def _keep(self, message: Any) -> None:
-        self._latest = self._bridge.loop.now(), message
+        self._latest = self._ends.loop.now(), message

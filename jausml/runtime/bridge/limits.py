@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
 
+from .errors import OutOfRangeError
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized
 
@@ -31,21 +33,6 @@ Absent = TypeVar("Absent")
 T = TypeVar("T")
 Number = TypeVar("Number", int, float)
 Many = TypeVar("Many", bound="Sized")
-
-
-class OutOfRangeError(ValueError):
-    """A value that the target field cannot carry, and that drops the message.
-
-    Attributes:
-        field: The field, as the model names it.
-        policy: What was to be done: `drop_message`, `error`, or `not_clampable` for a value that
-            should be clamped and has no nearest legal value.
-    """
-
-    def __init__(self, field: str, reason: str, policy: str = DROP_MESSAGE) -> None:
-        super().__init__(f"{field}: {reason}")
-        self.field = field
-        self.policy = policy
 
 
 class Limit(Generic[Absent]):

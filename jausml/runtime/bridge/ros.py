@@ -33,7 +33,7 @@ from ..conversions import Time
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from .connection import ConnectionStatus
+    from .diagnostics import ConnectionStatus
     from .topics import Topic
 
 _LEVELS = {

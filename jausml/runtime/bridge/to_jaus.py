@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..component.component import ControlSession
     from ..wire.message import Message
-    from .bridge import Bridge, ReportHolder
+    from .ends import Ends, ReportHolder
     from .joins import Join
     from .topics import Topic
 
@@ -61,13 +61,13 @@ class FromTopics(Connection[SourceT, TargetT]):
         self._topics = tuple(topics)
         self._message = message
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the subscriptions; no message is taken before the bridge runs."""
-        super().open(bridge)
+        super().open(ends)
         for joined in self._joined:
-            joined.open(bridge)
+            joined.open(ends)
         for topic in self._topics:
-            bridge.subscribe(self._type, topic, self.take)
+            ends.subscribe(self._type, topic, self.take)
 
     def describe_joins(self) -> list[tuple[str, str]]:
         """The joined topics and the age of their latest message."""
@@ -128,15 +128,15 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._acknowledge = acknowledge
         self._sessions: dict[JausAddress, ControlSession] = {}
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
-        super().open(bridge)
+        super().open(ends)
         if self._control is Guard.ANY:
             return
         for peer in self.peers:
-            self._sessions[peer] = bridge.component.control(
+            self._sessions[peer] = ends.component.control(
                 peer,
-                authority=bridge.settings.authority,
+                authority=ends.settings.authority,
                 resume=self._control is Guard.READY,
                 on_change=partial(self._control_changed, peer),
             )
@@ -147,7 +147,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _send(self, peers: Sequence[JausAddress], target: TargetT) -> bool:
         payload = target.encode()
-        component = self._bridge.component
+        component = self._ends.component
         sent = False
         with component.loop.lock:
             for peer in peers:
@@ -204,17 +204,17 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         self._query = query
         self._report: ReportHolder
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
-        super().open(bridge)
-        self._report = bridge.report(self._query, self._message)
+        super().open(ends)
+        self._report = ends.report(self._query, self._message)
 
     def deliver(self, target: TargetT) -> bool:
         """Makes the message the present report and tells subscribers of changes."""
         target.encode()  # an unfit value is refused here, not at the next query
-        with self._bridge.loop.lock:
+        with self._ends.loop.lock:
             self._report.value = target
-            self._bridge.component.report_changed(self._message)
+            self._ends.component.report_changed(self._message)
         return True
 
     def describe_peers(self) -> list[tuple[str, str]]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..component.component import EventSubscription
     from ..wire.message import Message
-    from .bridge import Bridge
+    from .ends import Ends
     from .topics import Topic
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -58,10 +58,10 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._topics = tuple(topics)
         self._publish: list[Callable[[TargetT], None]] = []
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the publishers, before any message can arrive."""
-        super().open(bridge)
-        self._publish = [bridge.publisher(self._type, topic) for topic in self._topics]
+        super().open(ends)
+        self._publish = [ends.publisher(self._type, topic) for topic in self._topics]
 
     def deliver(self, target: TargetT) -> bool:
         """Publishes on every topic."""
@@ -109,13 +109,13 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         """The rate of the event, from all peers."""
         return (self.rate or 0.0) * len(self.peers)
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
-        super().open(bridge)
+        super().open(ends)
         if self.rate is not None:
-            self.rate = bridge.rate_parameter(self.name, self.rate)
+            self.rate = ends.rate_parameter(self.name, self.rate)
         self._events = [
-            bridge.component.subscribe(
+            ends.component.subscribe(
                 peer, self._query, self._message, self._take_report, rate=self.rate
             )
             for peer in self.peers
@@ -167,21 +167,21 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         """The rate of the queries."""
         return self.rate * len(self.peers)
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
-        super().open(bridge)
-        self.rate = bridge.rate_parameter(self.name, self.rate)
-        self._next = bridge.loop.now()
-        bridge.loop.call_soon(self._ask)
+        super().open(ends)
+        self.rate = ends.rate_parameter(self.name, self.rate)
+        self._next = ends.loop.now()
+        ends.loop.call_soon(self._ask)
 
     def _ask(self) -> None:
-        loop = self._bridge.loop
+        loop = self._ends.loop
         # Absolute times, so that the rate does not drift; a late loop does not catch up.
         self._next = max(self._next + 1 / self.rate, loop.now())
         loop.call_at(self._next, self._ask)
         for peer in self.peers:
             # Repetition is the next period's; a late answer counts as an answer.
-            self._bridge.component.query(
+            self._ends.component.query(
                 peer,
                 self._query,
                 self._message,
@@ -220,10 +220,10 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self._when = when
 
-    def open(self, bridge: Bridge) -> None:
+    def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
-        super().open(bridge)
-        bridge.accept(self._message, self._take_from, self._when)
+        super().open(ends)
+        ends.accept(self._message, self._take_from, self._when)
 
     def on_not_ready(self) -> None:
         """Nobody may command any more: the topics get the safe value at once."""

@@ -11,14 +11,14 @@ from ..messages import (
     CreateCommandEvent,
     RejectEventRequest,
 )
-from .event_subscription import COMMAND_REQUESTS
+from .event_client import COMMAND_REQUESTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
+    from ..services.host import Host
     from ..wire.message import Message
 
 MAX_DURATION = 0xFFFFFFFF
@@ -117,7 +117,7 @@ class CommandClient:
         component: The component that commands.
     """
 
-    def __init__(self, component: ComponentBase) -> None:
+    def __init__(self, component: Host) -> None:
         """Listen to the answers of targets."""
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}

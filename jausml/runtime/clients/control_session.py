@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
+    from ..services.host import Host
     from ..wire.message import Message
 
 MISSED_CHECKS = 3
@@ -85,7 +85,7 @@ class ControlSession:
 class ControlClient:
     """All control sessions of one component, and the messages that concern them."""
 
-    def __init__(self, component: ComponentBase) -> None:
+    def __init__(self, component: Host) -> None:
         """Listen to the answers of targets."""
         self._component = component
         self._controls: dict[JausAddress, _Control] = {}
@@ -152,9 +152,7 @@ class _Control:
         state: What is known now.
     """
 
-    def __init__(
-        self, client: ControlClient, component: ComponentBase, target: JausAddress
-    ) -> None:
+    def __init__(self, client: ControlClient, component: Host, target: JausAddress) -> None:
         self.component = component
         self.target = target
         self.state = ControlState.SEEKING

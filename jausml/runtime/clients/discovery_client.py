@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from ..services.definitions import ServiceIdentity
+    from ..services.host import Host
 
 EAGER_TRIES = 3
 """Attempts in quick succession after the start."""
@@ -75,7 +75,7 @@ class DiscoveryClient:
         server: The Discovery service that the component is registered with.
     """
 
-    def __init__(self, component: ComponentBase) -> None:
+    def __init__(self, component: Host) -> None:
         """Listen to the answers of Discovery services."""
         self._component = component
         self._searches: list[_Search] = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ..messages import CancelEvent, CreateEvent, UpdateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from ..messages import Event
-    from .event_subscription import EventClient, EventSubscription
+    from ..services.host import Host
+    from .event_subscription import EventSubscription
 
 SILENT_PERIODS = 3
 """Periods of a periodic event without a report after which it is created again."""
@@ -40,6 +40,28 @@ class _State(Enum):
     ACTIVE = "active"
 
 
+class Listener(Protocol):
+    """Who hands streams their messages, and knows the other streams."""
+
+    def bind(self, stream: EventStream, event_id: int) -> None:
+        """Deliver the events of an id to a stream from now on."""
+
+    def unbind(self, stream: EventStream) -> None:
+        """Deliver no events to a stream any more."""
+
+    def suspect(self, provider: JausAddress) -> None:
+        """Verify all events of a provider that lost one or fell silent."""
+
+    def has(self, stream: EventStream) -> bool:
+        """Return whether a stream is among those with subscribers."""
+
+    def forget(self, stream: EventStream) -> None:
+        """Drop a stream without subscribers."""
+
+    def event_timeout(self, provider: JausAddress) -> int:
+        """Return the event timeout of a provider in minutes, 0 for never."""
+
+
 class EventStream:
     """Creates an event, renews it, and creates it again when the provider lost it.
 
@@ -53,8 +75,8 @@ class EventStream:
 
     def __init__(
         self,
-        client: EventClient,
-        component: ComponentBase,
+        listener: Listener,
+        component: Host,
         provider: JausAddress,
         payload: bytes,
     ) -> None:
@@ -64,7 +86,7 @@ class EventStream:
         self.payload = payload
         self.request_id = 0
         self.event_id: int | None = None
-        self._client = client
+        self._listener = listener
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
@@ -111,7 +133,7 @@ class EventStream:
                     del self._groups[report_class]
         if self._groups:
             self._agree_on_rate()
-        elif self._client.has(self):
+        elif self._listener.has(self):
             self.stop()
 
     def stop(self) -> None:
@@ -123,7 +145,7 @@ class EventStream:
         if self._state is not _State.IDLE and self.event_id is not None:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self.component.send(message, self.provider)
-        self._client.forget(self)
+        self._listener.forget(self)
         self._state = _State.IDLE
 
     def _subscriptions(self) -> list[EventSubscription]:
@@ -166,7 +188,7 @@ class EventStream:
             return
         is_new = self._state is _State.CREATING
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
-        self._client.bind(self, event_id)
+        self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
         self._delay = self._settings.retry_min
@@ -185,7 +207,7 @@ class EventStream:
         if self._state is _State.ACTIVE:
             if self._renewals:
                 self.lost()
-                self._client.suspect(self.provider)
+                self._listener.suspect(self.provider)
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
                 return  # the answer to a renewal of the event that is being created again
@@ -197,7 +219,7 @@ class EventStream:
     def lost(self) -> None:
         """Create the event again: the provider does not know it any more."""
         self._counters.add("event_client.lost")
-        self._client.unbind(self)
+        self._listener.unbind(self)
         self.event_id = None
         self._recreate()
 
@@ -258,7 +280,7 @@ class EventStream:
         The reports of an every-change event may rightly stay away; only a renewal tells that its
         provider was restarted. A periodic event without timeout needs no renewal at all.
         """
-        minutes = self._client.event_timeout(self.provider)
+        minutes = self._listener.event_timeout(self.provider)
         waits = [30.0 * minutes] if minutes else []
         if self._rate is None:
             waits.append(self._settings.check_interval)
@@ -325,7 +347,7 @@ class EventStream:
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
-        self._client.suspect(self.provider)
+        self._listener.suspect(self.provider)
 
     # ---- timers -----------------------------------------------------------------------------
 

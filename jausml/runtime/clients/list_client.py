@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
+    from ..services.host import Host
     from ..wire.message import Message
     from .query import QueryClient
 
@@ -129,7 +129,7 @@ class ListClient:
         component: The component that edits.
     """
 
-    def __init__(self, component: ComponentBase, queries: QueryClient) -> None:
+    def __init__(self, component: Host, queries: QueryClient) -> None:
         """Listen to the answers of list managers."""
         self.component = component
         self._queries = queries

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
+    from ..services.host import Host
     from ..wire.message import Message
 
 
@@ -78,7 +78,7 @@ class QueryClient:
         component: The component that asks.
     """
 
-    def __init__(self, component: ComponentBase) -> None:
+    def __init__(self, component: Host) -> None:
         """Start without queries."""
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}

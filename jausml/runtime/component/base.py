@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..services.access_control import AccessControlService
+from ..clients.clients import Clients
+from ..services.core import CoreServices
 from ..services.definitions import (
     CORE,
     VERSION_1_1,
@@ -13,13 +14,7 @@ from ..services.definitions import (
     ServiceIdentity,
     Status,
 )
-from ..services.discovery import DiscoveryService
 from ..services.dispatch import Provision, Router
-from ..services.events import EventsService
-from ..services.list_manager import LIST_MANAGERS, ListManagerService
-from ..services.liveness import UNSOLICITED, LivenessService
-from ..services.management import ManagementService
-from ..services.time_service import TimeService
 from ..transports.packets.packet import Priority
 from ..wire.message import EncodeError, Message
 from ..wire.selection import asked_for
@@ -89,23 +84,8 @@ class ComponentBase(ComponentHooks):
             service.urn.removeprefix(CORE): (service.major, service.minor)
             for service in self.services
         }
-        provided = self._jaus_versions.keys()
-        self._jaus_events = EventsService(self, enabled="Events" in provided)
-        self._jaus_access = AccessControlService(self, enabled="AccessControl" in provided)
-        self._jaus_management = ManagementService(
-            self, self._jaus_access, enabled="Management" in provided
-        )
-        self._jaus_time = TimeService(self, enabled="Time" in provided)
-        self._jaus_list = ListManagerService(
-            self, enabled=any(service.urn in LIST_MANAGERS for service in self.services)
-        )
-        self._jaus_liveness = LivenessService(
-            self,
-            enabled=not provided.isdisjoint(("Liveness", "Liveliness")),  # v1.0 spells it both ways
-            unsolicited=UNSOLICITED in provided,
-        )
-        if "Discovery" in provided:
-            DiscoveryService(self)
+        self._jaus_core = CoreServices(self)
+        self._jaus_clients = Clients(self)
 
     # ---- messages of the component's own services -------------------------------------------
 
@@ -162,7 +142,7 @@ class ComponentBase(ComponentHooks):
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one sent."""
         with self.loop.lock:
-            self._jaus_events.report_changed(report_class)
+            self._jaus_core.events.report_changed(report_class)
 
     def on_message(
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
@@ -204,7 +184,7 @@ class ComponentBase(ComponentHooks):
     # ---- life cycle -------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Receive messages and initialise.
+        """Receive messages, initialise, and begin subscriptions and sessions.
 
         Raises:
             RuntimeError: The component runs already.
@@ -216,25 +196,28 @@ class ComponentBase(ComponentHooks):
             self.transport.attach(self.address, self._jaus_receive)
             self._jaus_running = True
             self.core_state_changed()
-            self._jaus_management.initialize()
+            self._jaus_core.management.initialize()
             if not self._jaus_running:
                 return  # a hook has stopped it
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()
-            self._jaus_liveness.start()
+            self._jaus_core.liveness.start()
+            if self._jaus_running:
+                self._jaus_clients.discovery.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.
 
-        Tells the controller that control is released and reports the status SHUTDOWN to whoever
-        watches it.
+        Releases control that is held, cancels subscriptions, tells the controller that control
+        is released and reports the status SHUTDOWN to whoever watches it.
         """
         with self.loop.lock:
             if self._jaus_running:
-                self._jaus_management.shut_down()
-                self._jaus_events.stop()
-                self._jaus_liveness.stop()
+                self._jaus_clients.stop()
+                self._jaus_core.management.shut_down()
+                self._jaus_core.events.stop()
+                self._jaus_core.liveness.stop()
                 self._jaus_running = False
                 self.transport.detach(self.address)
 
@@ -245,7 +228,7 @@ class ComponentBase(ComponentHooks):
             reason: For the log.
         """
         with self.loop.lock:
-            self._jaus_management.fail(reason)
+            self._jaus_core.management.fail(reason)
 
     # ---- hook with a default ----------------------------------------------------------------
 
@@ -255,7 +238,7 @@ class ComponentBase(ComponentHooks):
         By default these are the messages that the component's list drivers execute, e.g.
         SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
         """
-        return self._jaus_list.is_of_driver(element)
+        return self._jaus_core.list_manager.is_of_driver(element)
 
     # ---- state ------------------------------------------------------------------------------
 
@@ -277,45 +260,45 @@ class ComponentBase(ComponentHooks):
     @property
     def status(self) -> Status:
         """Management state (AS5710, ReportStatus)."""
-        return self._jaus_management.status
+        return self._jaus_core.management.status
 
     @property
     def controller(self) -> JausAddress | None:
         """The component that controls this one."""
-        return self._jaus_access.controller
+        return self._jaus_core.access_control.controller
 
     @property
     def authority(self) -> int:
         """Authority code of the controller, or the default authority without one."""
-        return self._jaus_access.authority
+        return self._jaus_core.access_control.authority
 
     @property
     def control_available(self) -> bool:
         """Whether control may be requested: not in Init, Failure, Shutdown or Emergency."""
-        return self._jaus_access.available
+        return self._jaus_core.access_control.available
 
     @control_available.setter
     def control_available(self, available: bool) -> None:
         with self.loop.lock:
-            self._jaus_access.offered = available
+            self._jaus_core.access_control.offered = available
 
     @property
     def current_time(self) -> datetime:
         """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
-        return self._jaus_time.now()
+        return self._jaus_core.time.now()
 
     @property
     def elements(self) -> ElementList:
         """The list that the controller edits (AS5710, ListManager); not to be changed here."""
-        return self._jaus_list.elements
+        return self._jaus_core.list_manager.elements
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
         """Whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
-        if sender != self._jaus_access.controller:
+        if sender != self._jaus_core.access_control.controller:
             return False
-        return guard is Guard.CONTROLLED or self._jaus_management.status is Status.READY
+        return guard is Guard.CONTROLLED or self._jaus_core.management.status is Status.READY
 
     # ---- for the services and clients of the component --------------------------------------
 
@@ -349,7 +332,7 @@ class ComponentBase(ComponentHooks):
 
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""
-        self._jaus_events.permissions_changed()
+        self._jaus_core.events.permissions_changed()
 
     def command_handler(self, code: int) -> Handler | None:
         """Return what acts on a message."""

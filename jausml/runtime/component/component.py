@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from ..clients.command_client import CommandClient, PendingCommand
-from ..clients.control_session import ControlClient, ControlSession, ControlState
-from ..clients.discovery_client import DiscoveryClient, FoundComponent
-from ..clients.event_subscription import EventClient, EventSubscription
-from ..clients.list_client import ListClient, ListRequest
-from ..clients.query import PendingQuery, QueryClient
+from ..clients.command_client import PendingCommand
+from ..clients.control_session import ControlSession, ControlState
+from ..clients.discovery_client import FoundComponent
+from ..clients.event_subscription import EventSubscription
+from ..clients.list_client import ListRequest
+from ..clients.query import PendingQuery
 from ..messages import ClearEmergency, SetEmergency
 from ..services.completion import Completion
 from ..services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ..base.address import JausAddress
-    from ..transports.transport import Transport
 
 __all__ = [
     "COMPONENT_TYPE",
@@ -63,45 +62,6 @@ class JausComponent(ComponentBase):
     and ``control`` in its constructor, and overrides the ``on_...`` hooks.
     """
 
-    def __init__(
-        self,
-        transport: Transport,
-        address: JausAddress,
-        *,
-        name: str,
-        services: Sequence[ServiceIdentity],
-        component_type: int = COMPONENT_TYPE,
-        settings: ComponentSettings | None = None,
-    ) -> None:
-        """Describe a component; nothing is sent or received before ``start``.
-
-        Args:
-            transport: Carries the messages; it may serve several components.
-            address: Address of the component.
-            name: Identification that Discovery reports.
-            services: Every service of the component, inherited ones included.
-            component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
-                10001 vehicle, 20001 operator control unit, 60001 component.
-            settings: Behaviour; the defaults suit a component that is not a Discovery server.
-
-        Raises:
-            ValueError: The address does not name one component.
-        """
-        super().__init__(
-            transport,
-            address,
-            name=name,
-            services=services,
-            component_type=component_type,
-            settings=settings,
-        )
-        self._jaus_event_client = EventClient(self)
-        self._jaus_control_client = ControlClient(self)
-        self._jaus_query_client = QueryClient(self)
-        self._jaus_discovery_client = DiscoveryClient(self)
-        self._jaus_command_client = CommandClient(self)
-        self._jaus_list_client = ListClient(self, self._jaus_query_client)
-
     def subscribe(
         self,
         provider: JausAddress,
@@ -137,7 +97,7 @@ class JausComponent(ComponentBase):
             ValueError: The rate is out of range or the provider is not one component.
         """
         with self.loop.lock:
-            return self._jaus_event_client.subscribe(
+            return self._jaus_clients.events.subscribe(
                 provider, query, report_class, on_report, rate, silence_timeout, on_silence
             )
 
@@ -167,7 +127,7 @@ class JausComponent(ComponentBase):
             ValueError: The authority is out of range or the target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_control_client.control(target, authority, resume, on_change)
+            return self._jaus_clients.control.control(target, authority, resume, on_change)
 
     def query(
         self,
@@ -199,7 +159,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_query_client.ask(
+            return self._jaus_clients.queries.ask(
                 target, query, report_class, on_report, on_failure, timeout, retries
             )
 
@@ -235,7 +195,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component, or the duration is out of range.
         """
         with self.loop.lock:
-            return self._jaus_command_client.command(
+            return self._jaus_clients.commands.command(
                 target, command, on_done, on_refused, max_duration, timeout
             )
 
@@ -268,7 +228,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_list_client.set_list(
+            return self._jaus_clients.lists.set_list(
                 target, elements, on_done, on_refused, timeout, retries
             )
 
@@ -300,7 +260,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component.
         """
         with self.loop.lock:
-            return self._jaus_list_client.delete(
+            return self._jaus_clients.lists.delete(
                 target, uids, on_done, on_refused, timeout, retries
             )
 
@@ -327,7 +287,7 @@ class JausComponent(ComponentBase):
             ValueError: The target is not one component.
         """
         with self.loop.lock:
-            self._jaus_list_client.read(target, on_list, on_failure, timeout, retries)
+            self._jaus_clients.lists.read(target, on_list, on_failure, timeout, retries)
 
     def set_emergency(self, target: JausAddress) -> None:
         """Stop another component; no control is needed (AS5710, SetEmergency)."""
@@ -345,37 +305,9 @@ class JausComponent(ComponentBase):
             on_found: Takes the component.
         """
         with self.loop.lock:
-            self._jaus_discovery_client.discover(urn, on_found)
+            self._jaus_clients.discovery.discover(urn, on_found)
 
     @property
     def discovery_server(self) -> JausAddress | None:
         """Where the component is registered: the Discovery service of its subsystem, if known."""
-        return self._jaus_discovery_client.server
-
-    def start(self) -> None:
-        """Receive messages, initialise, and begin subscriptions and sessions.
-
-        Raises:
-            RuntimeError: The component runs already.
-            ValueError: Another component of this process has the address.
-        """
-        with self.loop.lock:
-            super().start()
-            if self._jaus_running:
-                self._jaus_discovery_client.start()
-
-    def stop(self) -> None:
-        """Leave in good order; no effect when the component does not run.
-
-        Releases control that is held, cancels subscriptions, tells the controller that control
-        is released and reports the status SHUTDOWN to whoever watches it.
-        """
-        with self.loop.lock:
-            if self._jaus_running:
-                self._jaus_query_client.stop()
-                self._jaus_command_client.stop()
-                self._jaus_list_client.stop()
-                self._jaus_discovery_client.stop()
-                self._jaus_control_client.stop()
-                self._jaus_event_client.stop()
-                super().stop()
+        return self._jaus_clients.discovery.server

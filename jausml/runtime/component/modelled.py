@@ -154,7 +154,7 @@ class ModelledComponent(JausComponent):
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
         """Whether the sender has set an emergency that is not cleared (isIDStored)."""
-        return sender in self._jaus_access.emergency_clients
+        return sender in self._jaus_core.access_control.emergency_clients
 
     # ---- what machines ask ------------------------------------------------------------------
 
@@ -172,13 +172,13 @@ class ModelledComponent(JausComponent):
             path: A core state, or a state inside one.
         """
         if path == _STANDBY or path.startswith(f"{_STANDBY}."):
-            self._jaus_management.stand_by()
+            self._jaus_core.management.stand_by()
         elif path.startswith(_RELEASED) and self.status in (Status.STANDBY, Status.READY):
-            self._jaus_access.drop(Reject.CONTROL_RELEASED)
+            self._jaus_core.access_control.drop(Reject.CONTROL_RELEASED)
         elif path.startswith(_NOT_AVAILABLE[Status.FAILURE]):
-            self._jaus_management.fail(f"a state machine enters {path}")
+            self._jaus_core.management.fail(f"a state machine enters {path}")
         elif path.startswith(_NOT_AVAILABLE[Status.SHUTDOWN]):
-            self._jaus_management.shut_down()
+            self._jaus_core.management.shut_down()
         else:
             self.ignored("component.core_state_refused", path)
 

@@ -86,7 +86,7 @@ class State:
     defaults: tuple[On, ...] = ()
 
 
-class Host(Protocol):
+class MachineHost(Protocol):
     """What a machine asks of its component."""
 
     def run_condition(self, condition: Condition, arguments: tuple[Any, ...]) -> bool:
@@ -117,7 +117,7 @@ class StateMachine:
     """
 
     def __init__(
-        self, name: str, states: Sequence[State], host: Host, *, extends_core: bool = False
+        self, name: str, states: Sequence[State], host: MachineHost, *, extends_core: bool = False
     ) -> None:
         """Prepare a machine that is in no state yet.
 

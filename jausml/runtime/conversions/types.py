@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+from ..base.errors import JausError
 
-class ConversionError(ValueError):
+
+class ConversionError(JausError):
     """A value that has no counterpart on the other side."""
 
 

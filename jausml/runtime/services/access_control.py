@@ -17,15 +17,15 @@ from ..messages import (
     RequestControl,
     SetAuthority,
 )
-from .definitions import VERSION_1_1, Guard
+from .definitions import CORE, VERSION_1_1, Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from ..wire.message import Message
+    from .host import Host
 
 
 Confirm = ConfirmControl.ResponseCode
@@ -46,8 +46,10 @@ class AccessControlService:
         on_lost: Called when control ends, before the controller is told.
     """
 
-    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
-        """Serve the messages of AccessControl if the component provides the service."""
+    urns = frozenset([CORE + "AccessControl"])
+
+    def __init__(self, component: Host) -> None:
+        """Begin without a controller."""
         self._component = component
         self._timer: Timer | None = None
         self._timeout = component.settings.control_timeout
@@ -59,8 +61,10 @@ class AccessControlService:
         self.emergency_clients: Set[JausAddress] = frozenset()
         self.on_lost: Callable[[], None] = _nothing
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
-        if not enabled:
-            return
+
+    def attach(self) -> None:
+        """Take the messages of AccessControl."""
+        component = self._component
         component.handle(RequestControl, self._request)
         component.handle(ReleaseControl, self._release)
         component.handle(SetAuthority, self._set_authority, when=Guard.CONTROLLED)

@@ -20,9 +20,9 @@ from .event_requests import RejectCode, RequestError, reject
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from .dispatch import Handler
     from .event_requests import EventIds
+    from .host import Host
 
 Result = CommandEvent.CommandResult
 
@@ -47,13 +47,15 @@ class _Command:
 class CommandEvents:
     """Executes commands that come as events, and reports their ends."""
 
-    def __init__(self, component: ComponentBase, ids: EventIds, *, enabled: bool) -> None:
-        """Serve CreateCommandEvent if the component provides Events v1.1."""
+    def __init__(self, component: Host, ids: EventIds) -> None:
+        """Begin without commands."""
         self._component = component
         self._ids = ids
         self._commands: dict[int, _Command] = {}
-        if enabled:
-            component.handle(CreateCommandEvent, self._create)
+
+    def attach(self) -> None:
+        """Take CreateCommandEvent, which came with Events v1.1."""
+        self._component.handle(CreateCommandEvent, self._create)
 
     def cancel(self, client: JausAddress, event_id: int) -> bool:
         """Forget a client's command event; tell whether there was one."""

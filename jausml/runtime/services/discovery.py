@@ -17,7 +17,7 @@ from ..messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from .definitions import VERSION_1_1, Scope, ServiceIdentity
+from .definitions import CORE, VERSION_1_1, Scope, ServiceIdentity
 from .discovery_messages import (
     MAX_LIST,
     registered_services,
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.address import JausAddress
-    from ..component.base import ComponentBase
     from ..wire.message import Message
+    from .host import Host
 
 Type = ReportIdentification.Type
 
@@ -50,13 +50,19 @@ class DiscoveryService:
     A query whose scope is wider than the service's own stays unanswered.
     """
 
-    def __init__(self, component: ComponentBase) -> None:
-        """Serve the messages of Discovery."""
+    urns = frozenset([CORE + "Discovery"])
+
+    def __init__(self, component: Host) -> None:
+        """Begin without registrations."""
         self._component = component
         self._scope = component.settings.discovery_scope
         self._registered: dict[JausAddress, tuple[ServiceIdentity, ...]] = {}
         self._heard: dict[JausAddress, float] = {}
         self._servers: dict[int, tuple[JausAddress, float]] = {}
+
+    def attach(self) -> None:
+        """Take the messages of Discovery."""
+        component = self._component
         component.provide(QueryIdentification, ReportIdentification, self._identification)
         component.provide(QueryConfiguration, ReportConfiguration, self._configuration)
         component.provide(QuerySubsystemList, ReportSubsystemList, self._subsystem_list)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..base.errors import JausError
 from ..messages import RejectElementRequest
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class ListElement:
         return int.from_bytes(self.data[:2], "little")
 
 
-class ListError(ValueError):
+class ListError(JausError):
     """A request that the list refuses.
 
     Attributes:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.errors import JausError
 from ..messages import RejectEventRequest
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..component.base import ComponentBase
+    from .host import Host
 
 RejectCode = RejectEventRequest.ResponseCode
 
@@ -19,7 +20,7 @@ MAX_TEXT = 80
 """Characters that an ErrorMessage holds."""
 
 
-class RequestError(Exception):
+class RequestError(JausError):
     """An event request that cannot be met.
 
     Attributes:
@@ -60,9 +61,7 @@ class EventIds:
         self._used.discard(event_id)
 
 
-def reject(
-    component: ComponentBase, client: JausAddress, request_id: int, error: RequestError
-) -> None:
+def reject(component: Host, client: JausAddress, request_id: int, error: RequestError) -> None:
     """Refuse a request of a client."""
     component.counters.add("events.rejected")
     message = RejectEventRequest(

@@ -18,14 +18,14 @@ from ..messages import (
 )
 from ..wire.message import DecodeError, Message
 from .command_events import CommandEvents
-from .definitions import VERSION_1_1
+from .definitions import CORE, VERSION_1_1
 from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from .dispatch import Provision
+    from .host import Host
 
 PERIODIC = CreateEvent.EventType.PERIODIC_SC
 EVERY_CHANGE = CreateEvent.EventType.EVERY_CHANGE
@@ -65,26 +65,31 @@ class EventsService:
     v1.0 has no messages for either.
     """
 
-    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
-        """Serve the messages of Events if the component provides the service."""
+    urns = frozenset([CORE + "Events"])
+
+    def __init__(self, component: Host) -> None:
+        """Begin without events."""
         self._component = component
         self._loop = component.loop
         self._settings = component.settings
         self._events: dict[int, _Event] = {}
         self._watchers: dict[int, list[_Event]] = {}
         self._ids = EventIds(component.settings.max_events)
-        is_1_1 = component.core_version("Events") >= VERSION_1_1
-        self._timeout = component.settings.event_timeout if is_1_1 else 0
-        self._commands = CommandEvents(component, self._ids, enabled=enabled and is_1_1)
-        if not enabled:
-            return
+        self._is_1_1 = component.core_version("Events") >= VERSION_1_1
+        self._timeout = component.settings.event_timeout if self._is_1_1 else 0
+        self._commands = CommandEvents(component, self._ids)
+
+    def attach(self) -> None:
+        """Take the messages of Events."""
+        component = self._component
         component.handle(CreateEvent, self._create)
         component.handle(UpdateEvent, self._update)
         component.handle(CancelEvent, self._cancel)
         component.provide(
             QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
         )
-        if is_1_1:
+        if self._is_1_1:
+            self._commands.attach()
             component.provide(
                 QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
             )

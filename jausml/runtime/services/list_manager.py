@@ -21,13 +21,8 @@ from .element_list import ElementList, ListElement, ListError, Reason
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..component.base import ComponentBase
     from ..wire.message import Message
-
-LIST_MANAGERS = frozenset(
-    f"urn:jaus:jss:{owner}:ListManager" for owner in ("core", "mobility", "manipulator")
-)
-"""The service was part of the mobility and manipulator sets before core v1.1 took it over."""
+    from .host import Host
 
 DATA_FORMATS = (0, 1)
 """Formats of ElementData: a JAUS message, or one of the user; a report can hold no other."""
@@ -50,8 +45,13 @@ class ListManagerService:
         elements: The list.
     """
 
-    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
-        """Serve the messages of ListManager if the component provides the service."""
+    # The service was part of the other sets before core v1.1 took it over.
+    urns = frozenset(
+        f"urn:jaus:jss:{owner}:ListManager" for owner in ("core", "mobility", "manipulator")
+    )
+
+    def __init__(self, component: Host) -> None:
+        """Begin with an empty list."""
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
         self._codes = {
@@ -59,8 +59,10 @@ class ListManagerService:
             for service in component.services
             if service.urn in ELEMENTS_OF_DRIVERS
         }
-        if not enabled:
-            return
+
+    def attach(self) -> None:
+        """Take the messages of ListManager."""
+        component = self._component
         component.handle(SetElement, self._set, when=Guard.CONTROLLED)
         component.handle(DeleteElement, self._delete, when=Guard.CONTROLLED)
         component.provide(QueryElement, ReportElement, self._report_element)

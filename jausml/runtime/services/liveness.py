@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from ..messages import QueryHeartbeatPulse, ReportHeartbeatPulse
-from .definitions import Scope
+from .definitions import CORE, Scope
 
 if TYPE_CHECKING:
     from ..base.loop import Timer
-    from ..component.base import ComponentBase
     from ..wire.message import Message
+    from .host import Host
 
 UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
 """Service of the IOP that promises a heartbeat nobody has asked for."""
@@ -23,23 +23,22 @@ UNSOLICITED_RATE = 1.0
 class LivenessService:
     """Answers QueryHeartbeatPulse, and sends its report unasked if that is wanted."""
 
-    def __init__(self, component: ComponentBase, *, enabled: bool, unsolicited: bool) -> None:
-        """Serve the messages of Liveness.
+    urns = frozenset([CORE + "Liveness", CORE + "Liveliness"])  # v1.0 spells it both ways
 
-        Args:
-            component: The component that lives.
-            enabled: Whether it provides Liveness.
-            unsolicited: Whether it provides UnsolicitedHeartbeat.
-        """
+    def __init__(self, component: Host) -> None:
+        """Learn from settings and services of the component what it sends unasked."""
         self._component = component
         self._timer: Timer | None = None
         settings, own = component.settings, component.address
+        unsolicited = any(service.urn == UNSOLICITED for service in component.services)
         default = UNSOLICITED_RATE if unsolicited else 0.0
         self._rate = default if settings.heartbeat_rate is None else settings.heartbeat_rate
         subsystem = JausAddress(own.subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
         self._audience = BROADCAST if settings.heartbeat_scope is Scope.SYSTEM else subsystem
-        if enabled:
-            component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
+
+    def attach(self) -> None:
+        """Take the messages of Liveness."""
+        self._component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
 
     def start(self) -> None:
         """Begin to send heartbeats nobody has asked for, if any are wanted."""

@@ -16,13 +16,13 @@ from ..messages import (
     Standby,
 )
 from .access_control import Reject
-from .definitions import VERSION_1_1, Guard, Status
+from .definitions import CORE, VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..component.base import ComponentBase
     from ..wire.message import Message
     from .access_control import AccessControlService
+    from .host import Host
 
 # JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
 EMERGENCY_CODES = (0, 1)
@@ -46,10 +46,10 @@ class ManagementService:
         status: The present state.
     """
 
-    def __init__(
-        self, component: ComponentBase, access: AccessControlService, *, enabled: bool
-    ) -> None:
-        """Serve the messages of Management if the component provides the service."""
+    urns = frozenset([CORE + "Management"])
+
+    def __init__(self, component: Host, access: AccessControlService) -> None:
+        """Begin in Init."""
         self._component = component
         self._access = access
         self._emergencies: set[JausAddress] = set()
@@ -59,8 +59,10 @@ class ManagementService:
         access.managed = False
         access.emergency_clients = self._emergencies
         access.on_lost = self._control_lost
-        if not enabled:
-            return
+
+    def attach(self) -> None:
+        """Take the messages of Management."""
+        component = self._component
         component.handle(Resume, self._resume, when=Guard.CONTROLLED)
         component.handle(Standby, self._standby, when=Guard.CONTROLLED)
         component.handle(Shutdown, self._shutdown, when=self._who_ends)

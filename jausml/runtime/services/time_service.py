@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
 from ..messages import QueryTime, ReportTime, SetTime
-from .definitions import Guard
+from .definitions import CORE, Guard
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from ..component.base import ComponentBase
+    from .host import Host
 
 TIME_STAMP = 1 << 0
 """Bit of the time of day and day of month in a QueryTime's PresenceVector."""
@@ -29,14 +29,18 @@ class TimeService:
     The clock of the host is never set.
     """
 
-    def __init__(self, component: ComponentBase, *, enabled: bool) -> None:
-        """Serve the messages of Time if the component provides the service."""
+    urns = frozenset([CORE + "Time"])
+
+    def __init__(self, component: Host) -> None:
+        """Begin with the time of the host."""
         self._component = component
         self._offset = timedelta()
-        if enabled:
-            component.handle(SetTime, self._set_time, when=Guard.CONTROLLED)
-            # Time changes always: only a rate makes sense.
-            component.provide(QueryTime, ReportTime, self._report, every_change=False)
+
+    def attach(self) -> None:
+        """Take the messages of Time."""
+        self._component.handle(SetTime, self._set_time, when=Guard.CONTROLLED)
+        # Time changes always: only a rate makes sense.
+        self._component.provide(QueryTime, ReportTime, self._report, every_change=False)
 
     def now(self) -> datetime:
         """Return the component's time in UTC."""

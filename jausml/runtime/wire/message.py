@@ -9,6 +9,8 @@ from __future__ import annotations
 import struct
 from typing import ClassVar, TypeVar
 
+from ..base.errors import JausError
+
 _CODE = struct.Struct("<H")
 # What values raise that are not even of the type of their field.
 _MISFITS = (struct.error, TypeError, AttributeError, OverflowError)
@@ -16,7 +18,7 @@ _MISFITS = (struct.error, TypeError, AttributeError, OverflowError)
 MessageT = TypeVar("MessageT", bound="Message")
 
 
-class DecodeError(ValueError):
+class DecodeError(JausError):
     """Bytes that are not the message they claim to be.
 
     Attributes:
@@ -30,7 +32,7 @@ class DecodeError(ValueError):
         self.reason = reason
 
 
-class EncodeError(ValueError):
+class EncodeError(JausError):
     """A value that has no place on the wire, for example one outside the range of its field.
 
     Attributes:

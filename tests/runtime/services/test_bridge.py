@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import pytest
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.bridge.bridge import Bridge, BridgeSettings
-from jausml.runtime.bridge.limits import Clamp, DropField, DropMessage, Error, OutOfRangeError
-from jausml.runtime.bridge.statistics import AbsentFieldError
+from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.errors import AbsentFieldError, OutOfRangeError
+from jausml.runtime.bridge.limits import Clamp, DropField, DropMessage, Error
+from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
 from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from jausml.runtime.bridge.topics import Topic

@@ -551,10 +551,10 @@ def test_stop_cancels_events(world, client):
 def kill(world, component):
     """End a component as a crash does: without a word."""
     world.detach(component.address)
-    component._jaus_events.stop()
+    component._jaus_core.events.stop()
     component._jaus_running = False
-    component._jaus_event_client._component = world.component("77.7.7")
-    for stream in list(component._jaus_event_client._streams.values()):
+    component._jaus_clients.events._component = world.component("77.7.7")
+    for stream in list(component._jaus_clients.events._streams.values()):
         stream._cancel_timers()
 
 

@@ -244,7 +244,7 @@ def test_failure_from_ready(ready, client):
 
 @pytest.mark.parametrize("status", list(Status))
 def test_status_is_reported_in_every_state(robot, client, status):
-    robot._jaus_management._enter(status)
+    robot._jaus_core.management._enter(status)
     assert client.ask(QueryStatus(), robot) == [ReportStatus(status=status, reserved=0)]
 
 

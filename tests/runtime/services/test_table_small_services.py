@@ -31,7 +31,7 @@ from jausml.runtime.messages import (
     SetElement,
     SetTime,
 )
-from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, LIST_MANAGERS
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS, ListManagerService
 
 from .state_tables import V1_0, Row, after, controlled, play, ready, rows
 
@@ -543,7 +543,7 @@ def test_list_is_not_set_without_control(world):
     play(world, Row("NotControlled", when=ABC, counted=REFUSED, services=(LIST_MANAGER,)), Robot)
 
 
-@pytest.mark.parametrize("urn", sorted(LIST_MANAGERS))
+@pytest.mark.parametrize("urn", sorted(ListManagerService.urns))
 def test_list_manager_of_every_set(world, urn):
     row = Row(
         urn,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...base.errors import JausError
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, Packet, message_size, parse_message
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 _SIZE_END = 3
 
 
-class StreamError(Exception):
+class StreamError(JausError):
     """A stream in which no more messages can be found.
 
     Attributes:

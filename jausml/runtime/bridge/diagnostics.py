@@ -1,12 +1,8 @@
-"""What a connection of a bridge counts."""
+"""What a connection of a bridge counts and reports."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-
-
-class AbsentFieldError(ValueError):
-    """An optional JAUS field that a translation cannot do without."""
 
 
 @dataclass(slots=True)
@@ -47,3 +43,22 @@ class Statistics:
     def handling_mean(self) -> float:
         """Nanoseconds that a message took on the average; 0 before the first."""
         return self.handling_total / self.passed if self.passed else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionStatus:
+    """State of a connection for `/diagnostics`.
+
+    Attributes:
+        name: Name of the connection.
+        level: `ok`, `warning`, `error` or `stale`.
+        message: The state in a few words.
+        hardware_id: JAUS address of the bridge.
+        values: Names and values in the order in which they are shown.
+    """
+
+    name: str
+    level: str
+    message: str
+    hardware_id: str
+    values: tuple[tuple[str, str], ...]

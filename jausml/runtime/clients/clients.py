@@ -1,0 +1,50 @@
+"""What a component uses other components with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .command_client import CommandClient
+from .control_session import ControlClient
+from .discovery_client import DiscoveryClient
+from .event_client import EventClient
+from .list_client import ListClient
+from .query import QueryClient
+
+if TYPE_CHECKING:
+    from ..services.host import Host
+
+
+class Clients:
+    """The clients of one component.
+
+    Attributes:
+        events: Subscriptions to reports of others.
+        control: Sessions that control others.
+        queries: Questions that wait for an answer.
+        discovery: The search for others.
+        commands: Commands whose end is awaited.
+        lists: Lists of others that are edited and read.
+    """
+
+    def __init__(self, host: Host) -> None:
+        """Listen to the answers of others.
+
+        Args:
+            host: The component.
+        """
+        self.events = EventClient(host)
+        self.control = ControlClient(host)
+        self.queries = QueryClient(host)
+        self.discovery = DiscoveryClient(host)
+        self.commands = CommandClient(host)
+        self.lists = ListClient(host, self.queries)
+
+    def stop(self) -> None:
+        """Wait for nothing any more, release control and cancel subscriptions."""
+        self.queries.stop()
+        self.commands.stop()
+        self.lists.stop()
+        self.discovery.stop()
+        self.control.stop()
+        self.events.stop()

@@ -1,0 +1,179 @@
+"""All events of other components that one component has subscribed to (AS5710, Events)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..messages import (
+    CancelEvent,
+    ConfirmEventRequest,
+    Event,
+    QueryEventTimeout,
+    RejectEventRequest,
+    ReportEventTimeout,
+)
+from ..services.definitions import MAX_EVENT_RATE
+from .event_stream import EventStream
+from .event_subscription import EventSubscription
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from ..services.host import Host
+    from ..wire.message import Message
+
+EVENT_REQUESTS = range(224)
+"""Request ids of the events of one provider."""
+
+COMMAND_REQUESTS = range(224, 255)
+"""Request ids of the command events of one provider, whose confirmations are of the same kind."""
+
+STRAY_REQUEST = 255
+"""Request id with which events that nobody here wants are cancelled."""
+
+DEFAULT_EVENT_TIMEOUT = 1
+"""Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""
+
+
+class EventClient:
+    """All subscriptions of one component, and the messages of Events that concern them."""
+
+    def __init__(self, component: Host) -> None:
+        """Listen to the answers of providers."""
+        self._component = component
+        self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}
+        self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
+        self._by_event: dict[tuple[JausAddress, int], EventStream] = {}
+        self._timeouts: dict[JausAddress, int] = {}
+        self._last_request = -1
+        self._stray_cancelled = float("-inf")
+        component.on_message(Event, self._event)
+        component.on_message(ConfirmEventRequest, self._confirmed)
+        component.on_message(RejectEventRequest, self._rejected)
+        component.on_message(ReportEventTimeout, self._timeout_reported)
+
+    def subscribe(
+        self,
+        provider: JausAddress,
+        query: Message,
+        report_class: type[Message],
+        on_report: Callable[[Any, JausAddress], None],
+        rate: float | None,
+        silence_timeout: float,
+        on_silence: Callable[[], None] | None,
+    ) -> EventSubscription:
+        """Join the event on a query, which is created when it is the first subscription."""
+        if not provider.is_concrete:
+            raise ValueError(f"{provider} does not name one component")
+        if rate is not None and not 0 < rate <= MAX_EVENT_RATE:
+            raise ValueError(f"rate {rate} Hz is outside 0..{MAX_EVENT_RATE:g}")
+        payload = query.encode()
+        stream = self._streams.get((provider, payload))
+        if stream is None:
+            stream = EventStream(self, self._component, provider, payload)
+            self._by_request[provider, self._free_request(provider, stream)] = stream
+            self._streams[provider, payload] = stream
+        subscription = EventSubscription(stream, on_report, rate, silence_timeout, on_silence)
+        stream.join(subscription, report_class)
+        return subscription
+
+    def stop(self) -> None:
+        """Cancel all events."""
+        for stream in list(self._streams.values()):
+            stream.stop()
+
+    # ---- for the streams --------------------------------------------------------------------
+
+    def bind(self, stream: EventStream, event_id: int) -> None:
+        """Deliver the events of an id to a stream from now on."""
+        self.unbind(stream)
+        key = (stream.provider, event_id)
+        other = self._by_event.get(key)
+        self._by_event[key] = stream
+        if other is not None:
+            # The provider was restarted and has given the other stream's id to this one.
+            other.lost()
+
+    def unbind(self, stream: EventStream) -> None:
+        """Deliver no events to a stream any more."""
+        key = (stream.provider, -1 if stream.event_id is None else stream.event_id)
+        if self._by_event.get(key) is stream:
+            del self._by_event[key]
+
+    def suspect(self, provider: JausAddress) -> None:
+        """Verify all events of a provider that lost one or fell silent: was it restarted?"""
+        for stream in list(self._streams.values()):
+            if stream.provider == provider:
+                stream.verify()
+
+    def has(self, stream: EventStream) -> bool:
+        """Return whether a stream is among those with subscribers."""
+        return self._streams.get((stream.provider, stream.payload)) is stream
+
+    def forget(self, stream: EventStream) -> None:
+        """Drop a stream without subscribers."""
+        self.unbind(stream)
+        self._by_request.pop((stream.provider, stream.request_id), None)
+        self._streams.pop((stream.provider, stream.payload), None)
+
+    def event_timeout(self, provider: JausAddress) -> int:
+        """Return the event timeout of a provider in minutes, 0 for never; ask it if unknown."""
+        known = self._timeouts.get(provider)
+        if known is None:
+            self._component.send(QueryEventTimeout(), provider)
+            return DEFAULT_EVENT_TIMEOUT
+        return known
+
+    # ---- messages ---------------------------------------------------------------------------
+
+    def _event(self, event: Event, sender: JausAddress) -> None:
+        stream = self._by_event.get((sender, event.event_id))
+        if stream is None:
+            self._stray(event, sender)
+        else:
+            stream.receive(event)
+
+    def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
+        stream = self._by_request.get((sender, message.request_id))
+        if stream is not None:
+            stream.confirmed(message.event_id, message.confirmed_periodic_rate)
+
+    def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
+        stream = self._by_request.get((sender, message.request_id))
+        if stream is not None:
+            stream.rejected(message.response_code, message.error_message or "")
+
+    def _timeout_reported(self, message: ReportEventTimeout, sender: JausAddress) -> None:
+        if any(provider == sender for provider, _ in self._streams):
+            self._timeouts[sender] = message.timeout
+            for stream in self._streams.values():
+                if stream.provider == sender:
+                    stream.reschedule()
+
+    def _stray(self, event: Event, sender: JausAddress) -> None:
+        """Act on an event that is not ours: its creation is not confirmed yet, or is unwanted.
+
+        The event may be left from before a restart of this component, or its confirmation was
+        lost; creating it again yields its id. What nobody wants is cancelled.
+        """
+        self._component.counters.add("event_client.unknown_event")
+        expected = False
+        for stream in self._streams.values():
+            if stream.provider == sender and not stream.active:
+                expected = True
+                stream.hurry()
+        now = self._component.loop.now()
+        if not expected and now >= self._stray_cancelled + self._component.settings.retry_min:
+            self._stray_cancelled = now
+            message = CancelEvent(request_id=STRAY_REQUEST, event_id=event.event_id)
+            self._component.send(message, sender)
+
+    def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
+        """Return an id that was not used lately: late answers must not meet another stream."""
+        for step in EVENT_REQUESTS:
+            request_id = (self._last_request + 1 + step) % len(EVENT_REQUESTS)
+            if (provider, request_id) not in self._by_request:
+                self._last_request = stream.request_id = request_id
+                return request_id
+        raise ValueError(f"more than {len(EVENT_REQUESTS)} events of {provider}")
