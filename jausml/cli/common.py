@@ -1,4 +1,4 @@
-"""What several verbs share: finding models, refusing what cannot be done, writing reports."""
+"""Shared parts of the verbs: finding models, refusing what cannot be done, writing reports."""
 
 from __future__ import annotations
 

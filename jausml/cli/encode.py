@@ -1,4 +1,4 @@
-"""`jausml encode`: messages in JSON become hex."""
+"""`jausml encode`: turns messages in JSON into hex."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the importing verbs share: writing a document without harm, and saying so."""
+"""Shared parts of the importing verbs: writing a document without harm, and saying so."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`jausml list`: what JAUS services and messages are known."""
+"""`jausml list`: lists the JAUS services and messages that are known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the verbs of messages share: the catalogue, lines of input, JSON and text output."""
+"""Shared parts of the message verbs: catalogue, lines of input, JSON and text output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The options of live tools: who we are, and how the network is reached."""
+"""Options of the live tools: who we are, and how the network is reached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs some processes together: marks their output, passes signals on, stops all with one."""
+"""Supervisor of processes: marks their output, passes signals on, stops all when one stops."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The language server for ros2jaus text."""
+"""Language server for ros2jaus text."""

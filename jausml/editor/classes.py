@@ -1,4 +1,4 @@
-"""Which class of the metamodels a block of text is, as far as editors have to know."""
+"""Classes of blocks: which class of the metamodels a block of text stands for."""
 
 from __future__ import annotations
 

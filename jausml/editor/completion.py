@@ -1,4 +1,4 @@
-"""Offers what can stand at a place of a text."""
+"""Completions: what can stand at a place of a text."""
 
 from __future__ import annotations
 

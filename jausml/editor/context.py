@@ -1,4 +1,4 @@
-"""Tells what can stand at a place of a text: which list it is in, and which part of an item.
+"""Context of a place in a text: the list that it is in, and the part of an item.
 
 The tree tells the lists, for the parser keeps them when an item in them is wrong. The tokens before
 the place tell the part.

@@ -1,4 +1,4 @@
-"""Finds where the name at a place is given: in texts, in models, in the library."""
+"""Definitions: where the name at a place is given, in texts, in models, in the library."""
 
 from __future__ import annotations
 

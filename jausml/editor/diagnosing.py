@@ -1,4 +1,4 @@
-"""Says what is wrong with a text: its syntax at once, all the rest when it was read as a model."""
+"""Diagnostics of a text: its syntax at once, all the rest when it was read as a model."""
 
 from __future__ import annotations
 

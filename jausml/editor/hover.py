@@ -1,4 +1,4 @@
-"""Tells what is known of the word at a place."""
+"""Hover texts: what is known of the word at a place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The names in a text: what declares an element, and what refers to one."""
+"""Names in a text: those that declare an element, and those that refer to one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lists what a text declares."""
+"""Outline of a text: what it declares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Follows the attribute paths of a text to the fields of the library."""
+"""Attribute paths of a text, followed to the fields of the library."""
 
 from __future__ import annotations
 

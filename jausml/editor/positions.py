@@ -1,4 +1,4 @@
-"""Places in a text as editors count them: lines from 0, columns in the units of an encoding."""
+"""Positions as editors count them: lines from 0, columns in the units of an encoding."""
 
 from __future__ import annotations
 

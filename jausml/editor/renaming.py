@@ -1,4 +1,4 @@
-"""Gives what a text declares another name, wherever it is named."""
+"""Renaming: what a text declares gets another name, wherever it is named."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The language server: the protocol on one side, the answers of this package on the other."""
+"""Language server: the protocol on one side, the answers of this package on the other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an editor works on: the texts that are open, the files beside them, and the library."""
+"""Workbench of the editor: the texts that are open, the files beside them, and the library."""
 
 from __future__ import annotations
 

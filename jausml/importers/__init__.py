@@ -1,1 +1,1 @@
-"""Importers: foreign descriptions of services and interfaces to models."""
+"""Importers: they make models of foreign descriptions of services and interfaces."""

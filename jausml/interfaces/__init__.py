@@ -1,4 +1,4 @@
-"""ROS 2 interface definitions as text: what a .msg, .srv or .action file says, and where it lies.
+"""ROS 2 interface definitions as text: what .msg, .srv and .action files say, and where they lie.
 
 Nothing here imports ROS: definition files are read, not the classes that were generated from them.
 """

@@ -1,4 +1,4 @@
-"""What an interface definition says, free of how it is written."""
+"""Interface definitions as data, free of how they are written."""
 
 from __future__ import annotations
 

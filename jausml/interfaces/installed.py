@@ -1,4 +1,4 @@
-"""Where the definitions of installed packages lie."""
+"""Installed packages: where their definitions lie."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads the text of an interface definition: fields, constants, comments and sections.
+"""Parser of interface definitions: fields, constants, comments and sections.
 
 The grammar is that of ROS 2's rosidl_adapter, quirks included where they change what a definition
 means: a `#` starts a comment even inside quotes, and an indented comment belongs to what stands

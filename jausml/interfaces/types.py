@@ -1,4 +1,4 @@
-"""The types of fields, as definitions write them."""
+"""Types of fields as definitions write them."""
 
 from __future__ import annotations
 

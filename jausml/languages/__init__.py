@@ -1,1 +1,1 @@
-"""The small languages of attributes: units, guards and expressions, with interval arithmetic."""
+"""Small languages of attributes: units, guards and expressions, with interval arithmetic."""

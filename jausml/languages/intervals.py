@@ -1,4 +1,4 @@
-"""Interval arithmetic: where the values of an operation lie when those of its operands are known.
+"""Interval arithmetic: where values lie after an operation when those of its operands are known.
 
 An interval is a pair of its ends, which may be infinite; `EMPTY` has no values at all, which is the
 result of operations that never have one, such as the square root of -4 .. -1. Intervals are never

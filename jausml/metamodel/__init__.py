@@ -1,4 +1,4 @@
-"""The metamodels: loaded once through pyecore and flattened into tables."""
+"""Metamodels: loaded once through pyecore and flattened into tables."""
 
 from jausml.metamodel.loading import (
     MetamodelError,

@@ -1,4 +1,4 @@
-"""Fills pyecore objects without notification.
+"""Filling of pyecore objects without notification.
 
 pyecore's setters check types, notify and search containers for each value, which a reader that has
 checked everything itself need not pay for. What this module writes is exactly the state that the

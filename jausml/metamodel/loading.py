@@ -1,4 +1,4 @@
-"""Loads .ecore files through pyecore and flattens them into tables.
+"""Loader of .ecore files: through pyecore, flattened into tables.
 
 The only module that uses pyecore's loading machinery. It reads metamodels only: user models are
 read by `jausml.model`, because pyecore's XMI reader keeps no positions and skips many faults.

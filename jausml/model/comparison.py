@@ -1,4 +1,4 @@
-"""Compares two model elements with all that they own, and says where they differ."""
+"""Comparison of two model elements with all that they own."""
 
 from __future__ import annotations
 

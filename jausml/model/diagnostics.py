@@ -1,4 +1,4 @@
-"""What is said about models: a finding with a stable rule id at a place in a file."""
+"""Diagnostics: findings with a stable rule id, at a place in a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A document: one file of a model, parsed."""
+"""Documents: the files of a model, parsed."""
 
 from __future__ import annotations
 

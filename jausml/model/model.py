@@ -1,4 +1,4 @@
-"""A model: the elements of some documents, and where each of them stands."""
+"""Models: the elements of some documents, and where each of them stands."""
 
 from __future__ import annotations
 

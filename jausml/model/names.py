@@ -1,4 +1,4 @@
-"""Finds elements by name: in the document from the inside out, in its imports, in the library.
+"""Finder of elements by name: from the inside of a document out, in its imports, in the library.
 
 A name stands for the elements whose containment path by names is the name or ends with it:
 `ReportLocalPose`, `LocalPoseSensor.ReportLocalPose`, `geometry_msgs/Twist`.

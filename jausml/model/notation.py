@@ -1,4 +1,4 @@
-"""Notations of models besides XMI: what reads a document that is no XML.
+"""Notations of models besides XMI: readers of documents that are no XML.
 
 A notation turns text into the light nodes that the XMI parser makes, so that one builder checks
 classes, features, values, bounds and references of both. What XMI cannot say stands in nodes as an

@@ -1,4 +1,4 @@
-"""The rules that the reader itself checks, as data for `jausml rules` and `jausml explain`."""
+"""Rules of the reader itself, as data for `jausml rules` and `jausml explain`."""
 
 from __future__ import annotations
 

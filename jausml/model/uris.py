@@ -1,4 +1,4 @@
-"""What an href names: a file under the project root or a model of the shipped library.
+"""Targets of hrefs: files under the project root and models of the shipped library.
 
 EMF resolves relative hrefs against the file in which they stand, and percent-decodes them. Here
 nothing leads to the network, and nothing out of the project unless allowed.

@@ -1,4 +1,4 @@
-"""The lexical forms of attribute values, as EMF reads them.
+"""Lexical forms of attribute values, as EMF reads them.
 
 Python's own conversions are too lenient for this: `1_000`, ` 5 ` and `INF` are numbers to Python
 and faults to EMF.

@@ -1,4 +1,4 @@
-"""The words of a name, as generated code and the checks of names split it."""
+"""Words of a name, as generated code and the checks of names split it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Facts about models that rules ask for: layouts, paths, topics, provided services, names."""
+"""Facts about models, asked by rules, generators and editors: paths, units, ranges, services."""

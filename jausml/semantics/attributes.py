@@ -1,4 +1,4 @@
-"""What an attribute path of a map leads to, and why one leads nowhere."""
+"""Attributes at the end of paths: what a path of a map leads to, and why one leads nowhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of values along the conversions of an assignment."""
+"""Kinds of values along the conversions of an assignment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the named conversions take and yield, as their literals in bridge.ecore state it."""
+"""Conversions by name: what they take and yield, as their literals in bridge.ecore state it."""
 
 from __future__ import annotations
 

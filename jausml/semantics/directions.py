@@ -1,4 +1,4 @@
-"""The directions of attribute maps: all assignments that rules look at, with their places."""
+"""Directions of attribute maps: all assignments that rules look at, with their places."""
 
 from __future__ import annotations
 

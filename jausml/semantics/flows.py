@@ -1,4 +1,4 @@
-"""How messages flow from connection to connection of bridges, to find loops."""
+"""Flows of messages from connection to connection of bridges, in which loops are found."""
 
 from __future__ import annotations
 

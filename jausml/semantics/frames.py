@@ -1,4 +1,4 @@
-"""Axes: which direction a number has in its frame, and what conversions make of it.
+"""Axes: the direction that a number has in its frame, and what conversions make of it.
 
 Body, local and earth axes are three families. Within one, each frame has the same directions, some
 of them with the opposite sign: left of forward-left-up is right of forward-right-down. Between

@@ -1,4 +1,4 @@
-"""State machines of services as a whole: machines of one name along inheritance, put together.
+"""State machines put together: those of one name along the inheritance of services.
 
 A state has a path: the names from the outermost state, joined by dots. A name may be a path
 itself, so that enclosing states of which nothing is to be said need not be written: one state

@@ -1,4 +1,4 @@
-"""Whether ROS types of a model are those of the installed interface packages."""
+"""Comparison of ROS types of a model with those of the installed interface packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Follows attribute paths through the bodies of JAUS messages."""
+"""Attribute paths through the bodies of JAUS messages."""
 
 from __future__ import annotations
 

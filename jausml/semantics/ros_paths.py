@@ -1,4 +1,4 @@
-"""Follows attribute paths through ROS message types."""
+"""Attribute paths through ROS message types."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which messages a component takes and sends, inherited services included."""
+"""Messages that a component takes and sends, inherited services included."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What rules look at: a model, and which of its elements were read without an error."""
+"""Subject of the rules: a model, and which of its elements were read without an error."""
 
 from __future__ import annotations
 

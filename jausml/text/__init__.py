@@ -1,1 +1,1 @@
-"""The ros2jaus language: text to model and model to text."""
+"""ros2jaus, the text language of models: read to models and written from them."""

@@ -1,4 +1,4 @@
-"""The names of roots that nobody writes: they follow from the name of the file."""
+"""Default root names, derived from the file name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the text language itself checks, as data for `jausml rules` and `jausml explain`."""
+"""Rules of the text language itself, as data for `jausml rules` and `jausml explain`."""
 
 from __future__ import annotations
 

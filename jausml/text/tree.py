@@ -1,4 +1,4 @@
-"""The syntax tree of ros2jaus text: what is written where, before anybody asks what it means.
+"""Syntax tree of ros2jaus text: what is written where, before anybody asks what it means.
 
 The tree keeps comments and documentation at the items that they belong to, so that text can be laid
 out anew without a loss. Names stand in it without back quotes, texts without quotation marks.

@@ -1,4 +1,4 @@
-"""All rules with their documentation, those of the reader included."""
+"""Catalogue of all rules with their documentation, those of the reader included."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads models and runs the rules over them."""
+"""Engine of validation: reads models and runs the rules over them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a validation yields."""
+"""Reports: what a validation yields."""
 
 from __future__ import annotations
 

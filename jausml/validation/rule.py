@@ -1,4 +1,4 @@
-"""What a validation rule is: a documented function that yields findings about a model."""
+"""Rules and findings: a rule is a documented function that yields findings about a model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Protocol behaviour: JSIDL state machines to those of the model.
+"""Protocol behaviour: state machines of JSIDL become those of the model.
 
 JSIDL knows one kind of trigger, internal events: the event Receive of Transport with a message as
 its first parameter is what the model calls a transition on a message. Sending is an action too,

@@ -1,4 +1,4 @@
-"""Makes model elements that know where in the JSIDL files they come from."""
+"""Builder of model elements that know where in the JSIDL files they come from."""
 
 from __future__ import annotations
 

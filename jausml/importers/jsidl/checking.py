@@ -1,4 +1,4 @@
-"""Checks JSIDL files against the vocabulary, before anything is made of them."""
+"""Check of JSIDL files against the vocabulary, before anything is made of them."""
 
 from __future__ import annotations
 

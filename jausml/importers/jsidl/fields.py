@@ -1,4 +1,4 @@
-"""Fields and containers of message bodies: JSIDL elements to elements of the model.
+"""Fields and containers of message bodies: JSIDL elements become elements of the model.
 
 Declared types are unfolded where they are used, as in the shipped library: a message says all
 about its layout by itself.

@@ -1,4 +1,4 @@
-"""Collects what the importer finds, each finding with its place."""
+"""Findings of the importer, each with its place."""
 
 from __future__ import annotations
 

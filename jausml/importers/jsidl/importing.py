@@ -1,4 +1,4 @@
-"""Imports JSIDL files: services of one or several sets, all findings of one run."""
+"""Import of JSIDL files: services of one or several sets, all findings in one run."""
 
 from __future__ import annotations
 

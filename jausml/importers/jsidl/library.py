@@ -1,4 +1,4 @@
-"""The services of the shipped library, which imported ones may inherit."""
+"""Services of the shipped library, which imported ones may inherit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a service may name: its own messages and events, and those of the services it inherits."""
+"""Lineage of a service: what it may name, its own and what it inherits."""
 
 from __future__ import annotations
 

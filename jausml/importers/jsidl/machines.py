@@ -1,4 +1,4 @@
-"""Looks at the machines of all services together: a machine extends those that are inherited."""
+"""Inherited machines: how the machines of all services extend one another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages and internal events: JSIDL elements to elements of the model."""
+"""Messages and internal events: JSIDL elements become elements of the model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the importer of JSIDL checks, as data for `jausml rules` and `jausml explain`."""
+"""Rules of the JSIDL importer, as data for `jausml rules` and `jausml explain`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where names of JSIDL are looked up: sets of types and constants, and the references to them."""
+"""Scopes of names in JSIDL: sets of types and constants, and the references to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads the attributes of JSIDL elements: texts, numbers, types."""
+"""Attributes of JSIDL elements as values: texts, numbers, types."""
 
 from __future__ import annotations
 

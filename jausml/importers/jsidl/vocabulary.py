@@ -1,4 +1,4 @@
-"""The vocabulary of JSIDL (AS5684): elements, their attributes and their children, as data."""
+"""Vocabulary of JSIDL (AS5684): elements, their attributes and their children, as data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Imports ROS 2 interface definitions: .msg, .srv and .action files."""
+"""Importer of ROS 2 interface definitions: .msg, .srv and .action files."""
 
 from jausml.importers.ros.importing import ImportResult, import_packages
 from jausml.importers.ros.placing import placed

@@ -1,4 +1,4 @@
-"""Makes ROS elements of definitions; they know where in the files they come from."""
+"""Builder of ROS elements that know where in the definition files they come from."""
 
 from __future__ import annotations
 

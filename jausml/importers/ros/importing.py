@@ -1,4 +1,4 @@
-"""Imports ROS 2 interfaces: one or several packages, all findings of one run."""
+"""Import of ROS 2 interfaces: one or several packages, all findings in one run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Puts imported packages into the documents that are going to hold them."""
+"""Documents for imported packages: which of them holds which package."""
 
 from __future__ import annotations
 

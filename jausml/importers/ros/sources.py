@@ -1,4 +1,4 @@
-"""Finds the definition files of packages: installed ones, folders and single files."""
+"""Definition files of packages: installed ones, folders and single files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What expressions of attribute maps compute with: functions and operators, and their bounds."""
+"""Functions and operators of expressions, with the bounds of their values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of expressions of attribute maps.
+"""Parser of the expressions of attribute maps.
 
     any_of     = all_of { "or" all_of }
     all_of     = negation { "and" negation }

@@ -1,4 +1,4 @@
-"""The catalogue: every message of the shipped library and of the user's own models."""
+"""Catalogue of every message of the shipped library and of the user's own models."""
 
 from __future__ import annotations
 

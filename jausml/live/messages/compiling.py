@@ -1,4 +1,4 @@
-"""From the layout of a message to its codec, once for each message."""
+"""Compiler from the layout of a message to its codec, run once for each message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What goes wrong with messages: bytes, values, definitions, and names that nobody knows."""
+"""Errors of messages: of bytes, of values, of definitions, and of names that nobody knows."""
 
 from __future__ import annotations
 

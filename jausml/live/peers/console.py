@@ -1,4 +1,4 @@
-"""The interactive session of an operator: a line is a command, and its outcome follows."""
+"""Interactive session of an operator: a line is a command, and its outcome follows."""
 
 from __future__ import annotations
 

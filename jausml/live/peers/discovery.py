@@ -1,4 +1,4 @@
-"""Who is there: what Discovery services say of subsystems, components and services."""
+"""Surveys of a network: what Discovery services say of subsystems, components and services."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a live tool needs to know of the network, from the words that a user types."""
+"""Network of a live tool, made of the words that a user types."""
 
 from __future__ import annotations
 

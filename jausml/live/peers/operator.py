@@ -1,4 +1,4 @@
-"""An operator control unit: one JAUS component that asks, watches and commands others."""
+"""Operator control unit: one JAUS component that asks, watches and commands others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an operator sees: subsystems, services, states and reports, as text or as JSON."""
+"""Views of an operator: subsystems, services, states and reports, as text or as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The plainest legal value of a field, to make a query of which only the code matters."""
+"""Plainest legal values of fields, to make a query of which only the code matters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Discovery reports, as addresses and services."""
+"""Reports of Discovery as addresses and services."""
 
 from __future__ import annotations
 

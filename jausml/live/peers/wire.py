@@ -1,4 +1,4 @@
-"""A bare JUDP endpoint: datagrams as they are, sent and received in the caller's own time."""
+"""Bare JUDP endpoint: datagrams as they are, sent and received in the caller's own time."""
 
 from __future__ import annotations
 

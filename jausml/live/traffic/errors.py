@@ -1,4 +1,4 @@
-"""What is wrong with traffic: text that is no hex, files that are no captures."""
+"""Errors of traffic: text that is no hex, files that are no captures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From frames to UDP datagrams: link layer, IPv4 and IPv6 with their fragments, UDP."""
+"""UDP datagrams in frames: link layer, IPv4 and IPv6 with their fragments, UDP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Listening on the network without taking part: nothing is sent, the shared port stays free."""
+"""Listener on the network that takes no part: nothing is sent, the shared port stays free."""
 
 from __future__ import annotations
 

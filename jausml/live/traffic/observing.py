@@ -1,4 +1,4 @@
-"""From JUDP datagrams to messages, as a bystander sees them (AS5669A)."""
+"""Observer of JUDP datagrams: what a bystander reads in them (AS5669A)."""
 
 from __future__ import annotations
 

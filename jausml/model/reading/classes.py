@@ -1,4 +1,4 @@
-"""Finds classes by the qualified names that documents use."""
+"""Finder of classes by the qualified names that documents use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bounds of features: what must be there, and how much may be."""
+"""Check of the bounds of features: what must be there, and how much may be."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the documents around a document know, for notations that declare what nobody knows."""
+"""Names known around a document, for notations that declare what nobody knows."""
 
 from __future__ import annotations
 

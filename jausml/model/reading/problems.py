@@ -1,4 +1,4 @@
-"""Collects findings while documents are read, and places them when all of them are there."""
+"""Problems found while documents are read; they are placed when all documents are there."""
 
 from __future__ import annotations
 

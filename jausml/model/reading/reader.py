@@ -1,4 +1,4 @@
-"""Reads models: files to pyecore objects and findings, all of them in one run."""
+"""Reader of models: files become pyecore objects and findings, all in one run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Resolves references once all documents are built, and reports those that lead nowhere."""
+"""Resolution of references once all documents are built; those that lead nowhere are reported."""
 
 from __future__ import annotations
 

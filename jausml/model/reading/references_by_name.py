@@ -1,4 +1,4 @@
-"""Resolves references by name, and reports names that mean nothing or too much."""
+"""Resolution of references by name; names that mean nothing or too much are reported."""
 
 from __future__ import annotations
 

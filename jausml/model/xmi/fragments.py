@@ -1,4 +1,4 @@
-"""Finds the XML element that a fragment names, as EMF does for objects.
+"""Finder of the XML element that a fragment names, as EMF does it for objects.
 
 Fragments are followed over XML elements and not over model elements, so that a fragment that passes
 a faulty element still counts positions as its author did.

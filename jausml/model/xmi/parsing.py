@@ -1,4 +1,4 @@
-"""XML text to light nodes with positions, by expat.
+"""Parser of XML text: light nodes with positions, by expat.
 
 The parse refuses what could read other files or exhaust memory (DOCTYPE, depth, size) and knows the
 usual accidents: merge conflict markers and Git LFS pointers in place of a model.

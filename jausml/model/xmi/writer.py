@@ -1,4 +1,4 @@
-"""Writes models as XMI 2.0, byte for byte as EMF saves them.
+"""Writer of models as XMI 2.0, byte for byte as EMF saves them.
 
 What Eclipse saves again is then what stands in the file already, so that edits show as small
 differences: attributes in the order of the metamodel, values that equal their default left out,

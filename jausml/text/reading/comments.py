@@ -1,4 +1,4 @@
-"""Puts comments to the items that they belong to.
+"""Comments, put to the items that they belong to.
 
 A comment belongs to the item behind it, but on the last line of an item to that one. One within an
 item that has no list there goes before the item. What stands before a closing bracket stays there.

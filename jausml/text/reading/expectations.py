@@ -1,4 +1,4 @@
-"""Says in the words of the language what a parser expected, and what was probably meant."""
+"""Expectations of the parser in the words of the language, and what was probably meant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an import names: a file beside the text, or one of the shipped library."""
+"""Targets of imports: files beside the text, or those of the shipped library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks the members that a map lists against the known message or type."""
+"""Check of the members that a map lists against the known message or type."""
 
 from __future__ import annotations
 

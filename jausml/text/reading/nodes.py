@@ -1,4 +1,4 @@
-"""Makes the nodes that a text stands for, as the XMI parser would have made them."""
+"""Maker of the nodes that a text stands for, as the XMI parser would have made them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads ros2jaus text into its syntax tree, with all syntax errors of a text in one run.
+"""Parser of ros2jaus text: its syntax tree, with all syntax errors of a text in one run.
 
 The parser is lark's LALR parser, fed token by token. At an error it drops the item that is wrong
 and goes on with what comes behind it in the same list: the next item that begins a line, or the

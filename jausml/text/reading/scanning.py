@@ -1,4 +1,4 @@
-"""Cuts text into tokens and comments, and says what is no token at all."""
+"""Scanner: cuts text into tokens and comments, and says what is no token at all."""
 
 from __future__ import annotations
 

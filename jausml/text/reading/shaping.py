@@ -1,4 +1,4 @@
-"""Makes the syntax tree of what the grammar recognises: a method for each of its rules."""
+"""Shaper of the syntax tree: a method for each rule of the grammar."""
 
 # ruff: noqa: D102 - the methods are named for the rules, which are described in the grammar
 

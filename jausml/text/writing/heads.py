@@ -1,4 +1,4 @@
-"""What stands before the block of an element: its name, and its documentation as a comment."""
+"""Heads of blocks: the name of an element, and its documentation as a comment."""
 
 from __future__ import annotations
 

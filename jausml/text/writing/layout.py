@@ -1,4 +1,4 @@
-"""Lays out the syntax tree of ros2jaus text: one way to write each tree, comments and all.
+"""Layout of the syntax tree as text: one way to write each tree, comments and all.
 
 One item stands on a line, four spaces further in than what it is part of. Features, members, pairs
 and values share the line of their item while they fit and nothing in them has a comment; elements

@@ -1,4 +1,4 @@
-"""The shortest names by which ros2jaus text refers to elements, and what it must import for them.
+"""Shortest names of elements in ros2jaus text, and what it must import for them.
 
 Which name leads where is decided by `NameFinder`, as for text that is read.
 """

@@ -1,4 +1,4 @@
-"""Writes words, texts and documentation so that they are read as what they are."""
+"""Spelling of words, texts and documentation, so that they are read as what they are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One JAUS id that speaks to the target, message by message or byte by byte."""
+"""Client of the target: one JAUS id that speaks to it, message by message or byte by byte."""
 
 from __future__ import annotations
 

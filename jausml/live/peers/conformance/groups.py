@@ -1,4 +1,4 @@
-"""The groups of checks, in the order in which they run."""
+"""Groups of checks, in the order in which they run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first contact: is the target there, what does it announce, what does it answer."""
+"""First contact: whether the target is there, what it announces, what it answers."""
 
 from __future__ import annotations
 

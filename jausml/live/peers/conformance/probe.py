@@ -1,4 +1,4 @@
-"""The exchange with one target: finding it, sending to it, sorting what it sends."""
+"""Exchange with one target: finding it, sending to it, sorting what it sends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs the checks against one target, and leaves it as it was found."""
+"""Runner of the checks against one target, which is left as it was found."""
 
 from __future__ import annotations
 

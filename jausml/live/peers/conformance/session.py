@@ -1,4 +1,4 @@
-"""What a check has at hand: our clients, what the target announces, and its present state."""
+"""Session of a run: our clients, what the target announces, and its present state."""
 
 from __future__ import annotations
 

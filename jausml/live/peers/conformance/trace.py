@@ -1,4 +1,4 @@
-"""What went over the wire, for the evidence of a verdict."""
+"""Trace of what went over the wire, the evidence of a verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the members of new messages of both sides share: names, named types and limits."""
+"""Shared parts of new members on both sides: names, named types and limits."""
 
 from __future__ import annotations
 

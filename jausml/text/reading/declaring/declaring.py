@@ -1,4 +1,4 @@
-"""Declares the messages of Figure 5 that nobody knows: those of JAUS and those of ROS."""
+"""Declaration of the messages of Figure 5 that nobody knows: those of JAUS and those of ROS."""
 
 from __future__ import annotations
 

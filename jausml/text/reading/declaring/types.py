@@ -1,4 +1,4 @@
-"""The types of members as Figure 5 writes them: primitive words, bounds and sizes."""
+"""Types of members as Figure 5 writes them: primitive words, bounds and sizes."""
 
 from __future__ import annotations
 

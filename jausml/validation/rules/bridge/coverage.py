@@ -1,4 +1,4 @@
-"""Rules about what the assignments of a map cover: nothing twice, nothing required left out."""
+"""Rules about coverage: no attribute is assigned twice, nothing required is left out."""
 
 from __future__ import annotations
 

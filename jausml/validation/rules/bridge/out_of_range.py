@@ -1,4 +1,4 @@
-"""Rules about what happens to values that the target of an assignment cannot carry."""
+"""Rules about values that the target of an assignment cannot carry."""
 
 from __future__ import annotations
 

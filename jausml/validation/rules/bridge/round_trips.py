@@ -1,4 +1,4 @@
-"""Rules that compare both directions of a map, and variances with the places that they take."""
+"""Rules about both directions of a map together, and about variances."""
 
 from __future__ import annotations
 

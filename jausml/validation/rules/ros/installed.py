@@ -1,4 +1,4 @@
-"""The rule that compares ROS types with those that are installed."""
+"""Rule about installed interfaces: ROS types of a model are those that are there."""
 
 from __future__ import annotations
 
