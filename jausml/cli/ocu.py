@@ -34,7 +34,7 @@ _LONGEST_PAUSE = 0.1
 
 @dataclass(frozen=True)
 class Settings:
-    """What all commands of the operator share.
+    """Options that all commands of the operator share.
 
     Attributes:
         network: Who we are, and how the others are reached.

@@ -44,7 +44,7 @@ _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
 
 
 class Kind(Enum):
-    """What a completion is."""
+    """The kind of a completion."""
 
     KEYWORD = "keyword"
     MESSAGE = "message"
@@ -78,7 +78,7 @@ class Completion:
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """What can stand at a place.
+    """One completion: something that can stand at a place.
 
     Attributes:
         start: Where the word begins that a completion replaces.

@@ -40,7 +40,7 @@ _GOES_ON = {"ARROW", "COMMA", "COLON", "LPAR", "EQUAL", "PAIR", "GIVES", "AT_MOS
 
 
 class Part(Enum):
-    """What stands at a place."""
+    """The part of an item that stands at a place."""
 
     ITEM = "the beginning of an item"
     IMPORT = "a file of the library"
@@ -72,7 +72,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """Where a place is.
+    """The surroundings of a place.
 
     Attributes:
         levels: The lists around it, the outermost first.

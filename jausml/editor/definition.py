@@ -28,7 +28,7 @@ _WORDS = {"WORD", "INDEXED"}
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """Where a name is given.
+    """The place where a name is given.
 
     Attributes:
         path: The file.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """What is known of a word.
+    """Everything known of a word.
 
     Attributes:
         text: It, as Markdown.

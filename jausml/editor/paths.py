@@ -25,7 +25,7 @@ MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """Where the paths of assignments start; None where a message is not known.
+    """Starts of the paths of assignments; None where a message is not known.
 
     Attributes:
         source: Where source paths start.

@@ -16,7 +16,7 @@ TEXTS = ("string", "wstring")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What is wrong with a definition.
+    """A fault of a definition.
 
     Attributes:
         rule: Id of the rule that is broken.

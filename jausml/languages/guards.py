@@ -51,21 +51,21 @@ class Condition:
 
 @dataclass(frozen=True)
 class Negation:
-    """What holds when another guard does not."""
+    """A guard that holds when another one does not."""
 
     operand: Guard
 
 
 @dataclass(frozen=True)
 class AllOf:
-    """What holds when all of some guards hold."""
+    """A guard that holds when all of some guards hold."""
 
     operands: tuple[Guard, ...]
 
 
 @dataclass(frozen=True)
 class AnyOf:
-    """What holds when one of some guards holds."""
+    """A guard that holds when one of some guards holds."""
 
     operands: tuple[Guard, ...]
 

@@ -19,7 +19,7 @@ _NOTHING = "nothing"
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """What counts as a difference.
+    """Policy of a comparison: what counts as a difference.
 
     Attributes:
         ignored: Features that may differ, by name (`documentation`) or by the class that declares

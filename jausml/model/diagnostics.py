@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Severity(Enum):
-    """How grave a finding is."""
+    """The gravity of a finding."""
 
     ERROR = "error"
     """The model cannot be used."""

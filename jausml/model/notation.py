@@ -26,7 +26,7 @@ BY_NAME = f"{NOTATION} name"
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What a notation finds in a document.
+    """Something wrong that a notation finds in a document.
 
     Attributes:
         rule: Id of the rule.
@@ -57,7 +57,7 @@ class ImportedDocument:
 
 
 class Known(Protocol):
-    """What the documents around a document already have."""
+    """Names that the documents around a document have."""
 
     def find(self, qualified_class: str, name: str) -> Sequence[EObject]:
         """Returns the elements of a class that a name means in the document.

@@ -36,7 +36,7 @@ _INTEGER_ROS = {
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """What a path leads to.
+    """The end of a path: the attribute that it leads to.
 
     Attributes:
         kind: `number`, `numbers`, `bool`, `text`, `octets`, `list`, `TimeStamp`, the full name of a

@@ -70,7 +70,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """What an assignment makes of the axes of its sources.
+    """The way of axes through an assignment, from its sources to its targets.
 
     Attributes:
         sources: Axes of the sources, None where nothing is known.

@@ -32,7 +32,7 @@ COUNTERS = ("index", "count")
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """Where the paths of some assignments start.
+    """The start of the paths of some assignments.
 
     Attributes:
         map: The `bridge.AttributeMap`.

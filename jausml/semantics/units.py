@@ -36,7 +36,7 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class UnitFault:
-    """Where the units of an assignment do not go together.
+    """Units of an assignment that do not go together.
 
     Attributes:
         element: The conversion or assignment.

@@ -88,7 +88,7 @@ def decode(data: bytes) -> tuple[str, Fault | None]:
         before = data[: error.start].decode("utf-8-sig", errors="replace")
         line = before.count("\n") + 1
         column = len(before) - (before.rfind("\n") + 1) + 1
-        message = f"the file is no UTF-8 text: byte 0x{data[error.start]:02x}"
+        message = f"the file is not UTF-8 text: byte 0x{data[error.start]:02x}"
         return "", Fault("JML714", message, "save it as UTF-8", line, column)
 
 

@@ -89,7 +89,7 @@ _RULES = {
     ),
     "JML714": RuleInfo(
         "no text",
-        "The file is no UTF-8 text, is empty where nothing could be meant, or is larger than any "
+        "The file is not UTF-8 text, is empty where nothing could be meant, or is larger than any "
         "model. Good: save it as UTF-8.",
     ),
 }

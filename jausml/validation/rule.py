@@ -30,7 +30,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a rule has to say about one element.
+    """A finding of a rule about one element.
 
     Attributes:
         element: The element.

@@ -91,7 +91,7 @@ def test_marks_and_line_ends_of_other_systems_are_dropped(jausml, file):
     ("name", "content", "message"),
     [
         ("model.xmi", b"", "the file is no *.ros2jaus file"),
-        ("a.ros2jaus", b"\n \xff", "a.ros2jaus:2:2: the file is no UTF-8 text"),
+        ("a.ros2jaus", b"\n \xff", "a.ros2jaus:2:2: the file is not UTF-8 text"),
         ("b.ros2jaus", None, "No such file"),
     ],
 )

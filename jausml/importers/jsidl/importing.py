@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ImportResult:
-    """What an import yields.
+    """The outcome of an import.
 
     Attributes:
         model: The elements, which know their places in the JSIDL files; with the documents of the

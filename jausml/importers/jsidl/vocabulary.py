@@ -28,7 +28,7 @@ BODY_PARTS = ("header", "body", "footer")
 
 @dataclass(frozen=True, slots=True)
 class ElementRule:
-    """What an element may have.
+    """Attributes and children that an element may have.
 
     Attributes:
         required: Attributes without which it means nothing.

@@ -35,7 +35,7 @@ _HEADER = "Header"
 
 @dataclass(frozen=True, slots=True)
 class ImportResult:
-    """What an import yields.
+    """The outcome of an import.
 
     Attributes:
         model: The elements, which know their places in the files; with the documents of the

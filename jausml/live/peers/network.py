@@ -22,7 +22,7 @@ DEFAULT_GROUP = JUDP_GROUP
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Who we are and where the others are.
+    """Our own identity, and where the others are.
 
     Attributes:
         own: Our JAUS id.

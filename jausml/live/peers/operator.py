@@ -56,7 +56,7 @@ class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
 
 
 class Operator:
-    """What an operator does, each call waiting for its outcome.
+    """The actions of an operator; each call waits for its outcome.
 
     Attributes:
         catalogue: All messages that we know.

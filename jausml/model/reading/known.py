@@ -18,7 +18,7 @@ _HEXADECIMAL = 16
 
 
 class KnownNames:
-    """What a document can name, as `jausml.model.notation.Known` says.
+    """Names that a document can use, as `jausml.model.notation.Known` says.
 
     Args:
         model: The model, with all documents built.

@@ -25,7 +25,7 @@ XmlAttribute = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something is written: a document, an element of it and perhaps its attribute."""
+    """A place in a document: an element, and perhaps an attribute of it."""
 
     document: Document
     node: Node

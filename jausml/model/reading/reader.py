@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ReadResult:
-    """What reading yields.
+    """The outcome of reading: a model and the findings.
 
     Attributes:
         model: The elements that could be built, which is all of them when there are no errors.

@@ -38,7 +38,7 @@ _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": Fal
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What a member of a known message is.
+    """The kind of a member of a known message.
 
     Attributes:
         word: Its type word.

@@ -32,7 +32,7 @@ _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BR
 
 @dataclass(slots=True)
 class Parsed:
-    """What was read from a text.
+    """The outcome of parsing a text.
 
     Attributes:
         document: The tree of what could be understood.

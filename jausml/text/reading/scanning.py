@@ -55,7 +55,7 @@ class SyntaxFault(NamedTuple):
 
 @dataclass(slots=True)
 class Scan:
-    """What a text consists of.
+    """The tokens and comments of a text, with what is no token.
 
     Attributes:
         tokens: The tokens that the parser reads, in order.

@@ -41,7 +41,7 @@ class Received(NamedTuple):
 
 
 class Exchange(Protocol):
-    """What carries the packets of clients to the target and back.
+    """Carrier of the packets of clients to the target and back.
 
     Attributes:
         target: The component under test.

@@ -56,7 +56,7 @@ _OTHER_NAMES = {
 
 @dataclass(frozen=True)
 class Limits:
-    """How long and how far the checks may go.
+    """Limits of a run: how long and how far the checks may go.
 
     Attributes:
         longest_wait: Seconds that a check may wait for a time-out of the target.

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Verdict(Enum):
-    """How a check ended."""
+    """The end of a check."""
 
     PASS = "pass"  # noqa: S105 - a verdict, no password
     FAIL = "fail"

@@ -37,7 +37,7 @@ _WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How many elements a member has.
+    """The number of elements of a member.
 
     Attributes:
         count: The number, or the greatest one; 0 for any number.
