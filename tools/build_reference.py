@@ -15,11 +15,10 @@ from jausml.metamodel import (
     ClassTable,
     FeatureTable,
     PackageTable,
-    annotation,
     documentation,
     load_metamodels,
 )
-from jausml.semantics.conversions import CONVERSION_SOURCE
+from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.rules import TEXT_RULES
 from jausml.validation.catalogue import catalogue
 
@@ -84,8 +83,7 @@ def _data_types(package: PackageTable) -> list[str]:
 
 
 def conversions_page() -> str:
-    """Returns the page of the conversions, from the annotations of their literals."""
-    literals = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
+    """Returns the page of the conversions: how each is written, what it takes and yields."""
     lines = [
         "# Conversions",
         "",
@@ -93,11 +91,9 @@ def conversions_page() -> str:
         "",
     ]
     lines += ["| conversion | takes | yields | meaning |", "|---|---|---|---|"]
-    for name, literal in literals.items():
-        details = annotation(literal, CONVERSION_SOURCE)
-        arguments = details["arguments"].replace(" ", ", ")
-        call = f"{name}({arguments})" if arguments else name
-        cells = (f"`{call}`", details["inputs"], details["output"], documentation(literal))
+    for known in CONVERSIONS.values():
+        ends = (", ".join(known.inputs), ", ".join(known.outputs))
+        cells = (f"`{known.call}`", *ends, known.documentation)
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 

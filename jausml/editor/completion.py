@@ -13,7 +13,7 @@ from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.metamodel.classes import jaus, ros
 from jausml.model.values import show
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import snake_case
 from jausml.text.reading.imports import library_files
 from jausml.text.tree import Assignment, Direction, End
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jausml.editor.names import Declaration
     from jausml.editor.positions import Place
     from jausml.editor.workbench import Workbench
-    from jausml.metamodel.classes.ecore import EEnumLiteral
+    from jausml.semantics.conversions import Conversion
 
 UNITS = (
     *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),
@@ -181,36 +181,22 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
 
 
 def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from map(conversion_completion, conversion_literals())
+    yield from map(conversion_completion, CONVERSIONS.values())
 
 
-def conversion_literals() -> list[EEnumLiteral]:
-    """Returns the literals of all conversions."""
-    kinds = table("bridge.Conversion").features["kind"].data_type
-    return [] if kinds is None else [kinds.literals[each] for each in kinds.legal]
-
-
-def conversion_completion(literal: EEnumLiteral) -> Completion:
+def conversion_completion(conversion: Conversion) -> Completion:
     """Returns a conversion with its signature and what it does."""
-    name = str(literal.name)
-    return Completion(name, Kind.CONVERSION, signature(literal), documentation(literal))
-
-
-def signature(literal: EEnumLiteral) -> str:
-    """Returns the signature of a conversion, such as `scale(factor): number -> number`."""
-    known = conversion_signature(literal)
-    arguments = f"({', '.join(known.arguments)})" if known.arguments else ""
-    inputs = ", ".join(known.inputs)
-    units = f", units {known.units}" if known.units else ""
-    return f"{literal.name}{arguments}: {inputs} -> {known.output}{units}"
+    told = (conversion.signature, conversion.documentation)
+    return Completion(conversion.name, Kind.CONVERSION, *told)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
-    if context.about == "with_units":
-        yield from _units(context)
-    elif context.about not in ("user", "expression"):
-        wanted = "ValueTable" if context.about == "look_up" else "Quantity"
-        yield from _declared(bench, path, table(f"bridge.{wanted}"), context)
+    conversion = CONVERSIONS.get(context.about)
+    for argument in conversion.arguments[:1] if conversion is not None else ():
+        if argument.refers_to:
+            yield from _declared(bench, path, table(argument.refers_to), context)
+        elif argument.feature == "units":
+            yield from _units(context)
 
 
 def _units(context: Context) -> Iterator[Completion]:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.editor.classes import features_of, keywords
-from jausml.editor.completion import conversion_literals, signature
 from jausml.editor.context import Part, context_at
 from jausml.editor.definition import declaration_at, word_at
 from jausml.editor.paths import facts, sides_at
@@ -15,6 +14,7 @@ from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import documentation
 from jausml.metamodel.classes import jaus, ros
 from jausml.model.names import qualified_name
+from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import snake_case
 from jausml.text.reading.shaping import word_text
 
@@ -79,9 +79,8 @@ def _path(bench: Workbench, path: Path, context: Context, token: Token) -> str:
 def _conversion(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
     if context.part is not Part.CONVERSION:
         return ""
-    known = (each for each in conversion_literals() if str(each.name) == _name(token))
-    literal = next(known, None)
-    return "" if literal is None else _joined([f"`{signature(literal)}`", documentation(literal)])
+    known = CONVERSIONS.get(_name(token))
+    return "" if known is None else _joined([f"`{known.signature}`", known.documentation])
 
 
 def _message(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001

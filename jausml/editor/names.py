@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editor.classes import class_of, class_of_value, feature_named, table
 from jausml.editor.positions import is_within
+from jausml.semantics.conversions import CONVERSIONS, Argument
 from jausml.text.tree import (
     Assignment,
     Call,
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 
     from jausml.editor.positions import Place
     from jausml.metamodel import ClassTable
-
-_METHOD_CALLS = ("user", "expression", "with_units")
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,11 +190,11 @@ class _Collector:
         self.items(assignment.items, assignment, None, (*owners, assignment))
 
     def _call(self, call: Call, owners: tuple[Item, ...]) -> None:
-        if call.name.text in _METHOD_CALLS:
-            return
-        wanted = "bridge.ValueTable" if call.name.text == "look_up" else "bridge.Quantity"
+        conversion = CONVERSIONS.get(call.name.text)
+        own = conversion.own_argument if conversion is not None else None
+        wanted = Argument("").refers_to if own is None else own.refers_to
         for argument in call.arguments:
-            if isinstance(argument, Name):
+            if wanted and isinstance(argument, Name):
                 self._refer(argument, table(wanted), owners)
 
     def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...]) -> None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.semantics.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import ANY, VALUE, conversion_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ANY = "any"
-VALUE = "value"
+    from jausml.metamodel.classes import bridge
+
 _VALUES = (NUMBER, BOOL, TEXT)
 
 
@@ -25,11 +25,13 @@ class ChainFault:
         message: What it takes and what it gets.
     """
 
-    conversion: Any
+    conversion: bridge.Conversion
     message: str
 
 
-def chain_kinds(conversions: Sequence[Any], kinds: Sequence[str]) -> list[str] | ChainFault:
+def chain_kinds(
+    conversions: Sequence[bridge.Conversion], kinds: Sequence[str]
+) -> list[str] | ChainFault:
     """Returns the kinds of what a chain of conversions yields.
 
     Args:
@@ -38,11 +40,11 @@ def chain_kinds(conversions: Sequence[Any], kinds: Sequence[str]) -> list[str] |
     """
     current = list(kinds)
     for conversion in conversions:
-        signature = conversion_signature(conversion.kind)
-        if ANY not in current and not signature.takes(current):
-            message = f"{conversion.kind.name} takes {', '.join(signature.inputs)}"
+        meaning = conversion_of(conversion)
+        if ANY not in current and not meaning.takes(current):
+            message = f"{conversion.kind.name} takes {', '.join(meaning.inputs)}"
             return ChainFault(conversion, f"{message}, but gets {', '.join(current)}")
-        current = list(signature.outputs)
+        current = list(meaning.outputs)
     return current
 
 
@@ -57,7 +59,7 @@ def fits(value: Attribute, target: Attribute) -> bool:
     return kinds == {BOOL, NUMBER} and number.integral
 
 
-def yields(conversion: Any, kind: str, target: Attribute) -> bool:
+def yields(conversion: bridge.Conversion, kind: str, target: Attribute) -> bool:
     """Tells whether what a conversion yields goes to a target.
 
     Args:
@@ -69,6 +71,5 @@ def yields(conversion: Any, kind: str, target: Attribute) -> bool:
         return True
     if kind == VALUE:
         return target.kind in _VALUES
-    # A comparison yields 1 or 0.
-    is_truth = conversion.kind.name == "expression" and target.kind == BOOL
+    is_truth = conversion_of(conversion).may_be_truth and target.kind == BOOL
     return kind == target.kind or is_truth

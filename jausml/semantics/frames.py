@@ -7,22 +7,21 @@ east-north-up and north-east-down x and y change places, and angles about z have
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jausml.semantics.attributes import UNSTATED, Attribute
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.attributes import NUMBER, UNSTATED, Attribute
+from jausml.semantics.conversions import CONVERSIONS, Conversion
+from jausml.semantics.frame_names import DOWN, ENU, FLU, FRD, NED, UP
 from jausml.semantics.units import attribute_measure
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-FLU, FRD = "forwardLeftUp", "forwardRightDown"
-ENU, NED = "eastNorthUp", "northEastDown"
-UP, DOWN = "localUp", "localDown"
+    from jausml.semantics.steps import Step
+
 BODY, LOCAL, EARTH = "body", "local", "earth"
 
 FAMILIES = {FLU: BODY, FRD: BODY, UP: LOCAL, DOWN: LOCAL, ENU: EARTH, NED: EARTH}
@@ -36,18 +35,6 @@ _AXES = {
 _ANGLES = frozenset({"roll", "pitch", "yaw", "heading", "bearing"})
 _NOT_ANGLES = frozenset({"rate", "velocity", "acceleration", "effort", "torque"})
 _WITHOUT_SIGN = frozenset({"rms", "variance", "covariance", "tolerance", "error", "limit"})
-_KEEP_SIGN = frozenset(
-    {
-        "clamp",
-        "deadband",
-        "degrees_to_radians",
-        "radians_to_degrees",
-        "wrap_angle",
-        "value_to_percent",
-        "percent_to_value",
-        "with_units",
-    }
-)
 _RADIANS = (("rad", Fraction(1)),)
 
 
@@ -79,7 +66,7 @@ class Passage:
     """
 
     sources: tuple[Axis | None, ...]
-    conversion: Any
+    conversion: Conversion | None
     sign: int | None
 
 
@@ -99,64 +86,58 @@ def axis_of(attribute: Attribute) -> Axis | None:
     return Axis(attribute.frame, name, is_angle=_is_angle(attribute, words))
 
 
-def passage(conversions: Iterable[Any], sources: Iterable[Attribute]) -> Passage | None:
+def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:
     """Returns what becomes of the axes of sources; None when a conversion hides it.
 
     Args:
-        conversions: The conversions of an assignment.
+        steps: The conversions of an assignment.
         sources: What they work on.
     """
     axes = tuple(axis_of(each) for each in sources)
     between, sign = None, 1
-    for conversion in conversions:
-        if conversion_signature(conversion.kind).frames:
+    for step in steps:
+        if step.conversion.frames:
             if between is not None:
                 return None
-            between = conversion
+            between = step.conversion
             continue
-        factor = sign_of(conversion)
+        factor = step.sign
         if factor is None:
             return None
         sign *= factor
     return Passage(axes, between, sign)
 
 
-def sign_of(conversion: Any) -> int | None:
-    """Returns what a conversion makes of the sign of a number: 1, -1, or None for neither."""
-    name, arguments = conversion.kind.name, list(conversion.arguments)
-    if conversion_signature(conversion.kind).turns:
-        return -1
-    if name in _KEEP_SIGN:
-        return 1
-    if name in ("scale", "linear"):
-        if conversion.quantity is not None:
-            arguments = [conversion.quantity.value]
-        is_shifted = len(arguments) > 1 and arguments[1] != 0
-        if not arguments or arguments[0] == 0 or is_shifted:
-            return None
-        return int(math.copysign(1, arguments[0]))
-    return None
+def of_other_frames(conversion: Conversion) -> Conversion | None:
+    """Returns what does the same as a conversion between two frames between two others."""
+    found = (
+        each
+        for each in CONVERSIONS.values()
+        if each is not conversion
+        and each.frames
+        and IS_DOWN[each.frames[0]] == IS_DOWN[conversion.frames[0]]
+        and _shape(each) == _shape(conversion)
+    )
+    return next(found, None)
 
 
-def outcome(conversion: Any) -> tuple[str, ...]:
-    """Returns the axes of what a conversion between frames yields, empty for an orientation."""
-    name = conversion.kind.name
-    if name.endswith("_quaternion"):
-        return ("",)
-    if name.endswith("angles"):
-        return ("x", "y", "z")
-    last = name.rpartition("_")[2]
-    return (_AXES[last],)
+def of_an_angle(taken: str, given: str) -> Conversion | None:
+    """Returns the conversion of an angle from one frame to another."""
+    found = (
+        each
+        for each in CONVERSIONS.values()
+        if each.frames == (taken, given) and each.inputs == each.outputs == (NUMBER,)
+    )
+    return next(found, None)
 
 
-def intake(conversion: Any) -> tuple[str, ...]:
-    """Returns the axes of what a conversion between frames takes, empty for an orientation."""
-    first = conversion.kind.name.partition("_to_")[0]
-    if first.endswith("quaternion"):
-        return ("",)
-    if first.endswith("angles"):
-        return ("x", "y", "z")
-    return (_AXES[first.rpartition("_")[2]],)
+def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
+    return (
+        conversion.inputs,
+        conversion.outputs,
+        conversion.takes_axes,
+        conversion.gives_axes,
+    )
 
 
 def direction(axis: Axis) -> tuple[str, int]:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 from jausml.languages.units import Unit, UnitError, conversion_between, parse_unit
 from jausml.metamodel.classes import bridge
 from jausml.semantics.attributes import NUMBER, NUMBERS, Attribute
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import UnitEffect, conversion_of
+from jausml.semantics.conversions.conversion import OWN
+from jausml.semantics.conversions.numbers import Linear, Scale
 from jausml.semantics.paths import place
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from jausml.semantics.paths import Placed
 
 _NUMERIC = (NUMBER, NUMBERS)
+_OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,12 +142,12 @@ def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) 
     first = next(iter(placed.assignment.conversions), None)
     if first is None or len(placed.sources) < 2:
         return None
-    rule = conversion_signature(first.kind).units.split()
-    if len(rule) == 2:
-        results = (_between(first, each, *rule) for each in known)
+    effect = conversion_of(first).units
+    if isinstance(effect, tuple):
+        results = (_between(first, each, *effect) for each in known)
         faults = (each for each in results if isinstance(each, UnitFault))
         return next((UnitFault(first, each.message) for each in faults), None)
-    if rule and rule[0] in ("same", "square", "root") and len({each.unit for each in known}) > 1:
+    if effect in _OF_ONE_UNIT and len({each.unit for each in known}) > 1:
         units = " and ".join(dict.fromkeys(each.text for each in known))
         return UnitFault(first, f"{first.kind.name} takes one unit, but gets {units}")
     return None
@@ -160,17 +163,16 @@ def _common(measures: list[Measure | None]) -> Measure | None:
 def _converted(
     conversion: bridge.Conversion, current: Measure | None
 ) -> Measure | UnitFault | None:
-    rule = conversion_signature(conversion.kind).units.split()
-    if len(rule) == 2:
-        return _between(conversion, current, *rule)
-    name = rule[0] if rule else ""
-    if name == "stated":
+    effect = conversion_of(conversion).units
+    if isinstance(effect, tuple):
+        return _between(conversion, current, *effect)
+    if effect is UnitEffect.STATED:
         return measure(conversion.units or "")
-    if current is None or name not in ("same", "square", "root"):
+    if current is None or effect not in _OF_ONE_UNIT:
         return None
-    if name == "square":
+    if effect is UnitEffect.SQUARE:
         return Measure(f"({current.text})^2", current.unit.squared())
-    if name == "root":
+    if effect is UnitEffect.ROOT:
         return Measure(f"square root of {current.text}", current.unit.root())
     return current
 
@@ -178,16 +180,13 @@ def _converted(
 def _between(
     conversion: bridge.Conversion, current: Measure | None, taken: str, given: str
 ) -> Measure | UnitFault | None:
-    """The result of a conversion that takes one unit and gives another.
-
-    `same` is the unit of the quantity that the conversion refers to.
-    """
+    """The result of a conversion that takes one unit and gives another."""
     quantity = conversion.quantity
     own = measure(quantity.units or "") if quantity is not None else None
-    wanted = own if taken == "same" else measure(taken)
+    wanted = own if taken == OWN else measure(taken)
     if current is not None and wanted is not None and current.unit != wanted.unit:
         return _unexpected(conversion, current, wanted)
-    return own if given == "same" else measure(given)
+    return own if given == OWN else measure(given)
 
 
 def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure) -> UnitFault:
@@ -200,7 +199,8 @@ def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure
     if not current.unit.is_compatible(wanted.unit):
         return UnitFault(conversion, message)
     factor, offset = conversion_between(current.unit, wanted.unit)
-    step = f"linear({factor:.17g}, {offset:.17g})" if offset else f"scale({factor:.17g})"
+    step = f"{Linear.name}({factor:.17g}, {offset:.17g})"
+    step = step if offset else f"{Scale.name}({factor:.17g})"
     return UnitFault(conversion, message, f"convert it before, by {step}")
 
 

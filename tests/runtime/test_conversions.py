@@ -2,78 +2,19 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from array import array
 from datetime import datetime, timedelta, timezone
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from lxml import etree
 
 from jausml.runtime import conversions as c
 
-BRIDGE = Path(__file__).resolve().parents[2] / "metamodels" / "bridge.ecore"
-ANNOTATION = "http://www.jausml.org/bridge/conversion"
 ANGLE = st.floats(-math.pi, math.pi)
 PITCH = st.floats(-math.pi / 2, math.pi / 2)
-
-
-def literals():
-    kinds = etree.parse(BRIDGE).getroot().xpath("eClassifiers[@name='ConversionKind']/eLiterals")
-    for literal in kinds:
-        (annotation,) = literal.xpath("eAnnotations[@source=$s]", s=ANNOTATION)
-        details = {d.get("key"): d.get("value").split() for d in annotation.findall("details")}
-        yield pytest.param(literal.get("name"), details, id=literal.get("name"))
-
-
-# --------------------------------------------------------------- the language and the functions
-
-
-# What generated code has in the place of the conversion.
-WITHOUT_FUNCTION = {"expression", "user"}
-PARAMETERS = {
-    "number": "float",
-    "numbers": "Sequence[Cell]",
-    "value": "Key",
-    "geometry_msgs/Quaternion": "QuaternionLike",
-    "builtin_interfaces/Time": "TimeLike",
-    "TimeStamp": "TimeStampLike",
-}
-RESULTS = {
-    "number": "float",
-    "number number number": "Angles",
-    "numbers": "list[Cell]",
-    "value": "Value",
-    "geometry_msgs/Quaternion": "Quaternion",
-    "builtin_interfaces/Time": "Time",
-    "TimeStamp": "TimeStamp",
-}
-
-
-@pytest.mark.parametrize(("name", "details"), list(literals()))
-def test_each_literal_has_its_function(name, details):
-    if name in WITHOUT_FUNCTION:
-        assert not hasattr(c, name)
-        return
-    signature = inspect.signature(getattr(c, name))
-    positional = [p for p in signature.parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
-    inputs, arguments = details["inputs"], details["arguments"]
-    if name == "look_up":  # its table is a feature of the conversion
-        assert positional.pop().name == "table"
-    assert [p.name for p in positional[len(inputs) :]] == arguments
-    found = [p.annotation for p in positional]
-    assert found == [PARAMETERS[i] for i in inputs] + ["float"] * len(arguments)
-    assert signature.return_annotation == RESULTS[" ".join(details["output"])]
-
-
-def test_each_function_has_its_literal():
-    names = {param.id for param in literals()}
-    functions = {name for name in c.__all__ if inspect.isfunction(getattr(c, name))}
-    assert functions == names - WITHOUT_FUNCTION
 
 
 # --------------------------------------------------------------- numbers
@@ -127,10 +68,6 @@ def test_percent_and_back(value, maximum, sign):
     maximum *= sign
     percent = c.value_to_percent(value, maximum)
     assert c.percent_to_value(percent, maximum) == pytest.approx(value, rel=1e-12, abs=1e-12)
-
-
-def test_with_units_changes_no_number():
-    assert c.with_units(0.1) == 0.1
 
 
 def test_look_up():

@@ -13,8 +13,8 @@ from jausml.languages.expressions import evaluate, parse_expression
 from jausml.model import read_models
 from jausml.runtime import conversions as runtime
 from jausml.semantics.paths import place
-from jausml.semantics.ranges import converted
 from jausml.semantics.samples import NoValueError, sent_through
+from jausml.semantics.steps import steps_of
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 FACTORS = st.floats(-1e3, 1e3, allow_nan=False).filter(lambda each: abs(each) > 1e-6)
@@ -82,12 +82,9 @@ def test_what_the_runtime_computes_lies_in_the_range(model, chain, ends, part):
     low, high = sorted(ends)
     value = min(max(low + part * (high - low), low), high)
     ranges = [(low, high)]
-    found_place = placed(model, chain)
-    conversions = found_place.assignment.conversions
-    for position, (conversion, (kind, arguments, _)) in enumerate(
-        zip(conversions, chain, strict=True)
-    ):
-        ranges = converted(found_place, position, conversion, ranges)
+    steps = steps_of(placed(model, chain))
+    for each, (kind, arguments, _) in zip(steps, chain, strict=True):
+        ranges = each.ranges(ranges)
         value = getattr(runtime, kind)(value, *arguments)
         if math.isnan(value):
             return
@@ -106,8 +103,8 @@ def test_what_the_runtime_computes_lies_in_the_range(model, chain, ends, part):
 )
 def test_what_an_expression_yields_lies_in_the_range(model, x, y, parts, text):
     of_two = placed(model, [step("expression", expression=text)], to_ros=False)
-    (conversion,) = of_two.assignment.conversions
-    (found,) = converted(of_two, 0, conversion, [tuple(x), tuple(y)])
+    (of_expression,) = steps_of(of_two)
+    (found,) = of_expression.ranges([tuple(x), tuple(y)])
     values = {
         name: min(max(low + part * (high - low), low), high)
         for name, (low, high), part in zip(("value1", "value2"), (x, y), parts, strict=True)
@@ -149,6 +146,5 @@ def test_numbers_are_sent_through_as_the_runtime_sends_them(model, value, chain)
     ],
 )
 def test_range_of_a_conversion(model, kind, arguments, given_range, expected):
-    of_one = placed(model, [step(kind, *arguments)])
-    (conversion,) = of_one.assignment.conversions
-    assert converted(of_one, 0, conversion, [given_range]) == [expected]
+    (of_one,) = steps_of(placed(model, [step(kind, *arguments)]))
+    assert of_one.ranges([given_range]) == [expected]

@@ -9,6 +9,12 @@ from .types import ConversionError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+__all__ = [
+    "cost_to_occupancy",
+    "occupancy_to_cost",
+    "reverse_rows",
+]
+
 Cell = TypeVar("Cell")
 
 _UNKNOWN_OCCUPANCY = -1.0

@@ -10,6 +10,22 @@ from .types import ConversionError
 if TYPE_CHECKING:
     from collections.abc import Hashable, Mapping
 
+__all__ = [
+    "clamp",
+    "covariance_to_rms",
+    "deadband",
+    "degrees_to_radians",
+    "linear",
+    "look_up",
+    "negate",
+    "percent_to_value",
+    "radians_to_degrees",
+    "scale",
+    "square",
+    "square_root",
+    "value_to_percent",
+]
+
 Key = TypeVar("Key", bound="Hashable")
 Value = TypeVar("Value")
 
@@ -89,11 +105,6 @@ def value_to_percent(value: float, maximum: float) -> float:
 def percent_to_value(value: float, maximum: float) -> float:
     """Percent of `maximum` to the value."""
     return value / 100.0 * maximum
-
-
-def with_units(value: float) -> float:
-    """The value itself, whose units the model states."""
-    return value
 
 
 def look_up(value: Key, table: Mapping[Key, Value]) -> Value:

@@ -16,6 +16,22 @@ from .types import Angles, Quaternion
 if TYPE_CHECKING:
     from .types import QuaternionLike
 
+__all__ = [
+    "enu_quaternion_to_ned_angles",
+    "enu_quaternion_to_ned_heading",
+    "enu_yaw_to_ned_heading",
+    "flu_quaternion_to_frd_angles",
+    "flu_quaternion_to_frd_pitch",
+    "flu_quaternion_to_frd_roll",
+    "flu_quaternion_to_frd_yaw",
+    "frd_angles_to_flu_quaternion",
+    "frd_yaw_to_flu_quaternion",
+    "ned_angles_to_enu_quaternion",
+    "ned_heading_to_enu_quaternion",
+    "ned_heading_to_enu_yaw",
+    "wrap_angle",
+]
+
 # Closer to vertical than this, roll and yaw turn about the same axis.
 _VERTICAL = 1.0 - 1e-12
 

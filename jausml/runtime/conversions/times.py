@@ -11,6 +11,11 @@ from .types import ConversionError, Time, TimeStamp
 if TYPE_CHECKING:
     from .types import TimeLike, TimeStampLike
 
+__all__ = [
+    "time_to_timestamp",
+    "timestamp_to_time",
+]
+
 _DAY_NS = 86_400 * 10**9
 _EPOCH = date(1970, 1, 1).toordinal()
 

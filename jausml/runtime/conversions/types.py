@@ -10,6 +10,17 @@ from typing import NamedTuple, Protocol
 
 from ..base.errors import JausError
 
+__all__ = [
+    "Angles",
+    "ConversionError",
+    "Quaternion",
+    "QuaternionLike",
+    "Time",
+    "TimeLike",
+    "TimeStamp",
+    "TimeStampLike",
+]
+
 
 class ConversionError(JausError):
     """A value that has no counterpart on the other side."""

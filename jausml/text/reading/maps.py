@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeGuard
 
+from jausml.semantics.conversions import CONVERSIONS, ArgumentKind
 from jausml.text.reading.elements import decimal
 from jausml.text.tree import (
     Assignment,
@@ -26,14 +27,13 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, Metamodels
     from jausml.model.xmi.parsing import Node
+    from jausml.semantics.conversions import Argument, Conversion
     from jausml.text.reading.elements import ElementReader, Special
     from jausml.text.reading.nodes import NodeMaker
     from jausml.text.tree import BlockItem, Call, Item, VectorEntry
 
 MAP = "bridge.AttributeMap"
 LIST = "bridge.ListAssignment"
-_TEXT_ARGUMENTS = {"expression": "expression", "with_units": "units"}
-_NAME_ARGUMENTS = {"look_up": "table", "user": "method"}
 _BOOLEANS = ("true", "false")
 
 
@@ -138,20 +138,23 @@ class MapReader:
                 self._name_argument(node, call, argument)
 
     def _text_argument(self, node: Node, call: Call, argument: Text) -> None:
-        feature = _TEXT_ARGUMENTS.get(call.name.text)
-        if feature is not None:
-            self._nodes.value(node, feature, argument.text, argument.span)
+        own = _own_argument(call)
+        if own is not None and own.is_text:
+            self._nodes.value(node, own.feature, argument.text, argument.span)
             return
         message = f"conversion '{call.name.text}' takes no text"
-        hint = "expression and with_units do"
+        known = [each.name for each in CONVERSIONS.values() if _takes_text(each)]
+        hint = f"{' and '.join(sorted(known))} do"
         self._nodes.fault("JML705", argument.span, message, hint, owner=node)
 
     def _name_argument(self, node: Node, call: Call, argument: Name) -> None:
-        feature = _NAME_ARGUMENTS.get(call.name.text, "quantity")
-        if feature == "method":
-            self._nodes.value(node, feature, argument.text, argument.span)
-        else:
-            self._nodes.name(node, feature, argument.text, argument.span)
+        own = _own_argument(call)
+        if own is not None and own.kind is ArgumentKind.METHOD:
+            self._nodes.value(node, own.feature, argument.text, argument.span)
+            return
+        is_table = own is not None and own.kind is ArgumentKind.TABLE
+        feature = own.feature if own is not None and is_table else "quantity"
+        self._nodes.name(node, feature, argument.text, argument.span)
 
     def _table(self, owner: Node, item: Table) -> None:
         node = self._new(owner, "tables", "ValueTable", item)
@@ -188,6 +191,15 @@ class MapReader:
         if item.documentation:
             message = f"{what} have no documentation: the comment before them is lost"
             self._nodes.fault("JML703", item.span, message, "", owner=node)
+
+
+def _own_argument(call: Call) -> Argument | None:
+    conversion = CONVERSIONS.get(call.name.text)
+    return conversion.own_argument if conversion is not None else None
+
+
+def _takes_text(conversion: Conversion) -> bool:
+    return any(each.is_text for each in conversion.arguments)
 
 
 def _class_of(item: Assignment) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel.classes import bridge
 from jausml.model.xmi.writer import is_written
+from jausml.semantics.conversions import conversion_of
 from jausml.semantics.paths import has_source
 from jausml.text.tree import (
     Assignment,
@@ -43,13 +44,6 @@ if TYPE_CHECKING:
     Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
 
 MAP = "bridge.AttributeMap"
-_ARGUMENT_OF = {
-    "expression": "expression",
-    "with_units": "units",
-    "look_up": "table",
-    "user": "method",
-}
-"""Conversions whose argument is not a number, with the feature that holds it."""
 _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
 
 
@@ -188,7 +182,9 @@ class MapWriter:
         kind = obj.kind.name
         if not given:
             return Call(Name(kind))
-        holder = _ARGUMENT_OF.get(kind, "quantity" if "quantity" in given else "arguments")
+        own = conversion_of(obj).own_argument
+        holder = "quantity" if "quantity" in given else "arguments"
+        holder = holder if own is None else own.feature
         if given != [holder]:
             return None
         value = getattr(obj, holder)
@@ -199,7 +195,7 @@ class MapWriter:
         if table.features[holder].is_reference:
             arguments = [self._names.name(obj, value, table.features[holder])]
             return Call(Name(kind), tuple(arguments)) if _are(Name, arguments) else None
-        if holder == "method":
+        if own is not None and not own.is_text:
             return Call(Name(kind), (Name(value),)) if is_name(value) else None
         return Call(Name(kind), (Text(value),))
 

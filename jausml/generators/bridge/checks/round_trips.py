@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_literal
 from jausml.generators.bridge.checks.assertions import shortened
 from jausml.generators.bridge.checks.check import MARGIN, Check, store, tidy
-from jausml.generators.bridge.checks.figures import ANGLES
 from jausml.generators.bridge.checks.filling import Code, JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
 from jausml.generators.bridge.translation.ros_fields import ros_field
 from jausml.generators.python.codec.jaus_fields import INTEGER, REAL
 from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import Scope
+from jausml.semantics.conversions.conversion import QUATERNION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -26,12 +26,8 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.checks.samples import Sample
 
 _EXAMPLES = 50
-_TO_ORIENTATION = {
-    "frd_angles_to_flu_quaternion": "flu_quaternion_to_frd_angles",
-    "ned_angles_to_enu_quaternion": "enu_quaternion_to_ned_angles",
-}
 # Near the vertical, roll and yaw turn about the same axis and cannot be told apart.
-_STEEPEST = 1.5
+_STEEPEST, _UPWARD = 1.5, "y"
 _SINGLE_PRECISION = 2.0**-23
 _LARGEST_EXACT = 2.0**53
 _NOTHING = {"self", "bridge", "source", "there", "back", "math", "pytest", "st"}
@@ -84,9 +80,9 @@ def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
 def _number(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
     if outward.targets != homeward.sources or outward.sources != homeward.targets:
         return
-    both = [*outward.kinds, *homeward.kinds]
-    is_angle = set(both) & ANGLES != set()
-    if is_angle and not (set(both) <= ANGLES | {"with_units"}):
+    both = [each.conversion for each in (*outward.steps, *homeward.steps)]
+    is_angle = any(each.is_of_turns for each in both)
+    if is_angle and not all(each.is_of_turns or each.changes_nothing for each in both):
         return
     if not is_angle and not (outward.leads_back and homeward.leads_back):
         return
@@ -122,9 +118,14 @@ def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning
     """Roll, pitch and yaw by an orientation."""
     if outward.targets != homeward.sources or outward.sources != homeward.targets:
         return
-    if len(outward.kinds) != 1 or _TO_ORIENTATION.get(outward.kinds[0]) not in homeward.kinds:
+    if len(outward.steps) != 1:
         return
-    for path, steepest in zip(outward.sources, (math.pi, _STEEPEST, math.pi), strict=True):
+    conversion = outward.steps[0].conversion
+    is_undone = conversion.inverse in [each.name for each in homeward.steps]
+    if conversion.outputs != (QUATERNION,) or not is_undone:
+        return
+    for path, axis in zip(outward.sources, conversion.takes_axes, strict=True):
+        steepest = _STEEPEST if axis == _UPWARD else math.pi
         place = there.source.place(path)
         low, high = max(place.limits[0], -steepest), min(place.limits[1], steepest)
         # The steps of all three angles change each of the three.

@@ -8,25 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.bridge.checks.filling import PRESENT, Place, Scalar, ValueTextError
-from jausml.generators.bridge.checks.spatial import (
-    MOMENT,
-    PITCH,
-    ROLL,
-    SPATIAL,
-    STAMP,
-    TO_STAMP,
-    TO_TIME,
-    YAW,
-    angles_of_sample,
-    orientation,
-    orientation_of,
-)
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.bridge.translation.values import BOOLEAN, QUATERNION, TIME
 from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, TEXT
+from jausml.semantics import attributes
+from jausml.semantics.conversions import NoValueError, conversion
+from jausml.semantics.conversions.authored import LookUp
+from jausml.semantics.conversions.orientations import orientation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +26,16 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.checks.ends import Ends
     from jausml.generators.bridge.checks.figures import Chain
 
+_ORIENTATION = orientation(roll=0.125, pitch=0.25, yaw=0.375)
+_MOMENT = datetime(2024, 2, 29, 23, 59, 58, 987_000, tzinfo=timezone.utc)
+_INSTANT = (int(_MOMENT.timestamp()), _MOMENT.microsecond * 1000)
+_PARTS = {
+    conversion.QUATERNION: ("x", "y", "z", "w"),
+    attributes.TIME: ("sec", "nanosec"),
+    attributes.TIME_STAMP: ("Milliseconds", "Seconds", "Minutes", "Hour", "Day"),
+}
+# Digits that rounding leaves in an angle, and that readers want to see.
+_DIGITS = 12
 _KINDS = {"FieldAssignment", "ConstantAssignment", "ClockAssignment", "Ignore"}
 # Values to try where the first choice leads out of the range of a target.
 # Zero comes last: it hides signs and factors.
@@ -73,6 +75,10 @@ def sample_of(ends: Ends) -> Sample | None:
         return None
 
 
+def _is_look_up(chain: Chain) -> bool:
+    return [type(each.conversion) for each in chain.steps] == [LookUp]
+
+
 class _Sampler:
     def __init__(self, ends: Ends) -> None:
         self._ends = ends
@@ -97,12 +103,11 @@ class _Sampler:
         if place.kind == TEXT:
             self._sample.values[path] = "a"
         elif place.kind == QUATERNION:
-            parts = orientation(ROLL, PITCH, YAW)
-            for name, part in zip("xyzw", parts, strict=True):
+            for name, part in zip("xyzw", _ORIENTATION, strict=True):
                 self._sample.values[f"{path}.{name}"] = part
         elif place.kind == TIME:
-            self._sample.values[f"{path}.sec"] = int(MOMENT.timestamp())
-            self._sample.values[f"{path}.nanosec"] = MOMENT.microsecond * 1000
+            for name, part in zip(("sec", "nanosec"), _INSTANT, strict=True):
+                self._sample.values[f"{path}.{name}"] = part
         elif place.kind == BITS:
             self._sample.values[path] = PRESENT
         elif place.is_number or place.kind == BOOLEAN:
@@ -139,10 +144,10 @@ class _Sampler:
         return True
 
     def _is_judged(self, chain: Chain) -> bool:
-        return chain.is_numeric or chain.kinds == ["look_up"]
+        return chain.is_numeric or _is_look_up(chain)
 
     def _result(self, chain: Chain, values: list[Any]) -> Scalar | None:
-        if chain.kinds == ["look_up"]:
+        if _is_look_up(chain):
             return self._looked_up(chain, values[0])
         return chain.forward([float(each) for each in values])
 
@@ -159,7 +164,7 @@ class _Sampler:
         table = chain.assignment.conversions[0].table
         source = self._ends.source.place(chain.sources[0])
         target = self._ends.target.place(chain.targets[0])
-        for entry in table.entries:
+        for entry in table.entries if table is not None else ():
             texts = (entry.jaus, entry.ros) if self._ends.to_ros else (entry.ros, entry.jaus)
             if source.parse(str(texts[0])) == value:
                 return target.parse(str(texts[1]))
@@ -168,16 +173,14 @@ class _Sampler:
     def _expect(self, chain: Chain) -> None:
         values = [self._sample.values.get(path) for path in chain.sources]
         if not self._is_judged(chain):
-            if set(chain.kinds) - SPATIAL:
-                raise _NoSampleError
-            self._expect_spatial(chain, values)
+            self._expect_parts(chain, values)
             return
-        if len(values) == 1 and not chain.kinds and isinstance(values[0], str):
+        if len(values) == 1 and not chain.steps and isinstance(values[0], str):
             if values[0] != PRESENT:
                 self._note(chain.targets[0], values[0])
             return
         if any(value is None or isinstance(value, str) for value in values):
-            if chain.kinds:
+            if chain.steps:
                 raise _NoSampleError
             return
         if not self._carries(chain, values):
@@ -186,22 +189,36 @@ class _Sampler:
         if result is not None and len(chain.targets) == 1:
             self._note(chain.targets[0], result)
 
-    def _expect_spatial(self, chain: Chain, values: list[Any]) -> None:
+    def _expect_parts(self, chain: Chain, values: list[Scalar | None]) -> None:
         """Notes angles, the parts of an orientation or those of a TimeStamp."""
-        if len(chain.kinds) != 1 or chain.has_unit_step:
-            return
-        (kind,) = chain.kinds
-        if kind == TO_TIME:
+        known = [each.conversion for each in chain.steps]
+        if any(each.needs_clock for each in known):
             # The TimeStamp names neither month nor year: when it was is told by the clock.
             self._sample.changed += filter(self._ends.is_alone, chain.targets)
-        elif kind == TO_STAMP:
-            for name, part in STAMP.items():
-                self._note(f"{chain.targets[0]}.{name}", part)
-        elif all(isinstance(value, float) for value in values):
-            for name, number in orientation_of(kind, tuple(values)).items():
-                self._note(f"{chain.targets[0]}.{name}", number)
-        for path, angle in zip(chain.targets, angles_of_sample(kind), strict=False):
-            self._note(path, angle)
+            return
+        try:
+            given = map(self._whole, chain.sources, values)
+            results = chain.results(list(given))
+        except NoValueError:
+            raise _NoSampleError from None
+        if chain.has_unit_step:
+            return
+        names = _PARTS.get(known[-1].outputs[0])
+        if names is None:
+            for path, result in zip(chain.targets, results, strict=True):
+                self._note(path, round(result, _DIGITS))
+            return
+        for name, part in zip(names, results[0], strict=True):
+            self._note(f"{chain.targets[0]}.{name}", part)
+
+    def _whole(self, path: str, value: Scalar | None) -> Any:
+        """What a conversion takes from a path of the source."""
+        whole = {QUATERNION: _ORIENTATION, TIME: _INSTANT}.get(self._ends.source.place(path).kind)
+        if whole is not None:
+            return whole
+        if value is None or isinstance(value, str):
+            raise _NoSampleError
+        return float(value)
 
     def _expect_constant(self, assignment: Any) -> None:
         path = assignment.target.strip()

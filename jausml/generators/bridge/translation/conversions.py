@@ -22,7 +22,9 @@ from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, REAL
 from jausml.generators.python.layout import Call, unpacking
 from jausml.generators.python.names import snake_case
 from jausml.languages.expressions import occurrences, parse_expression, source_names
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import conversion_of
+from jausml.semantics.conversions.authored import Expression, LookUp, User, WithUnits
+from jausml.semantics.conversions.numbers import Linear, Scale
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,9 +39,6 @@ _RESULTS = {
     "builtin_interfaces/Time": TIME,
     "TimeStamp": BITS,
 }
-
-# What gives integers when it gets integers, of a bounded size.
-_KEEP_INTEGERS = frozenset({"with_units", "negate", "clamp", "deadband"})
 
 # Characters of a source that may stand in an expression without a name of its own.
 _SHORT = 40
@@ -109,7 +108,7 @@ class Chain:
         if step is None:
             return list(values)
         factor, offset = step
-        function, arguments = ("linear", (factor, offset)) if offset else ("scale", (factor,))
+        function, arguments = (Linear.name, (factor, offset)) if offset else (Scale.name, (factor,))
         name = self._body.use(runtime.CONVERSIONS, function)
         numbers = tuple(python_literal(each) for each in arguments)
         return [
@@ -123,42 +122,42 @@ class Chain:
         So they may before what gives real numbers anyway, and where all of their digits go to other
         integers.
         """
-        names = [each.kind.name for each in conversions]
-        first = next((each for each in names if each != "with_units"), "")
-        if first not in _KEEP_INTEGERS and first != "square":
+        known = [conversion_of(each) for each in conversions]
+        first = next((each for each in known if not each.changes_nothing), None)
+        if first is None or not first.keeps_integers:
             return True
         kinds = {self._target.kind(path) for path in self._target_paths}
-        return kinds == {INTEGER} and _KEEP_INTEGERS.issuperset(names)
+        return kinds == {INTEGER} and all(each.keeps_integers and each.keeps_size for each in known)
 
     # -- one conversion --------------------------------------------------------------------------
 
     def _convert(
         self, conversion: Any, values: list[Value], paths: list[str], *, is_last: bool
     ) -> list[Value]:
-        kind = conversion.kind.name
-        if kind == "with_units":
-            return values
-        if kind == "look_up":
-            return [self._look_up(conversion, values, is_last=is_last)]
-        if kind == "expression":
-            return [self._expression(conversion, values, paths)]
-        if kind == "user":
-            return self._user(conversion, values, is_last=is_last)
+        match conversion_of(conversion):
+            case WithUnits():
+                return values
+            case LookUp():
+                return [self._look_up(conversion, values, is_last=is_last)]
+            case Expression():
+                return [self._expression(conversion, values, paths)]
+            case User():
+                return self._user(conversion, values, is_last=is_last)
         return self._call(conversion, values)
 
     def _call(self, conversion: Any, values: list[Value]) -> list[Value]:
         """The function of the runtime that has the name of the conversion."""
-        signature = conversion_signature(conversion.kind)
-        if len(values) != len(signature.inputs):
-            raise AssignmentError(f"{conversion.kind.name} does not take {len(values)} values")
-        function = self._body.use(runtime.CONVERSIONS, conversion.kind.name)
+        known = conversion_of(conversion)
+        if len(values) != len(known.inputs):
+            raise AssignmentError(f"{known.name} does not take {len(values)} values")
+        function = self._body.use(runtime.CONVERSIONS, known.name)
         arguments = [python_literal(float(each)) for each in conversion.arguments]
         if conversion.quantity is not None:
             arguments = [self._surroundings.quantity(conversion.quantity)]
-        if function == "timestamp_to_time":
+        if known.needs_clock:
             arguments.append("near=self.now()")
         call = Call(function, (*(each.code for each in values), *arguments))
-        kinds = [_RESULTS[output] for output in signature.outputs]
+        kinds = [_RESULTS[output] for output in known.outputs]
         return self._results(call, kinds, values)
 
     def _results(self, call: Call, kinds: list[str], values: list[Value]) -> list[Value]:
@@ -184,7 +183,7 @@ class Chain:
         listed = self._target.listed(self._target_paths[0]) if is_last else ()
         table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
         name = self._surroundings.constant(*table.constant)
-        function = self._body.use(runtime.CONVERSIONS, "look_up")
+        function = self._body.use(runtime.CONVERSIONS, LookUp.name)
         code = Call(function, (value.code, name))
         limits = (table.known[0], table.known[-1]) if table.known else None
         conditions, limit = value.conditions, value.limit

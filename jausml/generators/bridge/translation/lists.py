@@ -11,6 +11,8 @@ from jausml.generators.bridge.translation.values import AssignmentError
 from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import joined, there
 from jausml.generators.python.layout import Call, comprehension
+from jausml.semantics.conversions import conversion_of
+from jausml.semantics.conversions.authored import User
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.sources import Many
@@ -94,13 +96,13 @@ class _ListStatements:
             *(self._outer.source.value(path, "").code for path in self._paths[1:]),
         )
         for conversion in self._assignment.conversions:
-            name = conversion.kind.name
-            if name == "user":
+            known = conversion_of(conversion)
+            if isinstance(known, User):
                 types = ("Any",) * len(inputs)
                 method = conversion.method or ""
                 code = Call(self._outer.surroundings.user_method(method, types, "Any"), inputs)
-            elif name != "with_units":
-                code = Call(self._body.use(runtime.CONVERSIONS, name), inputs)
+            elif not known.changes_nothing:
+                code = Call(self._body.use(runtime.CONVERSIONS, known.name), inputs)
             inputs = (code,)
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")

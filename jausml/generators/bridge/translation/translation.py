@@ -19,7 +19,7 @@ from jausml.generators.python.codec.jaus_fields import BITS, joined
 from jausml.generators.python.layout import Call
 from jausml.generators.python.names import snake_case
 from jausml.metamodel.classes import bridge
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import UnitEffect, conversion_of
 from jausml.semantics.paths import place
 from jausml.semantics.units import attribute_measure, result_measure, unit_step
 
@@ -201,8 +201,8 @@ class Translation:
         results = self.results_of(assignment, values)
         remark = self._unit_remark(assignment)
         # A conversion may make another quantity of the source, in a unit that nobody states.
-        kinds = [conversion.kind for conversion in assignment.conversions]
-        keeps_units = all(conversion_signature(kind).units == "same" for kind in kinds)
+        effects = [conversion_of(each).units for each in assignment.conversions]
+        keeps_units = all(each is UnitEffect.SAME for each in effects)
         for path, value in zip(paths_of(assignment.target), results, strict=True):
             words = remark or (value.units if self.to_ros and keeps_units else "")
             self.target.put(self.body, path, self.target.fitted(path, value), words)

@@ -13,7 +13,8 @@ from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import LIST, NUMBERS
 from jausml.semantics.chains import ChainFault, chain_kinds
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions import CONVERSIONS, ArgumentKind, conversion_of
+from jausml.semantics.conversions.authored import Expression, User
 from jausml.semantics.directions import directions
 from jausml.semantics.expressions import expression_names
 from jausml.validation.rule import Finding, Note, rule
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.metamodel.classes.ecore import EObject
+    from jausml.semantics.conversions import Conversion
     from jausml.semantics.paths import Placed
     from jausml.semantics.subject import Subject
 
@@ -29,10 +31,10 @@ if TYPE_CHECKING:
 
 _METHOD = re.compile("[a-z][a-z0-9_]*")
 _OWN_FEATURES = {
-    "expression": "expression",
-    "method": "user",
-    "units": "with_units",
-    "table": "look_up",
+    argument.feature: conversion.name
+    for conversion in CONVERSIONS.values()
+    for argument in conversion.arguments
+    if argument.kind is not ArgumentKind.NUMBER
 }
 
 
@@ -71,7 +73,7 @@ def expressions(subject: Subject) -> Iterator[Finding]:
     for direction in directions(subject):
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
-                if conversion.kind.name == "expression" and conversion.expression:
+                if conversion.kind.name == Expression.name and conversion.expression:
                     yield from _expression_findings(placed, conversion, position)
 
 
@@ -90,7 +92,7 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 name = conversion.method
-                if conversion.kind.name != "user" or not name:
+                if conversion.kind.name != User.name or not name:
                     continue
                 if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
                     message = f"method {name!a} is no name of lower-case letters, digits and _"
@@ -129,7 +131,7 @@ def _map_of(element: EObject) -> bridge.AttributeMap | None:
 
 def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
     name = conversion.kind.name
-    wanted = conversion_signature(conversion.kind).arguments
+    wanted = [each.name for each in conversion_of(conversion).numbers]
     values = list(conversion.arguments)
     takes = f"takes {' and '.join(wanted)}" if wanted else "takes no arguments"
     if conversion.quantity is not None:
@@ -143,21 +145,15 @@ def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
         message = f"{name} {takes}, {len(values)} given"
         yield Finding(conversion, message, "arguments" if conversion.arguments else None)
     elif conversion.quantity is None:
-        fault = _value_fault(name, values)
+        fault = _value_fault(conversion_of(conversion), values)
         if fault:
             yield Finding(conversion, fault, "arguments")
 
 
-def _value_fault(name: str, values: list[float]) -> str:
+def _value_fault(conversion: Conversion, values: list[float]) -> str:
     if not all(math.isfinite(value) for value in values):
-        return f"{name} has an argument that is not finite"
-    if name == "clamp" and values[0] > values[1]:
-        return f"clamp has minimum {values[0]:g} above maximum {values[1]:g}"
-    if name == "deadband" and values[0] < 0:
-        return f"deadband has the negative width {values[0]:g}"
-    if name in ("value_to_percent", "percent_to_value") and values[0] <= 0:
-        return f"{name} has the maximum {values[0]:g}, which is not above 0"
-    return ""
+        return f"{conversion.name} has an argument that is not finite"
+    return conversion.fault(*values)
 
 
 def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:

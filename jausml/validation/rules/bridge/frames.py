@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics import frames
-from jausml.semantics.conversions import conversion_signature
+from jausml.semantics.conversions.numbers import Negate
 from jausml.semantics.directions import directions
-from jausml.semantics.frames import BODY, DOWN, EARTH, ENU, FAMILIES, IS_DOWN, LOCAL, NED, UP, Axis
+from jausml.semantics.frame_names import DOWN, ENU, NED, UP
+from jausml.semantics.frames import BODY, EARTH, FAMILIES, IS_DOWN, LOCAL, Axis, Passage
+from jausml.semantics.steps import steps_of
 from jausml.semantics.units import attribute_measure, units_clash
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from jausml.semantics.attributes import Found
+    from jausml.semantics.conversions import Conversion
     from jausml.semantics.paths import Placed
     from jausml.semantics.subject import Subject
 
 _OPPOSITE = "have opposite signs"
-_EARTH_BY_LOCAL = {
-    "frd_angles_to_flu_quaternion": "ned_angles_to_enu_quaternion",
-    "frd_yaw_to_flu_quaternion": "ned_heading_to_enu_quaternion",
-    "flu_quaternion_to_frd_angles": "enu_quaternion_to_ned_angles",
-    "flu_quaternion_to_frd_yaw": "enu_quaternion_to_ned_heading",
-}
-_LOCAL_BY_EARTH = {earth: local for local, earth in _EARTH_BY_LOCAL.items()}
 
 
 @rule("JML433", Severity.ERROR, "axes do not match")
@@ -73,7 +70,7 @@ def _inconsistent(
 
 def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
     """Whether x and y of two local frames change places; None where nothing tells."""
-    passage = frames.passage(placed.assignment.conversions, placed.source_attributes)
+    passage = frames.passage(steps_of(placed), placed.source_attributes)
     targets = [frames.axis_of(each) for each in placed.target_attributes]
     if passage is None or not targets or not passage.sources:
         return None
@@ -81,7 +78,7 @@ def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
     if source is None or target is None or {source.frame, target.frame} != {UP, DOWN}:
         return None
     if passage.conversion is not None:
-        return EARTH in {FAMILIES[each] for each in _frames_of(passage.conversion)}
+        return EARTH in {FAMILIES[each] for each in passage.conversion.frames}
     if source.is_angle or "z" in (source.name, target.name):
         return None
     return source.name != target.name
@@ -90,13 +87,12 @@ def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
 def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     if not placed.source_attributes or not placed.target_attributes or units_clash(placed):
         return None
-    conversions = placed.assignment.conversions
-    passage = frames.passage(conversions, placed.source_attributes)
+    passage = frames.passage(steps_of(placed), placed.source_attributes)
     if passage is None or passage.sign is None:
         return None
     targets = [frames.axis_of(each) for each in placed.target_attributes]
     if passage.conversion is not None:
-        return _converted(placed, passage, targets)
+        return _converted(placed, passage, passage.conversion, targets)
     source, target = passage.sources[0], targets[0]
     if len(passage.sources) > 1 or len(targets) > 1 or source is None or target is None:
         return None
@@ -127,9 +123,9 @@ def _direct(placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis) 
             return _mismatch(placed, source, target, _OPPOSITE, _negation(placed))
         return None
     if _is_heading(source, target):
-        to_enu = target.frame == ENU
-        name = "ned_heading_to_enu_yaw" if to_enu else "enu_yaw_to_ned_heading"
-        return _mismatch(placed, source, target, "have different zeros", f"convert it by {name}")
+        other = frames.of_an_angle(source.frame, target.frame)
+        hint = f"convert it by {other.name}" if other is not None else ""
+        return _mismatch(placed, source, target, "have different zeros", hint)
     from_, to = frames.direction(source), frames.direction(target)
     if families == (LOCAL, LOCAL) and _is_exchange(source, target):
         return None
@@ -147,27 +143,25 @@ def _is_exchange(source: Axis, target: Axis) -> bool:
     return source.frame != target.frame and are_lengths and are_horizontal
 
 
-def _frames_of(conversion: bridge.Conversion) -> tuple[str, ...]:
-    return conversion_signature(conversion.kind).frames
-
-
 def _is_heading(source: Axis, target: Axis) -> bool:
     are_angles = source.is_angle and target.is_angle and source.name == target.name == "z"
     return are_angles and {source.frame, target.frame} == {ENU, NED}
 
 
 def _converted(
-    placed: Placed[bridge.FieldAssignment], passage: Any, targets: list[Axis | None]
+    placed: Placed[bridge.FieldAssignment],
+    passage: Passage,
+    conversion: Conversion,
+    targets: list[Axis | None],
 ) -> Finding | None:
     """Checks a conversion between frames against the frames of both ends."""
-    conversion = passage.conversion
-    taken, given = _frames_of(conversion)
-    name = conversion.kind.name
-    wrong = _order(name, passage.sources, frames.intake(conversion), placed.sources)
-    wrong = wrong or _order(name, targets, frames.outcome(conversion), placed.targets)
+    taken, given = conversion.frames
+    name = conversion.name
+    wrong = _order(name, passage.sources, conversion.takes_axes, placed.sources)
+    wrong = wrong or _order(name, targets, conversion.gives_axes, placed.targets)
     if wrong:
         return Finding(placed.assignment, wrong, "conversions")
-    if passage.sign < 0:
+    if passage.sign == -1:
         message = f"{name} has the signs of both frames already"
         return Finding(placed.assignment, message, "conversions", "leave out the further sign")
     for source in passage.sources:
@@ -175,11 +169,19 @@ def _converted(
             problem = _ends_problem(source, target, taken, given)
             if problem:
                 message = f"{name} is for {taken} and {given}, but {problem}"
-                return Finding(conversion, message, "kind", _other(name, source, target))
+                element = next(
+                    each for each in placed.assignment.conversions if each.kind.name == name
+                )
+                return Finding(element, message, "kind", _other(conversion, source, target))
     return None
 
 
-def _order(name: str, axes: Any, wanted: tuple[str, ...], paths: Any) -> str:
+def _order(
+    name: str,
+    axes: Sequence[Axis | None],
+    wanted: tuple[str, ...],
+    paths: Sequence[tuple[str, Found]],
+) -> str:
     for axis, expected, (path, _) in zip(axes, wanted, paths, strict=False):
         if axis is not None and axis.name and expected and axis.name != expected:
             turned = {"x": "roll", "y": "pitch", "z": "yaw"}
@@ -206,10 +208,12 @@ def _ends_problem(source: Axis | None, target: Axis | None, taken: str, given: s
     return ""
 
 
-def _other(name: str, source: Axis | None, target: Axis | None) -> str:
-    ends = {FAMILIES[each.frame] for each in (source, target) if each is not None}
-    other = (_EARTH_BY_LOCAL if EARTH in ends else _LOCAL_BY_EARTH).get(name)
-    return f"use {other}" if other else ""
+def _other(conversion: Conversion, source: Axis | None, target: Axis | None) -> str:
+    is_of_earth = EARTH in {FAMILIES[each.frame] for each in (source, target) if each is not None}
+    other = frames.of_other_frames(conversion)
+    if other is None or is_of_earth != (FAMILIES[other.frames[0]] == EARTH):
+        return ""
+    return f"use {other.name}"
 
 
 def _mismatch(
@@ -227,7 +231,9 @@ def _described(axis: Axis) -> str:
 
 def _negation(placed: Placed[bridge.FieldAssignment]) -> str:
     names = [each.kind.name for each in placed.assignment.conversions]
-    return "leave out negate" if "negate" in names else "add the conversion negate"
+    return (
+        f"leave out {Negate.name}" if Negate.name in names else f"add the conversion {Negate.name}"
+    )
 
 
 def _exchange(source: Axis) -> str:

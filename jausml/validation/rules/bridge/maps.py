@@ -71,7 +71,7 @@ def types(subject: Subject) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "target")
         for copied in direction.of_kind(bridge.FieldAssignment):
             if copied.source_attributes and copied.target_attributes:
-                yield from _type_findings(subject, copied)
+                yield from _type_findings(copied)
 
 
 @rule("JML413", Severity.ERROR, "constant does not fit the target")
@@ -123,7 +123,7 @@ def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Findin
             yield Finding(assignment, message, "defaultValue")
 
 
-def _type_findings(subject: Subject, placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+def _type_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     untranslatable = _untranslatable(placed)
     if untranslatable is not None:
@@ -137,7 +137,7 @@ def _type_findings(subject: Subject, placed: Placed[bridge.FieldAssignment]) -> 
         message = f"{len(placed.targets)} targets without a conversion that yields them"
         yield Finding(assignment, message, "target")
     elif len(placed.sources) == 1 and not fits(source, target):
-        known = conversions_between(subject.model.metamodels, [source.kind], target.kind)
+        known = conversions_between([source.kind], target.kind)
         hint = f"convert it by {' or '.join(known)}" if known else ""
         message = f"'{assignment.source}' is {source.name}"
         message += f", but '{assignment.target}' is {target.name}"

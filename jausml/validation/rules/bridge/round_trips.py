@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge, ros
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import NUMBER, Attribute
+from jausml.semantics.conversions import UnitEffect, conversion_of
+from jausml.semantics.conversions.numbers import Square, SquareRoot
 from jausml.semantics.directions import directions
 from jausml.semantics.ranges import source_range
 from jausml.semantics.samples import NoValueError, sent_through
@@ -23,10 +25,6 @@ if TYPE_CHECKING:
     from jausml.semantics.paths import Placed
     from jausml.semantics.subject import Subject
 
-_INVERSE = {
-    "frd_angles_to_flu_quaternion": "flu_quaternion_to_frd_angles",
-    "ned_angles_to_enu_quaternion": "enu_quaternion_to_ned_angles",
-}
 # Where a field has no range, numbers of everyday size tell a wrong factor or sign.
 _SAMPLES = (-100.0, -1.5, -0.25, 0.0, 0.25, 1.0, 100.0)
 _PARTS = (0.0, 0.125, 0.25, 0.5, 0.6, 0.75, 0.9, 1.0)
@@ -128,9 +126,9 @@ def _is_selective(
 def _is_inverse(
     there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
 ) -> bool:
-    first = [each.kind.name for each in there.assignment.conversions]
+    first = [conversion_of(each).inverse for each in there.assignment.conversions]
     second = [each.kind.name for each in back.assignment.conversions]
-    return len(first) == len(second) == 1 and _INVERSE.get(first[0]) == second[0]
+    return len(first) == 1 and first == second
 
 
 def _other_field(
@@ -210,10 +208,10 @@ def _cell_findings(
 
 
 def _is_of_variances(placed: Placed[bridge.FieldAssignment]) -> bool:
-    names = {each.kind.name for each in placed.assignment.conversions}
+    effects = {conversion_of(each).units for each in placed.assignment.conversions}
     ends = [*placed.source_attributes, *placed.target_attributes]
     is_deviation = any(_is_deviation(each) for each in ends)
-    return is_deviation or not names.isdisjoint({"square", "square_root", "covariance_to_rms"})
+    return is_deviation or not effects.isdisjoint({UnitEffect.SQUARE, UnitEffect.ROOT})
 
 
 def _is_deviation(found: Found) -> bool:
@@ -229,12 +227,12 @@ def _matrix_size(found: Found) -> int:
 def _square_findings(
     placed: Placed[bridge.FieldAssignment], source: tuple[str, Found], target: tuple[str, Found]
 ) -> Iterator[Finding]:
-    names = {each.kind.name for each in placed.assignment.conversions}
-    if names - {"scale", "linear", "clamp", "with_units"} or units_clash(placed):
+    conversions = placed.assignment.conversions
+    if not all(conversion_of(each).keeps_quantity for each in conversions) or units_clash(placed):
         return
     if _is_deviation(source[1]) and _matrix_size(target[1]):
         message = f"'{source[0]}' is a root mean square, but '{target[0]}' is a variance"
-        yield Finding(placed.assignment, message, "target", "add the conversion square")
+        yield Finding(placed.assignment, message, "target", f"add the conversion {Square.name}")
     elif _matrix_size(source[1]) and _is_deviation(target[1]):
         message = f"'{source[0]}' is a variance, but '{target[0]}' is a root mean square"
-        yield Finding(placed.assignment, message, "target", "add the conversion square_root")
+        yield Finding(placed.assignment, message, "target", f"add the conversion {SquareRoot.name}")

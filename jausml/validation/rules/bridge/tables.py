@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import BOOL, NUMBER, TEXT, Attribute
+from jausml.semantics.conversions.authored import LookUp
 from jausml.semantics.directions import directions
 from jausml.semantics.values import constant_fault, is_real
 from jausml.validation.rule import Finding, Note, rule
@@ -40,7 +41,7 @@ def tables(subject: Subject) -> Iterator[Finding]:
         for placed in direction.of_kind(bridge.FieldAssignment):
             for position, conversion in enumerate(placed.assignment.conversions):
                 table = conversion.table
-                if conversion.kind.name != "look_up" or table is None:
+                if conversion.kind.name != LookUp.name or table is None:
                     continue
                 for finding in _findings(placed, position, table):
                     key = (finding.element, finding.message)

@@ -8,6 +8,7 @@ from jausml.languages.units import UnitError, nearest_units, parse_unit
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import Attribute
+from jausml.semantics.conversions.numbers import Square, SquareRoot
 from jausml.semantics.directions import directions
 from jausml.semantics.units import Measure, UnitFault, attribute_measure, measure, result_measure
 from jausml.validation.rule import Finding, Note, rule
@@ -141,7 +142,7 @@ def _mismatch(
     message = f"'{assignment.source}' {verb} {result.text}, but '{path}' is in {wanted.text}"
     hint = ""
     if wanted.unit.squared() == result.unit:
-        hint = "convert it by square_root"
+        hint = f"convert it by {SquareRoot.name}"
     elif wanted.unit == result.unit.squared():
-        hint = "convert it by square"
+        hint = f"convert it by {Square.name}"
     return Finding(assignment, message, "target", hint)
