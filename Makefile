@@ -62,8 +62,9 @@ fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where 
 emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
 	$(BIN)/python tools/record_emf.py
 
-reference: $(READY)  ## write docs/reference/ anew
+reference: $(READY)  ## write docs/reference/ and the names that the editor colours anew
 	$(BIN)/python tools/build_reference.py
+	$(BIN)/python tools/build_grammar.py
 
 types: $(READY)  ## write the stubs of the metamodels' classes anew
 	$(BIN)/python tools/build_model_types.py

@@ -7,9 +7,11 @@ import re
 from pathlib import Path
 
 import pytest
+from build_grammar import GRAMMAR as GRAMMAR_FILE
+from build_grammar import grammar
 
 from jausml.editor.classes import keywords
-from jausml.editor.completion import conversion_literals
+from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import KEYWORDS
 from jausml.text.notation import SUFFIX
 
@@ -56,17 +58,14 @@ def test_keywords_are_coloured(word):
     assert coloured("statements", f"{word}: x `{word}` a.{word} {word}s") == []
 
 
-@pytest.mark.parametrize("literal", conversion_literals(), ids=str)
-def test_conversions_are_coloured(literal):
-    name = str(literal.name)
+@pytest.mark.parametrize("name", CONVERSIONS)
+def test_conversions_are_coloured(name):
     assert coloured("conversions", f"a -> b : {name}(1), {name}") == [name, name]
 
 
-def test_no_word_is_coloured_as_a_conversion_that_is_none():
-    known = {str(each.name) for each in conversion_literals()}
-    pattern = GRAMMAR["repository"]["conversions"]["match"]
-    listed = re.search(r"\(\?:([\w|]+)\)", pattern).group(1).split("|")
-    assert set(listed) == known
+def test_the_conversions_of_the_grammar_are_written_by_their_table():
+    text = GRAMMAR_FILE.read_text(encoding="utf-8")
+    assert grammar(text) == text, "run `make reference`"
 
 
 def test_classes_are_coloured():

@@ -99,13 +99,8 @@ def test_class_of_and_kind(zoo):
 
 def test_annotations_of_literals():
     kinds = load_metamodels().package_named("bridge").enumerations["ConversionKind"]
-    details = annotation(kinds.literals["scale"], "http://www.jausml.org/bridge/conversion")
-    assert details == {
-        "inputs": "number",
-        "output": "number",
-        "arguments": "factor",
-        "units": "any",
-    }
+    details = annotation(kinds.literals["scale"], "http://www.eclipse.org/emf/2002/GenModel")
+    assert details == {"documentation": "The value times a factor."}
     assert annotation(kinds.literals["scale"], "urn:none") == {}
 
 

@@ -80,8 +80,7 @@ class StalePolicy(EEnumLiteral):
 class ConversionKind(EEnumLiteral):
     """Named value conversions.
 
-    The annotation of each literal states what it takes and yields; the function of the same name
-    computes it at run time.
+    Each literal says what it does; the function of the same name computes it at run time.
     """
 
     name: Literal[
