@@ -8,7 +8,6 @@ import grimp
 KNOWN = {
     frozenset(f"jausml.generators.{name}" for name in names)
     for names in [
-        ("python.codec.members", "python.codec.nested", "python.codec.values"),
         (
             "bridge.translation.lists",
             "bridge.translation.messages",

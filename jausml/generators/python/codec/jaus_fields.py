@@ -288,9 +288,11 @@ class _Walk:
     def _unwrap(self) -> None:
         """Goes through classes that only give a class to a list, array, variant or field."""
         at = self._at
-        while isinstance(at, PartValue) and getattr(at.part, "is_wrapper", False):
+        while isinstance(at, PartValue):
+            if not isinstance(at.part, ContainerClass) or not at.part.is_wrapper:
+                return
             self._make()
-            (member,) = at.part.members  # type: ignore[union-attr]
+            (member,) = at.part.members
             self._place = f"{self._place}.{member.attribute}"
             self._end, at = member, member.value
             self._at, self._is_made = at, True

@@ -55,10 +55,12 @@ class _Examples:
         if isinstance(value, VariantValue):
             last = len(value.options) - 1
             return last.to_bytes(value.tag_size, "little") + self.value(value.options[last])
+        if isinstance(value.part, ContainerClass):
+            return self.container(value.part)
         if isinstance(value.part, VariableFieldClass):
             first = value.part.alternatives[0]
             return first.index.to_bytes(1, "little") + self._fixed(first.value)
-        return self.container(value.part)
+        raise TypeError(f"{value.part.name} has no example")
 
     def _fixed(self, value: Fixed) -> bytes:
         if value.python_type == "str":

@@ -4,16 +4,31 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from jausml.generators.python.codec.fields import struct_name
 from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.fields import Blob, Fixed
-    from jausml.generators.python.codec.nested import ContainerClass, VariableFieldClass
 
 MAXIMUM_COMPLEXITY = 10
+
+
+class Part(Protocol):
+    """A dataclass inside a message class, as far as values of it are concerned."""
+
+    @property
+    def name(self) -> str:
+        """Name of the class."""
+
+    @property
+    def jaus_name(self) -> str:
+        """Name in the model of what it is the class of."""
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +41,7 @@ class PartValue:
     """
 
     kind: ClassVar[str] = "part"
-    part: ContainerClass | VariableFieldClass
+    part: Part
     python_type: str
 
     @property
