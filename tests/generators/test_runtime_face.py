@@ -122,10 +122,7 @@ def talk(tmp_path_factory):
     """A workspace of a component and the runtime."""
     folder = tmp_path_factory.mktemp("talk")
     model = read_models([ROOT / "tests" / "generators" / "lamp.xmi"]).model
-    plan = gen.make_plan(
-        gen.render(model, (COMPONENT, RUNTIME)), folder, gen.read_manifest(folder), targets=None
-    )
-    gen.apply(plan)
+    gen.generate(model, (COMPONENT, RUNTIME), folder)
     return folder
 
 
