@@ -35,17 +35,17 @@ ORIGINS: tuple[tuple[Endpoint, bool], ...] = (
 )
 
 ENDS = (
-    "judp.own_source",
-    "judp.bad_source",
-    "judp.not_for_us",
+    "transport.own_source",
+    "transport.bad_source",
+    "transport.not_for_us",
     "judp.forwarded",
-    "judp.nak",
-    "judp.acknowledgement",
-    "judp.bad_acknowledgement",
-    "judp.unmatched_acknowledgement",
-    "judp.no_message_code",
-    "judp.duplicate",
-    "judp.fragments",
+    "transport.nak",
+    "transport.acknowledgement",
+    "transport.bad_acknowledgement",
+    "transport.unmatched_acknowledgement",
+    "transport.no_message_code",
+    "transport.duplicate",
+    "transport.fragments",
 )
 """Counters of how a message ends that is not delivered at once."""
 
@@ -82,12 +82,12 @@ class ReceivePath:
         after = self.loop.counters.snapshot()
         grown = {name: count - before.get(name, 0) for name, count in after.items()}
         ends = sum(grown.get(name, 0) for name in ENDS)
-        at_once = self.delivered - delivered - grown.get("judp.reassembled", 0)
+        at_once = self.delivered - delivered - grown.get("transport.reassembled", 0)
         assert at_once + ends == messages, f"{messages} messages, but {at_once} + {ends} ended"
         for name, count in unreadable.items():
             assert grown.get(name, 0) == count, f"{name} counted {grown.get(name)} times"
         assert messages or unreadable, "a datagram left no trace"
-        assert grown.get("judp.receiver_failed", 0) == 0
+        assert grown.get("transport.receiver_failed", 0) == 0
         self.messages += messages
         self.inputs += 1
         self.now += STEP_S
@@ -102,8 +102,10 @@ class ReceivePath:
         assert inbox.remembered <= 256 * SETTINGS.duplicate_history
         assert inbox.incomplete <= 4 * SETTINGS.reassembly_limit
         counts = self.loop.counters.snapshot()
-        gone = counts.get("judp.fragments_assembled", 0) + counts.get("judp.fragments_discarded", 0)
-        assert counts.get("judp.fragments", 0) == gone + inbox.fragments
+        gone = counts.get("transport.fragments_assembled", 0) + counts.get(
+            "transport.fragments_discarded", 0
+        )
+        assert counts.get("transport.fragments", 0) == gone + inbox.fragments
         assert counts.get("loop.callback_failed", 0) == 0
 
 

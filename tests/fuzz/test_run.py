@@ -50,7 +50,7 @@ def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
     done = run(ROOT / "fuzz", "datagrams", "--plain", "--runs", "20000", "--seed", "7")
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("20000 inputs in ")
-    for end in ("delivered", "judp.truncated=", "judp.duplicate=", "judp.reassembled="):
+    for end in ("delivered", "judp.truncated=", "transport.duplicate=", "transport.reassembled="):
         assert end in done.stdout
 
 

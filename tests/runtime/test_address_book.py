@@ -32,7 +32,7 @@ def test_the_newest_endpoint_wins_over_older_and_configured_ones(
     assert book.find(ROBOT) == THERE
     book.learn(ROBOT, HERE, 1.0)
     assert book.find(ROBOT) == HERE
-    assert counters.snapshot() == {"judp.address_changed": 2}
+    assert counters.snapshot() == {"transport.address_changed": 2}
 
 
 def test_a_host_name_is_resolved_once_and_an_unknown_one_left_out(
@@ -48,7 +48,7 @@ def test_a_host_name_is_resolved_once_and_an_unknown_one_left_out(
     book.configure({ROBOT: ("robot", 3794), other: ("nowhere", 3794)})
     assert book.find(ROBOT) == ("192.0.2.5", 3794)
     assert book.find(other) is None
-    assert counters.snapshot() == {"judp.unresolved_host": 1}
+    assert counters.snapshot() == {"transport.unresolved_host": 1}
 
 
 def test_a_silent_component_is_asked_and_then_searched(book: AddressBook) -> None:
@@ -95,4 +95,4 @@ def test_a_flood_of_sources_forgets_the_silent_and_keeps_the_configured(
     assert book.find(talker) == HERE
     assert book.find(ROBOT) == HERE
     assert book.find(JausAddress(1, 2, 2)) is None
-    assert counters.snapshot()["judp.address_book_full"] == 3000 - 1024
+    assert counters.snapshot()["transport.address_book_full"] == 3000 - 1024

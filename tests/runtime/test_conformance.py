@@ -121,7 +121,7 @@ RECEIVED = [
         "lost",
         [packet(message_type=1).encode()],
         [],
-        counted={"judp.bad_message_type": 1},
+        counted={"transport.bad_message_type": 1},
         remark="the standard reserves the type: dropped knowingly, and counted",
     ),
     Row(
@@ -129,7 +129,7 @@ RECEIVED = [
         "delivered",
         [with_compression(0x40, b""), with_compression(0x80, b"")],
         [STATUS],
-        counted={"judp.duplicate": 1},
+        counted={"transport.duplicate": 1},
         remark="accepted, since the addresses show that the bytes are missing",
     ),
     Row(
@@ -151,7 +151,7 @@ RECEIVED = [
         "not tried",
         [with_compression(0xC0, b"\x01\x00")],
         [],
-        counted={"judp.compressed": 1},
+        counted={"transport.compressed": 1},
         remark="nobody offers compression, so nobody may send it",
     ),
     Row(
@@ -201,7 +201,7 @@ RECEIVED = [
         "dropped in silence",
         [packet(b"", acknowledge=AckNak.NAK).encode()],
         [],
-        counted={"judp.nak": 1},
+        counted={"transport.nak": 1},
         remark="counted",
     ),
     Row(
@@ -209,7 +209,7 @@ RECEIVED = [
         "dropped in silence",
         [packet(b"", acknowledge=AckNak.ACK).encode()],
         [],
-        counted={"judp.unmatched_acknowledgement": 1},
+        counted={"transport.unmatched_acknowledgement": 1},
         remark="counted",
     ),
     Row(
@@ -217,7 +217,7 @@ RECEIVED = [
         "dropped",
         [packet(acknowledge=AckNak.ACK).encode()],
         [],
-        counted={"judp.bad_acknowledgement": 1},
+        counted={"transport.bad_acknowledgement": 1},
         remark="an acknowledgement is 14 bytes",
     ),
     Row(
@@ -225,7 +225,7 @@ RECEIVED = [
         "dropped as an acknowledgement",
         [with_flags(0xFF)],
         [STATUS],
-        counted={"judp.flagless": 1},
+        counted={"transport.flagless": 1},
         remark="nothing else has these flags; the log says what to change at the sender",
     ),
     Row(
@@ -233,14 +233,14 @@ RECEIVED = [
         "dropped as an acknowledgement",
         [with_flags(0xFF), with_flags(0xFF)],
         [STATUS],
-        counted={"judp.flagless": 2, "judp.duplicate": 1},
+        counted={"transport.flagless": 2, "transport.duplicate": 1},
     ),
     Row(
         "flags: all set, the fragments of a long message",
         "dropped as an acknowledgement",
         [with_flags(0xFF, STATUS.ljust(4079), 7), with_flags(0xFF, STATUS, 8)],
         [],
-        counted={"judp.bad_acknowledgement": 2},
+        counted={"transport.bad_acknowledgement": 2},
         remark="nothing tells where a message begins and ends",
     ),
     Row(
@@ -248,14 +248,14 @@ RECEIVED = [
         "dropped in silence",
         [with_flags(0xFF, b"")],
         [],
-        counted={"judp.unmatched_acknowledgement": 1},
+        counted={"transport.unmatched_acknowledgement": 1},
     ),
     Row(
         "flags: all set, half a message code",
         "dropped as an acknowledgement",
         [with_flags(0xFF, b"\x02")],
         [],
-        counted={"judp.bad_acknowledgement": 1},
+        counted={"transport.bad_acknowledgement": 1},
     ),
     Row(
         "broadcast flag 0 with a wildcard destination",
@@ -282,7 +282,7 @@ RECEIVED = [
         "ignored",
         [packet(destination=JausAddress(101, 255, 255)).encode()],
         [],
-        counted={"judp.not_for_us": 1},
+        counted={"transport.not_for_us": 1},
         remark="counted",
     ),
     Row(
@@ -290,7 +290,7 @@ RECEIVED = [
         "no acknowledgement",
         [packet(destination=ELSEWHERE, acknowledge=AckNak.REQUESTED).encode()],
         [],
-        counted={"judp.not_for_us": 1},
+        counted={"transport.not_for_us": 1},
     ),
     Row(
         "the same number of the same source again",
@@ -298,14 +298,14 @@ RECEIVED = [
         [packet(acknowledge=AckNak.REQUESTED).encode()] * 2,
         [STATUS],
         acknowledged=[DRIVER, DRIVER],
-        counted={"judp.duplicate": 1},
+        counted={"transport.duplicate": 1},
     ),
     Row(
         "the same number to another component",
         "dropped",
         [packet().encode(), packet(destination=SENSOR).encode()],
         [STATUS],
-        counted={"judp.duplicate": 1},
+        counted={"transport.duplicate": 1},
         remark="numbers count per source, not per destination",
     ),
     Row(
@@ -339,7 +339,7 @@ RECEIVED = [
             Packet(DRIVER, JausAddress(0, 0, 0), STATUS, 2).encode(),
         ],
         [],
-        counted={"judp.bad_source": 2},
+        counted={"transport.bad_source": 2},
         remark="answers could go nowhere",
     ),
     Row(
@@ -364,7 +364,7 @@ def test_what_is_received(row: Row, station, peer, wait_until) -> None:
     assert [each.source for each in answers] == row.acknowledged
     assert all(each.acknowledge is AckNak.ACK and not each.payload for each in answers)
     assert peer.is_quiet()
-    traffic = ("judp.received", "judp.sent", "judp.fragments", "judp.reassembled")
+    traffic = ("judp.received", "judp.sent", "transport.fragments", "transport.reassembled")
     counts = here.loop.counters.snapshot()
     dropped = {name: n for name, n in counts.items() if not name.startswith(traffic)}
     assert dropped == row.counted

@@ -162,7 +162,7 @@ class TestStream:
         data[3] = 0xFF
         stream.send(b"\x02" + data)
         wait_until(lambda: here.received)
-        assert here.counter("judp.flagless") == 1
+        assert here.counter("transport.flagless") == 1
         assert here.counter("jtcp.present") == 0
 
     def test_messages_are_found_however_the_stream_is_cut(self, tcp, host, wait_until):
@@ -210,7 +210,7 @@ class TestStream:
         packet = stream.receive()
         assert packet.acknowledge is AckNak.NONE
         stream.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK))
-        wait_until(lambda: here.counter("judp.unmatched_acknowledgement") == 1)
+        wait_until(lambda: here.counter("transport.unmatched_acknowledgement") == 1)
         assert results == [True]
 
 
@@ -285,9 +285,9 @@ class TestBadStreams:
         stream.send(b"\x02" + b"".join(bad) + from_peer(sequence=3))
         wait_until(lambda: here.received)
         assert here.payloads == [STATUS]
-        for counter in ("bad_message_type", "not_for_us", "bad_source", "own_source"):
-            assert here.counter(f"judp.{counter}") == 1
-        assert here.counter("judp.no_message_code") == 1
+        names = ("bad_message_type", "not_for_us", "bad_source", "own_source", "no_message_code")
+        for name in names:
+            assert here.counter(f"transport.{name}") == 1
 
     def test_connections_are_bounded(self, tcp, host, wait_until, monkeypatch):
         monkeypatch.setattr(jtcp, "_MAX_CONNECTIONS", 2)
@@ -380,7 +380,7 @@ class TestConnecting:
         here.transport.send(DRIVER, PEER, STATUS)
         streams[1].read(1)
         assert streams[1].receive().payload == STATUS
-        assert here.counter("judp.address_changed") == 1
+        assert here.counter("transport.address_changed") == 1
 
 
 class TestSharedPort:
@@ -426,9 +426,9 @@ class TestSharedPort:
         wait_until(lambda: len(far.received) == 2 and owner.counter("jtcp.present"))
         for count in range(3):
             first.transport.send(SENSOR, BROADCAST, STATUS + bytes([count]))
-        wait_until(lambda: far.counter("judp.duplicate") == 3)
+        wait_until(lambda: far.counter("transport.duplicate") == 3)
         assert len(far.received) == 5
-        assert far.counter("judp.address_changed") == 0
+        assert far.counter("transport.address_changed") == 0
 
     def test_another_process_takes_over(self, tcp, wait_until):
         owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))

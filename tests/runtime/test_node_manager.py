@@ -152,7 +152,7 @@ def test_the_world_is_reached_through_the_manager(client, managers, peer, wait_u
     assert peer.is_quiet()
     peer.send(question)
     assert {peer.receive().source, peer.receive().source} == {DRIVER, SENSOR}
-    wait_until(lambda: here.counter("judp.duplicate") == 2)
+    wait_until(lambda: here.counter("transport.duplicate") == 2)
     assert len(here.received) == 3
 
 
@@ -325,8 +325,10 @@ def test_foreign_and_damaged_datagrams_are_counted(client, managers, folder, wai
         ):
             stranger.sendto(data, str(folder / str(DRIVER.packed)))
     wait_until(lambda: here.received)
-    for name in ("bad_version", "version_1", "not_for_us", "bad_source"):
-        assert here.counter(f"judp.{name}") == 1
+    # The manager passes datagrams of JUDP on as they are.
+    reasons = ("judp.bad_version", "judp.version_1", "transport.not_for_us", "transport.bad_source")
+    for reason in reasons:
+        assert here.counter(reason) == 1
     assert here.counter("node_manager.bad_command") == 1
 
 

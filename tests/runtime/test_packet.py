@@ -96,12 +96,12 @@ def test_every_message_of_a_datagram_is_read(packets: list[Packet]) -> None:
         (message().encode()[:-1], "judp.truncated"),
         (message().encode()[:14], "judp.truncated"),
         (message().encode()[:5], "judp.truncated"),
-        (b"\x02\x00\x0d\x00" + message().encode()[4:], "judp.bad_size"),
-        (b"\x02\x00\x00\x00" + message().encode()[4:], "judp.bad_size"),
-        (message()._replace(message_type=1).encode(), "judp.bad_message_type"),
-        (message()._replace(message_type=32).encode(), "judp.bad_message_type"),
-        (b"\x02\xc0" + message().encode()[2:], "judp.compressed"),
-        (b"\x02\x40\x0e\x00" + bytes(11), "judp.bad_size"),
+        (b"\x02\x00\x0d\x00" + message().encode()[4:], "transport.bad_size"),
+        (b"\x02\x00\x00\x00" + message().encode()[4:], "transport.bad_size"),
+        (message()._replace(message_type=1).encode(), "transport.bad_message_type"),
+        (message()._replace(message_type=32).encode(), "transport.bad_message_type"),
+        (b"\x02\xc0" + message().encode()[2:], "transport.compressed"),
+        (b"\x02\x40\x0e\x00" + bytes(11), "transport.bad_size"),
     ],
 )
 def test_an_unreadable_datagram_is_dropped_and_counted(data: bytes, counter: str) -> None:
@@ -116,7 +116,7 @@ def test_bytes_after_a_good_message_are_ignored(tail: bytes) -> None:
 def test_a_reserved_message_type_does_not_hide_the_next_message() -> None:
     reserved = message()._replace(message_type=5)
     data = reserved.encode() + message(8).encode()[1:]
-    assert parse(data) == ([message(8)], {"judp.bad_message_type": 1})
+    assert parse(data) == ([message(8)], {"transport.bad_message_type": 1})
 
 
 def with_compression(kind: int, *, fields: bytes) -> bytes:
@@ -133,10 +133,12 @@ def with_compression(kind: int, *, fields: bytes) -> bytes:
         pytest.param(0x40, b"", {}, id="flags without their bytes, which Junior ignores"),
         pytest.param(0x01, b"\x01\x00", {}, id="Junior's place of the flags"),
         pytest.param(0x02, b"\x01\x00", {}, id="Junior's place of the flags, confirmed"),
-        pytest.param(0x03, b"\x01\x00", {"judp.bad_message_type": 1}, id="compressed or type 3"),
-        pytest.param(0x01, b"", {"judp.bad_message_type": 1}, id="reserved type"),
-        pytest.param(0x41, b"\x01\x0c", {"judp.bad_message_type": 1}, id="both"),
-        pytest.param(0xC0, b"\x01\x0c", {"judp.compressed": 1}, id="compressed"),
+        pytest.param(
+            0x03, b"\x01\x00", {"transport.bad_message_type": 1}, id="compressed or type 3"
+        ),
+        pytest.param(0x01, b"", {"transport.bad_message_type": 1}, id="reserved type"),
+        pytest.param(0x41, b"\x01\x0c", {"transport.bad_message_type": 1}, id="both"),
+        pytest.param(0xC0, b"\x01\x0c", {"transport.compressed": 1}, id="compressed"),
     ],
 )
 def test_header_compression_is_read_where_there_is_no_doubt(

@@ -99,7 +99,7 @@ def test_an_active_source_outlasts_the_others(counters: Counters) -> None:
         for component in range(1, 20):
             source = JausAddress(subsystem, 2, component)
             reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
-    assert counters.snapshot()["judp.reassembly_overflow"] > 100
+    assert counters.snapshot()["transport.reassembly_overflow"] > 100
     assert reassembly.add(stream[-1], 0.0) == whole(stream)
 
 
@@ -118,7 +118,7 @@ def test_fragments_without_progress_are_discarded(
     reassembly.add(slow[0], 0.0)
     reassembly.add(slow[1], 2.0)
     reassembly.expire(3.0)
-    assert counters.drops() == {"judp.reassembly_timeout": 1}
+    assert counters.drops() == {"transport.reassembly_timeout": 1}
     assert reassembly.add(slow[2], 3.0) == whole(slow)
     assert reassembly.add(lost[1], 3.0) is None
     assert reassembly.add(lost[2], 3.0) is None
@@ -132,7 +132,7 @@ def test_one_source_cannot_take_all_memory(reassembly: Reassembly, counters: Cou
     for packet in fragments(40, 0, size=4000)[:-1]:
         reassembly.add(packet, 0.0)
         assert reassembly.size < (1 << 16) + 5000
-    assert counters.snapshot()["judp.reassembly_overflow"] >= 1
+    assert counters.snapshot()["transport.reassembly_overflow"] >= 1
     assert reassembly.add(other[1], 0.0) == whole(other)
 
 
@@ -143,7 +143,7 @@ def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
         reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
         assert reassembly.size <= 4 << 16
         assert len(reassembly._streams) <= 256
-    assert counters.snapshot()["judp.reassembly_overflow"] > 1900
+    assert counters.snapshot()["transport.reassembly_overflow"] > 1900
 
 
 @given(
@@ -177,6 +177,6 @@ def test_a_full_circle_of_numbers_does_not_close(counters: Counters) -> None:
     for number in range(65536):
         packet = Packet(ROBOT, OCU, b"", number, data_flags=DataFlags.MIDDLE)
         assert reassembly.add(packet, 0.0) is None
-    assert counters.snapshot()["judp.reassembly_overflow"] == 1
+    assert counters.snapshot()["transport.reassembly_overflow"] == 1
     reassembly.expire(9.0)
     assert reassembly.size == 0

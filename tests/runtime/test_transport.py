@@ -30,9 +30,9 @@ def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
 
 def join(peer, at, wait_until) -> None:
     """Let a station learn where the peer is."""
-    before = at.counter("judp.nak")
+    before = at.counter("transport.nak")
     peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)
-    wait_until(lambda: at.counter("judp.nak") > before)
+    wait_until(lambda: at.counter("transport.nak") > before)
 
 
 class TestUnicast:
@@ -108,7 +108,7 @@ class TestWildcards:
             (SENSOR, STATUS + b"own subsystem"),
         ]
         assert there.payloads == [STATUS, STATUS + b"other subsystem"]
-        assert here.counter("judp.own_source") == 0
+        assert here.counter("transport.own_source") == 0
 
     def test_the_destination_decides_and_not_the_broadcast_flag(self, station, peer, wait_until):
         driver = station().attach(DRIVER, SENSOR)
@@ -129,7 +129,7 @@ class TestWildcards:
         driver.transport.send(DRIVER, BROADCAST, bytes(101), on_result=results.append)
         wait_until(lambda: results)
         assert results == [False]
-        assert driver.counter("judp.broadcast_too_large") == 1
+        assert driver.counter("transport.broadcast_too_large") == 1
         assert "a broadcast goes in one packet, of 100 bytes at most" in caplog.text
         assert driver.counter("judp.sent") == 0
 
@@ -188,7 +188,7 @@ class TestSameProcess:
         here.attach(SENSOR)
         peer.multicast_out(from_peer(destination=BROADCAST))
         wait_until(lambda: here.received)
-        assert here.counter("judp.receiver_failed") == 1
+        assert here.counter("transport.receiver_failed") == 1
 
 
 class TestAttach:
@@ -218,7 +218,7 @@ class TestAttach:
         here.transport.send(DRIVER, JausAddress(0, 0, 0), STATUS, on_result=results.append)
         wait_until(lambda: results)
         assert results == [False]
-        assert here.counter("judp.bad_destination") == 1
+        assert here.counter("transport.bad_destination") == 1
 
 
 class TestAcknowledge:
@@ -234,7 +234,7 @@ class TestAcknowledge:
             peer.send(from_peer(acknowledge=AckNak.REQUESTED))
             peer.receive()
         assert len(driver.received) == 1
-        wait_until(lambda: driver.counter("judp.duplicate") == 2)
+        wait_until(lambda: driver.counter("transport.duplicate") == 2)
 
     def test_a_multicast_to_a_unicast_id_is_received_and_acknowledged(
         self, station, peer, wait_until
@@ -249,7 +249,7 @@ class TestAcknowledge:
     def test_a_message_for_someone_else_is_not_acknowledged(self, station, peer, wait_until):
         driver = station().attach(DRIVER)
         peer.send(from_peer(destination=SENSOR, acknowledge=AckNak.REQUESTED))
-        wait_until(lambda: driver.counter("judp.not_for_us") == 1)
+        wait_until(lambda: driver.counter("transport.not_for_us") == 1)
         assert peer.is_quiet()
 
     def test_success_is_reported_once(self, station, wait_until):
@@ -272,7 +272,7 @@ class TestAcknowledge:
         assert len(set(packets)) == 1
         assert packets[0].acknowledge is AckNak.REQUESTED
         assert peer.is_quiet()
-        assert here.counter("judp.unacknowledged") == 1
+        assert here.counter("transport.unacknowledged") == 1
 
     def test_a_late_acknowledgement_ends_the_repetition(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02, acknowledge_retries=50).attach(DRIVER)
@@ -286,7 +286,7 @@ class TestAcknowledge:
         peer.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK), here.transport.endpoint)
         wait_until(lambda: results)
         assert results == [True]
-        assert here.counter("judp.unmatched_acknowledgement") == 1
+        assert here.counter("transport.unmatched_acknowledgement") == 1
 
     def test_an_acknowledgement_is_never_delivered(self, station, peer, wait_until):
         driver = station().attach(DRIVER)
@@ -295,8 +295,8 @@ class TestAcknowledge:
         peer.send(from_peer(sequence=6))
         wait_until(lambda: driver.received)
         assert [message.sequence for _, message in driver.received] == [6]
-        assert driver.counter("judp.bad_acknowledgement") == 1  # it must be empty
-        assert driver.counter("judp.nak") == 1
+        assert driver.counter("transport.bad_acknowledgement") == 1  # it must be empty
+        assert driver.counter("transport.nak") == 1
 
     def test_closing_reports_what_still_waits(self, station, wait_until):
         here = station(acknowledge_timeout=30.0)
@@ -316,7 +316,7 @@ class TestUnknownDestination:
         assert (packet.acknowledge, packet.broadcast) == (AckNak.REQUESTED, Broadcast.GLOBAL)
         answer = from_peer(b"", packet.sequence, acknowledge=AckNak.ACK)
         peer.send(answer, here.transport.endpoint)
-        wait_until(lambda: here.counter("judp.unmatched_acknowledgement") == 1)
+        wait_until(lambda: here.counter("transport.unmatched_acknowledgement") == 1)
         here.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().acknowledge is AckNak.NONE
 
@@ -445,7 +445,7 @@ class TestFragments:
     def test_a_partial_message_is_discarded(self, station, peer, wait_until):
         driver = station(reassembly_timeout=0.05).attach(DRIVER)
         peer.send(from_peer(b"\x02\x40a", 1, data_flags=DataFlags.FIRST))
-        wait_until(lambda: driver.counter("judp.reassembly_timeout") == 1)
+        wait_until(lambda: driver.counter("transport.reassembly_timeout") == 1)
         assert driver.transport._inbox._reassembly.size == 0
         peer.send(from_peer(b"b", 2, data_flags=DataFlags.LAST))
         peer.send(from_peer(sequence=3))
@@ -462,11 +462,11 @@ class TestBadDatagrams:
             (b"\x00" + bytes(30), "judp.bad_version"),
             (b"\x00F" + bytes(30), "judp.bad_version"),
             (from_peer().encode()[:-3], "judp.truncated"),
-            (from_peer(b"").encode(), "judp.no_message_code"),
-            (from_peer(b"\x02").encode(), "judp.no_message_code"),
-            (from_peer()._replace(source=BROADCAST).encode(), "judp.bad_source"),
-            (from_peer()._replace(source=JausAddress(0, 1, 1)).encode(), "judp.bad_source"),
-            (from_peer()._replace(source=DRIVER).encode(), "judp.own_source"),
+            (from_peer(b"").encode(), "transport.no_message_code"),
+            (from_peer(b"\x02").encode(), "transport.no_message_code"),
+            (from_peer()._replace(source=BROADCAST).encode(), "transport.bad_source"),
+            (from_peer()._replace(source=JausAddress(0, 1, 1)).encode(), "transport.bad_source"),
+            (from_peer()._replace(source=DRIVER).encode(), "transport.own_source"),
         ],
     )
     def test_each_is_counted_and_the_next_one_arrives(

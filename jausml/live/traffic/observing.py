@@ -33,9 +33,9 @@ _REASONS = {
     "judp.version_1": "JUDP version 1 (AS5669) is not supported, AS5669A has version 2",
     "judp.reference_architecture": "the JAUS Reference Architecture ('JAUS01.0') is not supported",
     "judp.truncated": "the data size of a message is larger than the datagram",
-    "judp.bad_size": "the data size of a message is too small for its header",
-    "judp.bad_message_type": "the message type is reserved",
-    "judp.compressed": "the header is compressed, which is not supported",
+    "transport.bad_size": "the data size of a message is too small for its header",
+    "transport.bad_message_type": "the message type is reserved",
+    "transport.compressed": "the header is compressed, which is not supported",
     "judp.trailing_bytes": "bytes follow the last message",
 }
 _FRAGMENTS = {

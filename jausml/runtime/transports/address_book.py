@@ -68,7 +68,7 @@ class AddressBook:
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
         """Add configured endpoints; host names are resolved here, once.
 
-        A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out: the
+        A name that cannot be resolved is counted as ``transport.unresolved_host`` and left out: the
         component can still be found by multicast.
         """
         for address, endpoint in resolve(entries, self._counters).items():
@@ -85,14 +85,14 @@ class AddressBook:
         if entry is None:
             if len(self._learnt) >= _MAX_LEARNT:
                 forgotten, _ = self._learnt.popitem(last=False)
-                self._counters.count("judp.address_book_full", f"forgot {forgotten}")
+                self._counters.count("transport.address_book_full", f"forgot {forgotten}")
             entry = self._learnt[address] = _Entry(self.find(address) or endpoint, now)
         else:
             self._learnt.move_to_end(address)
             entry.heard = now
         if entry.endpoint != endpoint:
             self._counters.count(
-                "judp.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
+                "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
             )
             entry.endpoint = endpoint
 
@@ -122,12 +122,12 @@ def resolve(
 ) -> dict[JausAddress, Endpoint]:
     """Return entries with IPv4 addresses for host names.
 
-    A name that cannot be resolved is counted as ``judp.unresolved_host`` and left out.
+    A name that cannot be resolved is counted as ``transport.unresolved_host`` and left out.
     """
     resolved: dict[JausAddress, Endpoint] = {}
     for address, (host, port) in entries.items():
         try:
             resolved[address] = (socket.gethostbyname(host), port)
         except OSError as error:
-            counters.count("judp.unresolved_host", f"{address} at {host}: {error}")
+            counters.count("transport.unresolved_host", f"{address} at {host}: {error}")
     return resolved

@@ -32,11 +32,11 @@ def test_a_vehicle_that_never_moved_is_an_error() -> None:
 
 def test_counts_are_summed_over_processes() -> None:
     lines = [
-        "a | INFO drops: judp.duplicate=2 x.y=1",
-        "b | drops: judp.duplicate=3",
+        "a | INFO drops: transport.duplicate=2 x.y=1",
+        "b | drops: transport.duplicate=3",
         "c | drops: none",
     ]
-    assert counted(lines, "drops:") == {"judp.duplicate": 5, "x.y": 1}
+    assert counted(lines, "drops:") == {"transport.duplicate": 5, "x.y": 1}
 
 
 def test_latencies_match_stamps_and_commands(tmp_path: Path) -> None:

@@ -250,7 +250,7 @@ class NodeManagerClient:
             if self.is_attached:
                 self._loop.call_soon(self.check)
             return True
-        self._counters.add("judp.sent")
+        self._counters.add("node_manager.sent")
         return True
 
     # ---- receiving --------------------------------------------------------------------------
@@ -264,9 +264,9 @@ class NodeManagerClient:
             except BlockingIOError:
                 return
             except OSError as error:
-                self._counters.count("judp.receive_failed", str(error))
+                self._counters.count("node_manager.receive_failed", str(error))
                 return
-            self._counters.add("judp.received")
+            self._counters.add("node_manager.received")
             self._on_datagram(data)
 
     def _on_datagram(self, data: bytes) -> None:
@@ -280,7 +280,7 @@ class NodeManagerClient:
             if inbox.refuses(packet, origin):
                 continue
             if not inbox.take(packet, origin, self._loop.now()):
-                self._counters.add("judp.not_for_us")
+                self._counters.add("transport.not_for_us")
 
 
 def _identity(path: Path) -> int:

@@ -104,7 +104,7 @@ class Inbox(Generic[Origin]):
         source = packet.source
         if source.is_concrete and source not in self.receivers:
             return False
-        name = "judp.own_source" if source.is_concrete else "judp.bad_source"
+        name = "transport.own_source" if source.is_concrete else "transport.bad_source"
         self._counters.count(name, f"{source} at {origin}")
         return True
 
@@ -122,7 +122,7 @@ class Inbox(Generic[Origin]):
         if packet.acknowledge >= AckNak.NAK:
             self._on_acknowledgement(packet, receivers, origin, now)
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
-            self._counters.count("judp.no_message_code", f"{packet.source} at {origin}")
+            self._counters.count("transport.no_message_code", f"{packet.source} at {origin}")
         else:
             if packet.acknowledge:
                 self._acknowledge(packet, receivers, origin)
@@ -152,11 +152,13 @@ class Inbox(Generic[Origin]):
             try:
                 receive(message)
             except Exception as error:  # one component must not silence the others
-                self._counters.count("judp.receiver_failed", f"{address}: {error!r}", error=error)
+                self._counters.count(
+                    "transport.receiver_failed", f"{address}: {error!r}", error=error
+                )
 
     def _accept(self, packet: Packet, receivers: Receivers, now: float) -> None:
         if self._duplicates.is_duplicate(packet.source, packet.sequence, now):
-            self._counters.add("judp.duplicate")
+            self._counters.add("transport.duplicate")
             return
         if packet.data_flags:
             whole = self._reassembly.add(packet, now)
@@ -175,13 +177,13 @@ class Inbox(Generic[Origin]):
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float
     ) -> None:
         if packet.acknowledge is AckNak.NAK:
-            self._counters.add("judp.nak")  # nobody sends it; the repetition goes on
+            self._counters.add("transport.nak")  # nobody sends it; the repetition goes on
         elif packet.payload:
             self._on_marked_payload(packet, receivers, origin, now)
         elif self._acknowledged(packet):
-            self._counters.add("judp.acknowledgement")
+            self._counters.add("transport.acknowledgement")
         else:
-            self._counters.add("judp.unmatched_acknowledgement")
+            self._counters.add("transport.unmatched_acknowledgement")
 
     def _on_marked_payload(
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float
@@ -191,7 +193,7 @@ class Inbox(Generic[Origin]):
         if len(packet.payload) >= MESSAGE_CODE_SIZE:
             message = self._flagless.whole(packet, now)
         self._counters.count(
-            "judp.bad_acknowledgement" if message is None else "judp.flagless",
+            "transport.bad_acknowledgement" if message is None else "transport.flagless",
             f"{packet.source} at {origin} sends a payload marked as acknowledgement; "
             "if it is Junior, it must send with a priority above 0",
         )

@@ -77,7 +77,9 @@ class Outbox:
         """
         waiting = _Waiting(packets, on_result)
         if len(self._waiting) >= _MAX_WAITING:
-            self._loop.counters.count("judp.too_many_unacknowledged", str(packets[0].destination))
+            self._loop.counters.count(
+                "transport.too_many_unacknowledged", str(packets[0].destination)
+            )
             self._report(waiting, acknowledged=False)
             return
         with self._lock:
@@ -137,10 +139,10 @@ class Outbox:
         if waiting.repetitions == self._settings.acknowledge_retries:
             self._suspect(packet.destination)
         if repeat:
-            self._loop.counters.add("judp.repeated")
+            self._loop.counters.add("transport.repeated")
             self._transmit(packet)
         else:
-            self._loop.counters.count("judp.unacknowledged", f"{packet.destination}")
+            self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
             self._report(waiting, acknowledged=False)
 
     def _report(self, waiting: _Waiting, *, acknowledged: bool) -> None:

@@ -135,7 +135,7 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
 
     What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
     protocols; ``judp.bad_version``; ``judp.truncated``, the size says more than there is;
-    ``judp.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
+    ``transport.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
     ``parse_message`` counts.
     """
     if not data or data[0] != JUDP_VERSION:
@@ -167,8 +167,8 @@ def message_size(data: bytes | bytearray, offset: int) -> int:
 def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
     """Return one message without the version byte of its datagram; never raises.
 
-    What cannot be read is counted: ``judp.bad_message_type``, reserved by the standard;
-    ``judp.compressed``; ``judp.bad_size``.
+    What cannot be read is counted: ``transport.bad_message_type``, reserved by the standard;
+    ``transport.compressed``; ``transport.bad_size``.
 
     Args:
         data: Bytes with the message.
@@ -209,16 +209,16 @@ def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
     """
     kind = data[offset]
     if kind >> 6 == _COMPRESSED and not kind & _TYPE_MASK:
-        return "judp.compressed", 0
+        return "transport.compressed", 0
     with_fields = size >= EMPTY_MESSAGE_SIZE + _COMPRESSION_FIELDS_SIZE and _is_plausible(
         data, offset + _COMPRESSION_FIELDS_SIZE
     )
     if kind & _TYPE_MASK:
         is_misplaced = kind in (1, 2) and with_fields and not _is_plausible(data, offset)
-        return ("", _COMPRESSION_FIELDS_SIZE) if is_misplaced else ("judp.bad_message_type", 0)
+        return ("", _COMPRESSION_FIELDS_SIZE) if is_misplaced else ("transport.bad_message_type", 0)
     if with_fields:
         return "", _COMPRESSION_FIELDS_SIZE
-    return ("", 0) if _is_plausible(data, offset) else ("judp.bad_size", 0)
+    return ("", 0) if _is_plausible(data, offset) else ("transport.bad_size", 0)
 
 
 def _is_plausible(data: bytes, offset: int) -> bool:
@@ -240,7 +240,7 @@ def _count_remainder(data: bytes, offset: int, size: int, counters: Counters) ->
     if offset > 1:
         name = "judp.trailing_bytes"
     elif 0 <= size < EMPTY_MESSAGE_SIZE:
-        name = "judp.bad_size"
+        name = "transport.bad_size"
     else:
         name = "judp.truncated"
     counters.count(name, f"{len(data)} bytes: {data[:32].hex()}")

@@ -32,11 +32,11 @@ class Packetizer:
         """Return the counter of what forbids to send so many bytes, if anything does."""
         if destination.is_wildcard:
             # Peers do not reassemble broadcasts (Junior refuses to send them).
-            return "judp.broadcast_too_large" if size > self._fragment_size else ""
+            return "transport.broadcast_too_large" if size > self._fragment_size else ""
         if not destination.is_concrete:
-            return "judp.bad_destination"
+            return "transport.bad_destination"
         if size > self._fragment_size * _MAX_FRAGMENTS:
-            return "judp.message_too_large"
+            return "transport.message_too_large"
         return ""
 
     def packets(

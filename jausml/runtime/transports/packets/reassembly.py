@@ -84,8 +84,8 @@ class Reassembly:
 
     Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
     numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
-    ``judp.reassembly_timeout`` and ``judp.reassembly_overflow``. Of the ``judp.fragments`` taken,
-    each is held, or among ``judp.fragments_assembled`` or ``judp.fragments_discarded``.
+    ``transport.reassembly_timeout`` and ``transport.reassembly_overflow``. Of the ``transport.fragments`` taken,
+    each is held, or among ``transport.fragments_assembled`` or ``transport.fragments_discarded``.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
@@ -121,9 +121,9 @@ class Reassembly:
         if stream is None:
             stream = self._streams[way] = _Stream()
         elif packet.sequence in stream.fragments:
-            self._counters.add("judp.duplicate")
+            self._counters.add("transport.duplicate")
             return None
-        self._counters.add("judp.fragments")
+        self._counters.add("transport.fragments")
         self._streams.move_to_end(way)
         self._size += _cost(packet)
         run = stream.add(packet, now)
@@ -138,8 +138,10 @@ class Reassembly:
             runs = stream.by_start.values()
             for run in [run for run in runs if now - run.updated >= self._timeout]:
                 count = len(self._remove(stream, run))
-                self._counters.add("judp.fragments_discarded", count)
-                self._counters.count("judp.reassembly_timeout", f"{count} fragments of {way[0]}")
+                self._counters.add("transport.fragments_discarded", count)
+                self._counters.count(
+                    "transport.reassembly_timeout", f"{count} fragments of {way[0]}"
+                )
             if not stream.fragments:
                 del self._streams[way]
 
@@ -147,8 +149,8 @@ class Reassembly:
         packets = self._remove(stream, run)
         if not stream.fragments:
             del self._streams[way]
-        self._counters.add("judp.fragments_assembled", len(packets))
-        self._counters.add("judp.reassembled")
+        self._counters.add("transport.fragments_assembled", len(packets))
+        self._counters.add("transport.reassembled")
         payload = b"".join([packet.payload for packet in packets])
         return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
 
@@ -167,8 +169,8 @@ class Reassembly:
     def _discard(self, way: Way) -> None:
         stream = self._streams.pop(way)
         self._size -= stream.size
-        self._counters.add("judp.fragments_discarded", len(stream.fragments))
-        self._counters.count("judp.reassembly_overflow", f"{stream.size} bytes of {way[0]}")
+        self._counters.add("transport.fragments_discarded", len(stream.fragments))
+        self._counters.count("transport.reassembly_overflow", f"{stream.size} bytes of {way[0]}")
 
 
 def _cost(packet: Packet) -> int:

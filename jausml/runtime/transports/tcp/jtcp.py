@@ -286,7 +286,7 @@ class JtcpTransport:
         is_relayed = self._relay(packet, connection)
         is_taken = self._inbox.take(packet, connection, self.loop.now())
         if not is_taken and not is_relayed:
-            self.counters.add("judp.not_for_us")
+            self.counters.add("transport.not_for_us")
 
     def _learn(self, packet: Packet, connection: Connection) -> None:
         address = packet.source
@@ -296,10 +296,12 @@ class JtcpTransport:
             self._routes.move_to_end(address)
             return
         if former is not None:
-            self.counters.count("judp.address_changed", f"{address} from {former} to {connection}")
+            self.counters.count(
+                "transport.address_changed", f"{address} from {former} to {connection}"
+            )
         elif len(self._routes) >= _MAX_ROUTES:
             forgotten, _ = self._routes.popitem(last=False)
-            self.counters.count("judp.address_book_full", f"forgot {forgotten}")
+            self.counters.count("transport.address_book_full", f"forgot {forgotten}")
         self._routes[address] = connection
         self._routes.move_to_end(address)
 

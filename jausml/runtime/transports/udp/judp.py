@@ -194,7 +194,7 @@ class JudpTransport:
             self._sender.put(forwarded_frame(sender, packet.encode()), endpoint)
             self.counters.add("judp.forwarded")
         else:
-            self.counters.add("judp.not_for_us")
+            self.counters.add("transport.not_for_us")
 
     def _on_neighbour(self, frame: bytes, sender: Endpoint) -> None:
         """Take a frame from another process of this host that shares the port."""
