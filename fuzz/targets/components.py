@@ -21,15 +21,15 @@ from jausml.runtime.component.component import (
     Status,
 )
 from jausml.runtime.services.completion import Completion
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
-from jausml.runtime.transports.transport import ReceivedMessage
 from jausml.runtime.wire.message import Message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.transport import OnResult, Receive
+    from jausml.runtime.transports.delivery import OnResult, Receive
 
 OWN = JausAddress(100, 1, 1)
 PEERS = (JausAddress(100, 1, 2), JausAddress(200, 1, 1), JausAddress(200, 1, 2))

@@ -18,7 +18,7 @@ from jausml.runtime.transports.udp.shared_port import present_frame, read_forwar
 
 if TYPE_CHECKING:
     from jausml.runtime.base.settings import Endpoint
-    from jausml.runtime.transports.transport import ReceivedMessage
+    from jausml.runtime.transports.delivery import ReceivedMessage
 
 SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)
 OWN = (JausAddress(100, 1, 1), JausAddress(100, 1, 2))

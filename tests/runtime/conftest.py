@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.transports.transport import ReceivedMessage
+    from jausml.runtime.transports.delivery import ReceivedMessage
 
 GROUP = "239.255.0.1"
 LOOPBACK = "127.0.0.1"

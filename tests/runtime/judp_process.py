@@ -15,7 +15,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
-    from jausml.runtime.transports.transport import ReceivedMessage
+    from jausml.runtime.transports.delivery import ReceivedMessage
 
 ECHO = b"\x00\xd0"
 

@@ -343,7 +343,7 @@ def test_what_cannot_work_is_refused(folder):
         transport.send(DRIVER, OCU, STATUS, on_result=results.append)
         loop.run_once(0)
         assert results == [False]
-        assert loop.counters.drops() == {"node_manager.not_attached": 1}
+        assert loop.counters.drops() == {"transport.not_attached": 1}
         transport.attach(DRIVER, lambda _message: None)
         with pytest.raises(ValueError, match="is attached already"):
             transport.attach(DRIVER, lambda _message: None)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
-from jausml.runtime.transports.transport import ReceivedMessage
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 pytestmark = pytest.mark.ports

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from ..services.completion import Completion
     from ..services.dispatch import Handler
     from ..services.element_list import ElementList, ListElement
-    from ..transports.transport import ReceivedMessage, Transport
+    from ..transports.delivery import ReceivedMessage
+    from ..transports.transport import Transport
 
 COMPONENT_TYPE = 60001
 """Type of a plain component (AS5710, ReportIdentification)."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..base.address import JausAddress
 from ..base.loop import Loop
 from ..base.settings import TransportSettings, add_arguments, from_arguments
-from ..transports.selecting import NetworkTransport, create_transport
+from ..transports.selecting import create_transport
 from .component import ComponentSettings, JausComponent, Scope
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def configure_log(level: str) -> None:
 
 
 @contextmanager
-def running_transport(settings: TransportSettings) -> Iterator[NetworkTransport]:
+def running_transport(settings: TransportSettings) -> Iterator[Transport]:
     """Open a transport on a loop of its own for the duration of a block.
 
     Raises:

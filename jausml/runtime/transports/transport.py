@@ -1,79 +1,74 @@
-"""What components need of a transport; they know nothing else of it."""
+"""What all transports have in common, and all that components know of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
 
+from .delivery import report
 from .packets.packet import Priority
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
+    from ..base.settings import TransportSettings
+    from .delivery import OnResult, Receive
+    from .packets.messenger import Messenger
 
-MESSAGE_CODE_SIZE = 2
-"""Bytes of the message code with which every payload begins."""
 
+class Transport(ABC):
+    """Components of this process on a network.
 
-class ReceivedMessage(NamedTuple):
-    """One JAUS message as it arrived.
+    ``JudpTransport`` is that of UDP, ``JtcpTransport`` of TCP, and ``NodeManagerTransport`` goes
+    through the host's node manager.
 
     Attributes:
-        source: Component that sent it.
-        destination: Component or wildcard that it was sent to.
-        payload: Little-endian 16-bit message code and body.
-        priority: Priority that the sender chose.
-        sequence: Sequence number of its (first) packet.
+        loop: The loop on which messages are received.
+        counters: Where drops are counted.
     """
 
-    source: JausAddress
-    destination: JausAddress
-    payload: bytes
-    priority: Priority
-    sequence: int
+    def __init__(self, settings: TransportSettings, loop: Loop) -> None:
+        """Prepare a transport; ``open`` puts it on the network.
 
+        Args:
+            settings: Interface, port, peers, time-outs and limits.
+            loop: Loop on which messages are received; its counters are used.
+        """
+        self.loop = loop
+        self.counters: Counters = loop.counters
+        self._settings = settings
 
-Receive = Callable[[ReceivedMessage], None]
-"""Takes a message for one component; runs on the loop's thread and holds the loop's lock."""
+    @abstractmethod
+    def open(self) -> None:
+        """Begin to send and receive.
 
-OnResult = Callable[[bool], None]
-"""Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
+        Raises:
+            OSError: The network cannot be used as the settings say.
+        """
 
-
-def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
-    """Tell a result in the next round of the loop.
-
-    Args:
-        loop: The loop.
-        on_result: Who wants to know, if anybody.
-        success: Whether the message went out.
-    """
-    if on_result is not None:
-        loop.call_soon(partial(on_result, success))
-
-
-class Transport(Protocol):
-    """What components need to exchange messages.
-
-    Implemented by ``judp.JudpTransport`` (UDP), ``jtcp.JtcpTransport`` (TCP) and
-    ``node_manager.NodeManagerTransport`` (through the host's node manager).
-    """
-
-    @property
-    def loop(self) -> Loop:
-        """The loop on which messages are received."""
-
-    @property
-    def counters(self) -> Counters:
-        """Where drops are counted."""
+    @abstractmethod
+    def close(self) -> None:
+        """End; messages that wait are reported as lost."""
 
     def attach(self, address: JausAddress, receive: Receive) -> None:
-        """Receive messages for a component of this process from now on."""
+        """Receive messages for a component of this process from now on.
+
+        Args:
+            address: The component.
+            receive: Takes each message, on the loop's thread.
+
+        Raises:
+            ValueError: The address is not one component, or is attached already.
+            OSError: Another process has the address, as far as the network tells.
+        """
+        with self.loop.lock:
+            self._attach(address, receive)
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
+        with self.loop.lock:
+            self._detach(address)
 
     def send(
         self,
@@ -101,3 +96,21 @@ class Transport(Protocol):
         Raises:
             ValueError: The source is not one component or the payload has no message code.
         """
+        messenger = self._messenger_of(source)
+        if messenger is None:
+            self.counters.count("transport.not_attached", f"a message of {source} is lost")
+            report(self.loop, on_result, success=False)
+        else:
+            messenger.send(source, destination, payload, priority, acknowledge, on_result)
+
+    @abstractmethod
+    def _attach(self, address: JausAddress, receive: Receive) -> None:
+        """Attach a component; see ``attach``, which holds the lock."""
+
+    @abstractmethod
+    def _detach(self, address: JausAddress) -> None:
+        """Detach a component; see ``detach``, which holds the lock."""
+
+    @abstractmethod
+    def _messenger_of(self, source: JausAddress) -> Messenger[Any] | None:
+        """Return the message layer of a component; None when it cannot send."""

@@ -10,15 +10,15 @@ from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.component.component import ComponentSettings, JausComponent, ServiceIdentity
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
-from jausml.runtime.transports.transport import ReceivedMessage
 from jausml.runtime.wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.transport import Receive
+    from jausml.runtime.transports.delivery import Receive
 
 CORE_SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)

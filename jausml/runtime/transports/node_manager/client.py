@@ -9,6 +9,7 @@ from collections import deque
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
+from ..packets.carrier import Carrier
 from ..packets.messenger import Messenger
 from ..packets.packet import Broadcast, Packet, parse_datagram
 from ..port_holder import is_alive
@@ -48,7 +49,7 @@ class _State(Enum):
     WAITING = auto()
 
 
-class NodeManagerClient:
+class NodeManagerClient(Carrier[str]):
     """A local socket, the handshake with the manager, and the messages of one component."""
 
     def __init__(
@@ -82,13 +83,7 @@ class NodeManagerClient:
         self._pause = _FIRST_PAUSE_S
         self._timer: Timer | None = None
         self._retry: Timer | None = None
-        self.messenger: Messenger[str] = Messenger(
-            settings,
-            loop,
-            transmit=self._transmit,
-            answer=lambda packet, _origin: self._put(packet.encode()),
-            suspect=lambda _destination: None,
-        )
+        self.messenger: Messenger[str] = Messenger(settings, loop, self)
 
     @property
     def is_attached(self) -> bool:
@@ -204,7 +199,13 @@ class NodeManagerClient:
 
     # ---- sending ----------------------------------------------------------------------------
 
-    def _transmit(self, packet: Packet) -> bool:
+    def answer(self, packet: Packet, origin: str) -> None:
+        """Send a packet back through the manager, which all of them come from."""
+        del origin
+        self._put(packet.encode())
+
+    def transmit(self, packet: Packet) -> bool:
+        """Give a packet to the manager, which finds its destination."""
         if packet.destination.is_wildcard:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
         return self._put(packet.encode())

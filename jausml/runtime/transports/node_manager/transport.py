@@ -6,22 +6,21 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..packets.packet import Priority
 from ..port_holder import MANAGER
-from ..transport import report
+from ..transport import Transport
 from .client import NodeManagerClient
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
-    from ...base.counters import Counters
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
-    from ..transport import OnResult, Receive
+    from ..delivery import Receive
+    from ..packets.messenger import Messenger
 
 _WATCH_INTERVAL_S = 1.0
 
 
-class NodeManagerTransport:
+class NodeManagerTransport(Transport):
     """Components of this process as clients of the node manager of their host.
 
     The manager has the network: it finds peers, sends and receives for its clients, and passes
@@ -37,9 +36,7 @@ class NodeManagerTransport:
             settings: Folder of the local sockets, time-outs and limits.
             loop: Loop on which messages are received; its counters are used.
         """
-        self.loop = loop
-        self.counters: Counters = loop.counters
-        self._settings = settings
+        super().__init__(settings, loop)
         self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
         self._clients: dict[JausAddress, NodeManagerClient] = {}
         self._watch: Timer | None = None
@@ -79,52 +76,25 @@ class NodeManagerTransport:
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
-        """Receive messages for a component of this process from now on.
+    def _attach(self, address: JausAddress, receive: Receive) -> None:
+        if address in self._clients:
+            raise ValueError(f"{address} is attached already")
+        client = NodeManagerClient(self._settings, self.loop, self._folder, MANAGER, address)
+        client.messenger.inbox.attach(address, receive)
+        if self._is_open:
+            client.open()
+        # Copied, not changed: send() reads it on other threads without a lock.
+        self._clients = {**self._clients, address: client}
 
-        Raises:
-            ValueError: The address is not one component, or is attached already.
-            OSError: Another process has attached a component of this address.
-        """
-        with self.loop.lock:
-            if address in self._clients:
-                raise ValueError(f"{address} is attached already")
-            client = NodeManagerClient(self._settings, self.loop, self._folder, MANAGER, address)
-            client.messenger.inbox.attach(address, receive)
-            if self._is_open:
-                client.open()
-            # Copied, not changed: send() reads it on other threads without a lock.
-            self._clients = {**self._clients, address: client}
+    def _detach(self, address: JausAddress) -> None:
+        client = self._clients.get(address)
+        self._clients = {known: each for known, each in self._clients.items() if known != address}
+        if client is not None:
+            client.close()
 
-    def detach(self, address: JausAddress) -> None:
-        """Stop to receive messages for a component; no effect when it is unknown."""
-        with self.loop.lock:
-            client = self._clients.get(address)
-            self._clients = {
-                known: each for known, each in self._clients.items() if known != address
-            }
-            if client is not None:
-                client.close()
-
-    def send(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-        on_result: OnResult | None = None,
-    ) -> None:
-        """Send one message of an attached component; see ``Transport.send``."""
+    def _messenger_of(self, source: JausAddress) -> Messenger[str] | None:
         client = self._clients.get(source)
-        if client is None:
-            self.counters.count("node_manager.not_attached", f"a message of {source} is lost")
-            report(self.loop, on_result, success=False)
-            return
-        client.messenger.send(
-            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
-        )
+        return None if client is None else client.messenger
 
     def _plan_watch(self) -> None:
         self._watch = self.loop.call_later(_WATCH_INTERVAL_S, self._look_after)

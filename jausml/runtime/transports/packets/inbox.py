@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic
 
-from ..transport import MESSAGE_CODE_SIZE, ReceivedMessage
+from ..delivery import MESSAGE_CODE_SIZE, ReceivedMessage
+from .carrier import Origin
 from .duplicates import DuplicateWindow
 from .flagless import FlaglessMessages
 from .packet import AckNak, DataFlags, Packet
@@ -16,12 +17,10 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
-    from ..transport import Receive
+    from ..delivery import Receive
+    from .carrier import Carrier
 
     Receivers = list[tuple[JausAddress, Receive]]
-
-Origin = TypeVar("Origin")
-"""Where a packet came from and answers to it go: an endpoint, a connection, a socket."""
 
 
 class Inbox(Generic[Origin]):
@@ -36,7 +35,7 @@ class Inbox(Generic[Origin]):
         settings: TransportSettings,
         loop: Loop,
         acknowledged: Callable[[Packet], bool],
-        answer: Callable[[Packet, Origin], object],
+        carrier: Carrier[Origin],
     ) -> None:
         """Start with no components.
 
@@ -44,13 +43,13 @@ class Inbox(Generic[Origin]):
             settings: Limits of duplicate detection and reassembly.
             loop: Its lock, clock and counters are used.
             acknowledged: Takes an acknowledgement; returns whether a packet waited for it.
-            answer: Sends a packet back to where one came from.
+            carrier: Sends answers back.
         """
         self._loop = loop
         self._counters = loop.counters
         self._timeout = settings.reassembly_timeout
         self._acknowledged = acknowledged
-        self._answer = answer
+        self._carrier = carrier
         self._duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
@@ -171,7 +170,7 @@ class Inbox(Generic[Origin]):
     def _acknowledge(self, packet: Packet, receivers: Receivers, origin: Origin) -> None:
         for address, _ in receivers:
             answer = Packet(packet.source, address, b"", packet.sequence, packet.priority)
-            self._answer(answer._replace(acknowledge=AckNak.ACK), origin)
+            self._carrier.answer(answer._replace(acknowledge=AckNak.ACK), origin)
 
     def _on_acknowledgement(
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float

@@ -5,19 +5,18 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
-from ..transport import MESSAGE_CODE_SIZE, report
-from .inbox import Inbox, Origin
+from ..delivery import MESSAGE_CODE_SIZE, report
+from .carrier import Carrier, Origin, ReliableCarrier
+from .inbox import Inbox
 from .outbox import Outbox
 from .packet import AckNak, Packet, Priority
 from .packetizer import Packetizer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...base.address import JausAddress
     from ...base.loop import Loop
     from ...base.settings import TransportSettings
-    from ..transport import OnResult
+    from ..delivery import OnResult
 
 
 class Messenger(Generic[Origin]):
@@ -31,31 +30,26 @@ class Messenger(Generic[Origin]):
         self,
         settings: TransportSettings,
         loop: Loop,
-        *,
-        transmit: Callable[[Packet], bool],
-        answer: Callable[[Packet, Origin], object],
-        suspect: Callable[[JausAddress], None],
-        send_all: Callable[[list[Packet], OnResult | None], None] | None = None,
+        carrier: Carrier[Origin],
     ) -> None:
         """Start with no components and nothing to wait for.
 
         Args:
             settings: Sizes, time-outs and limits.
             loop: Loop on which messages are received; its counters are used.
-            transmit: Puts a packet on the network; returns whether that worked.
-            answer: Sends a packet back to where one came from.
-            suspect: Told a destination that fails to acknowledge.
-            send_all: Sends the packets of a message reliably and reports; replaces repetition
-                until acknowledged where the network itself is reliable.
+            carrier: Puts packets on the network. Messages are repeated until acknowledged unless
+                it is reliable by itself.
         """
         self._loop = loop
-        self._transmit = transmit
+        self._transmit = carrier.transmit
         self._packet_size = settings.fragment_size
         self._packetizer = Packetizer(settings.fragment_size)
-        self._outbox = Outbox(settings, loop, transmit, suspect)
-        self._send_all = self._send_out if send_all is None else send_all
-        self.is_reliable = send_all is not None
-        self.inbox: Inbox[Origin] = Inbox(settings, loop, self._outbox.acknowledged, answer)
+        self._outbox = Outbox(settings, loop, carrier)
+        self._is_reliable = isinstance(carrier, ReliableCarrier)
+        self._send_all = (
+            carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_out
+        )
+        self.inbox: Inbox[Origin] = Inbox(settings, loop, self._outbox.acknowledged, carrier)
 
     def close(self) -> None:
         """Report what waits for acknowledgement as lost."""
@@ -68,8 +62,7 @@ class Messenger(Generic[Origin]):
         destination: JausAddress,
         payload: bytes,
         priority: Priority,
-        *,
-        acknowledge: bool,
+        acknowledge: bool,  # noqa: FBT001 - one caller
         on_result: OnResult | None,
     ) -> None:
         """Send one message; see ``Transport.send``.
@@ -94,7 +87,7 @@ class Messenger(Generic[Origin]):
             number = self._packetizer.reserve(source, 1)
             self._send_here(Packet(destination, source, payload, number, priority), on_result)
             return
-        wanted = AckNak.REQUESTED if acknowledge and not self.is_reliable else AckNak.NONE
+        wanted = AckNak.REQUESTED if acknowledge and not self._is_reliable else AckNak.NONE
         packets = self._packetizer.packets(source, destination, payload, priority, wanted)
         if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
             self._send_here(packets[0], on_result)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
+    from .carrier import Carrier
     from .packet import Packet
 
 _MAX_WAITING = 4096
@@ -46,21 +47,19 @@ class Outbox:
         self,
         settings: TransportSettings,
         loop: Loop,
-        transmit: Callable[[Packet], bool],
-        suspect: Callable[[JausAddress], None],
+        carrier: Carrier[Any],
     ) -> None:
         """Start with nothing to wait for.
 
         Args:
             settings: Time-out and number of repetitions.
             loop: Runs the time-outs.
-            transmit: Puts a packet on the network.
-            suspect: Told the destination before the last repetition, which may thus search for it.
+            carrier: Puts packets on the network; told the destination before the last repetition,
+                which may thus search for it.
         """
         self._settings = settings
         self._loop = loop
-        self._transmit = transmit
-        self._suspect = suspect
+        self._carrier = carrier
         self._lock = threading.Lock()
         self._waiting: dict[tuple[JausAddress, int], _Waiting] = {}
 
@@ -84,7 +83,7 @@ class Outbox:
             return
         with self._lock:
             self._wait_for(waiting)
-        self._transmit(packets[0])  # the loop may have gone on to a later one meanwhile
+        self._carrier.transmit(packets[0])  # the loop may have gone on to a later one meanwhile
 
     def acknowledged(self, packet: Packet) -> bool:
         """Take an acknowledgement; return whether a packet waited for it."""
@@ -104,7 +103,7 @@ class Outbox:
         if is_last:
             self._report(waiting, acknowledged=True)
         else:
-            self._transmit(waiting.packet)
+            self._carrier.transmit(waiting.packet)
         return True
 
     def close(self) -> None:
@@ -137,10 +136,10 @@ class Outbox:
             else:
                 del self._waiting[key]
         if waiting.repetitions == self._settings.acknowledge_retries:
-            self._suspect(packet.destination)
+            self._carrier.suspect(packet.destination)
         if repeat:
             self._loop.counters.add("transport.repeated")
-            self._transmit(packet)
+            self._carrier.transmit(packet)
         else:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
             self._report(waiting, acknowledged=False)

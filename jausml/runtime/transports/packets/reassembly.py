@@ -84,8 +84,9 @@ class Reassembly:
 
     Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
     numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
-    ``transport.reassembly_timeout`` and ``transport.reassembly_overflow``. Of the ``transport.fragments`` taken,
-    each is held, or among ``transport.fragments_assembled`` or ``transport.fragments_discarded``.
+    ``transport.reassembly_timeout`` and ``transport.reassembly_overflow``. Of the fragments taken,
+    ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
+    ``transport.fragments_discarded``.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:

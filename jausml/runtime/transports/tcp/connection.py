@@ -8,8 +8,8 @@ import sys
 from collections import deque
 from typing import TYPE_CHECKING
 
+from ..delivery import report
 from ..packets.packet import JUDP_VERSION
-from ..transport import report
 from .stream import StreamError, StreamReader
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint
+    from ..delivery import OnResult
     from ..packets.packet import Packet
-    from ..transport import OnResult
 
 _READ_SIZE = 65536
 _READS_PER_WAKE_UP = 8
@@ -29,7 +29,7 @@ _KEEPALIVE_INTERVAL_S = 2
 _KEEPALIVE_PROBES = 3
 
 
-class Connection:
+class TcpConnection:
     """A stream of messages in each direction; everything happens on the loop's thread.
 
     The version byte goes once in each direction, before the first message. The size in each
@@ -46,8 +46,8 @@ class Connection:
         connecting: bool,
         buffer: int,
         timeout: float,
-        on_packet: Callable[[Packet, Connection], None],
-        on_close: Callable[[Connection], None],
+        on_packet: Callable[[Packet, TcpConnection], None],
+        on_close: Callable[[TcpConnection], None],
     ) -> None:
         """Take over a socket.
 

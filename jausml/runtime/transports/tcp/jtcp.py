@@ -11,19 +11,20 @@ from typing import TYPE_CHECKING
 from ...base.address import BROADCAST
 from ...base.counters import LOGGER
 from ..address_book import resolve
+from ..delivery import report
+from ..packets.carrier import ReliableCarrier
 from ..packets.duplicates import DuplicateWindow
 from ..packets.messenger import Messenger
-from ..packets.packet import AckNak, Broadcast, Packet, Priority
+from ..packets.packet import AckNak, Broadcast, Packet
 from ..port_holder import advice
-from ..transport import report
-from .connection import Connection, connect
+from ..transport import Transport
+from .connection import TcpConnection, connect
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
-    from ...base.counters import Counters
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
-    from ..transport import OnResult, Receive
+    from ..delivery import OnResult, Receive
 
 _BACKLOG = 64
 _ACCEPTS_PER_WAKE_UP = 16
@@ -38,12 +39,12 @@ class _Line:
 
     def __init__(self, endpoint: Endpoint) -> None:
         self.endpoint = endpoint
-        self.connection: Connection | None = None
+        self.connection: TcpConnection | None = None
         self.pause = _FIRST_PAUSE_S
         self.retry: Timer | None = None
 
 
-class JtcpTransport:
+class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     """Components of this process on JTCP connections (AS5669A).
 
     A message goes over the connection from which its destination was heard last, or over one
@@ -63,24 +64,15 @@ class JtcpTransport:
             settings: Interface, port, address book and limits.
             loop: Loop on which messages are received; its counters are used.
         """
-        self.loop = loop
-        self.counters: Counters = loop.counters
-        self._settings = settings
+        super().__init__(settings, loop)
         self._well_known: Endpoint = (settings.interface, settings.port)
-        self._messenger: Messenger[Connection] = Messenger(
-            settings,
-            loop,
-            transmit=self._transmit,
-            answer=self._answer,
-            suspect=_never,
-            send_all=self._send_all,
-        )
+        self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self)
         self._inbox = self._messenger.inbox
         self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._book: dict[JausAddress, Endpoint] = {}
-        self._routes: OrderedDict[JausAddress, Connection] = OrderedDict()
+        self._routes: OrderedDict[JausAddress, TcpConnection] = OrderedDict()
         self._lines: dict[Endpoint, _Line] = {}
-        self._connections: list[Connection] = []
+        self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
         self._listener: socket.socket | None = None
         self._takeover: Timer | None = None
@@ -121,41 +113,22 @@ class JtcpTransport:
         """Where this process listens, if it owns the port."""
         return None if self._listener is None else self._listener.getsockname()
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
-        """Receive messages for a component of this process from now on.
+    def _attach(self, address: JausAddress, receive: Receive) -> None:
+        self._inbox.attach(address, receive)
+        line = self._lines.get(self._well_known)
+        if line is not None and line.connection is not None:
+            self._announce(line.connection)
 
-        Raises:
-            ValueError: The address is not one component, or is attached already.
-        """
-        with self.loop.lock:
-            self._inbox.attach(address, receive)
-            line = self._lines.get(self._well_known)
-            if line is not None and line.connection is not None:
-                self._announce(line.connection)
+    def _detach(self, address: JausAddress) -> None:
+        self._inbox.detach(address)
 
-    def detach(self, address: JausAddress) -> None:
-        """Stop to receive messages for a component; no effect when it is unknown."""
-        with self.loop.lock:
-            self._inbox.detach(address)
-
-    def send(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-        on_result: OnResult | None = None,
-    ) -> None:
-        """Send one message; see ``Transport.send``."""
-        self._messenger.send(
-            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
-        )
+    def _messenger_of(self, source: JausAddress) -> Messenger[TcpConnection]:
+        del source  # one for all components
+        return self._messenger
 
     # ---- sending ----------------------------------------------------------------------------
 
-    def _send_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
+    def transmit_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
         """Send on the loop's thread, which alone uses the connections."""
         self._unsent.append((packets, on_result))
         self.loop.call_soon(self._send_unsent)
@@ -180,14 +153,11 @@ class JtcpTransport:
         self.counters.count("jtcp.not_connected", f"no connection to {destination}")
         report(self.loop, on_result, success=False)
 
-    def _transmit(self, packet: Packet) -> bool:
-        connection = self._way_to(packet.destination)
-        return connection is not None and connection.write(_message(packet))
+    def answer(self, packet: Packet, origin: TcpConnection) -> None:
+        """Send a packet back over the connection that one came from."""
+        origin.write(_message(packet))
 
-    def _answer(self, packet: Packet, connection: Connection) -> None:
-        connection.write(_message(packet))
-
-    def _way_to(self, destination: JausAddress) -> Connection | None:
+    def _way_to(self, destination: JausAddress) -> TcpConnection | None:
         """Return the connection to a component, which may be on its way."""
         connection = self._routes.get(destination)
         if connection is None and destination in self._book:
@@ -196,14 +166,14 @@ class JtcpTransport:
             connection = self._lines[self._well_known].connection
         return connection
 
-    def _everyone(self) -> list[Connection]:
+    def _everyone(self) -> list[TcpConnection]:
         for endpoint in self._book.values():
             self._connect(endpoint)
         return list(self._connections)
 
     # ---- connections ------------------------------------------------------------------------
 
-    def _connect(self, endpoint: Endpoint) -> Connection | None:
+    def _connect(self, endpoint: Endpoint) -> TcpConnection | None:
         """Return the connection to an endpoint, made on demand; None while it is down."""
         if not self._is_open or endpoint == self.endpoint:
             return None
@@ -246,8 +216,8 @@ class JtcpTransport:
             else:
                 self._adopt(sock, peer, connecting=False)
 
-    def _adopt(self, sock: socket.socket, peer: Endpoint, *, connecting: bool) -> Connection:
-        connection = Connection(
+    def _adopt(self, sock: socket.socket, peer: Endpoint, *, connecting: bool) -> TcpConnection:
+        connection = TcpConnection(
             sock,
             peer,
             self.loop,
@@ -260,7 +230,7 @@ class JtcpTransport:
         self._connections.append(connection)
         return connection
 
-    def _on_close(self, connection: Connection) -> None:
+    def _on_close(self, connection: TcpConnection) -> None:
         self._connections.remove(connection)
         for address in [known for known, way in self._routes.items() if way is connection]:
             del self._routes[address]
@@ -274,7 +244,7 @@ class JtcpTransport:
 
     # ---- receiving --------------------------------------------------------------------------
 
-    def _on_packet(self, packet: Packet, connection: Connection) -> None:
+    def _on_packet(self, packet: Packet, connection: TcpConnection) -> None:
         if self._inbox.refuses(packet, connection):
             return
         self._learn(packet, connection)
@@ -288,7 +258,7 @@ class JtcpTransport:
         if not is_taken and not is_relayed:
             self.counters.add("transport.not_for_us")
 
-    def _learn(self, packet: Packet, connection: Connection) -> None:
+    def _learn(self, packet: Packet, connection: TcpConnection) -> None:
         address = packet.source
         former = self._routes.get(address)
         # A broadcast may come by several ways, of which none is better than the one known.
@@ -341,12 +311,12 @@ class JtcpTransport:
                 line.retry.cancel()
             self.counters.add("jtcp.port_taken_over")
 
-    def _announce(self, connection: Connection) -> None:
+    def _announce(self, connection: TcpConnection) -> None:
         for address in self._inbox.receivers:
             present = Packet(BROADCAST, address, acknowledge=AckNak.ACK)
             connection.write(_message(present))
 
-    def _relay(self, packet: Packet, origin: Connection) -> bool:
+    def _relay(self, packet: Packet, origin: TcpConnection) -> bool:
         """Pass a packet on for another process of this host; return whether it went somewhere."""
         if self._listener is None or packet.destination in self._inbox.receivers:
             return False
@@ -387,7 +357,3 @@ def _listen(endpoint: Endpoint) -> socket.socket:
         sock.close()
         raise
     return sock
-
-
-def _never(_destination: JausAddress) -> None:
-    """TCP tells by itself when a peer is gone."""

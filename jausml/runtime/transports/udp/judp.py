@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ..address_book import AddressBook
 from ..packets.messenger import Messenger
-from ..packets.packet import Packet, Priority, parse_datagram
+from ..packets.packet import Packet, parse_datagram
+from ..transport import Transport
 from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
 
@@ -15,17 +16,16 @@ if TYPE_CHECKING:
     import socket
 
     from ...base.address import JausAddress
-    from ...base.counters import Counters
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
+    from ..delivery import Receive
     from ..packets.inbox import Inbox
-    from ..transport import OnResult, Receive
 
 _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_WAKE_UP = 32
 
 
-class JudpTransport:
+class JudpTransport(Transport):
     """Components of this process on one JUDP port (AS5669A).
 
     Destinations with a wildcard go to the multicast group and to the matching components of this
@@ -41,19 +41,11 @@ class JudpTransport:
             settings: Interface, port, peers and time-outs.
             loop: Loop on which messages are received; its counters are used.
         """
-        self.loop = loop
-        self.counters: Counters = loop.counters
-        self._settings = settings
+        super().__init__(settings, loop)
         self._port = SharedPort(settings)
         self._book = AddressBook(settings.address_lifetime, self.counters)
         self._sender = Sender(loop, self._port, self._book)
-        self._messenger: Messenger[Endpoint] = Messenger(
-            settings,
-            loop,
-            transmit=self._sender.transmit,
-            answer=self._answer,
-            suspect=self._book.suspect,
-        )
+        self._messenger = Messenger(settings, loop, self._sender)
         self._inbox = self._messenger.inbox
         self._takeover: Timer | None = None
 
@@ -98,39 +90,16 @@ class JudpTransport:
         unicast = self._port.unicast
         return None if unicast is None else unicast.getsockname()
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
-        """Receive messages for a component of this process from now on.
+    def _attach(self, address: JausAddress, receive: Receive) -> None:
+        self._inbox.attach(address, receive)
+        self._announce()
 
-        Args:
-            address: The component.
-            receive: Takes each message, on the loop's thread.
+    def _detach(self, address: JausAddress) -> None:
+        self._inbox.detach(address)
 
-        Raises:
-            ValueError: The address is not one component, or is attached already.
-        """
-        with self.loop.lock:
-            self._inbox.attach(address, receive)
-            self._announce()
-
-    def detach(self, address: JausAddress) -> None:
-        """Stop to receive messages for a component; no effect when it is unknown."""
-        with self.loop.lock:
-            self._inbox.detach(address)
-
-    def send(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-        on_result: OnResult | None = None,
-    ) -> None:
-        """Send one message; see ``Transport.send``."""
-        self._messenger.send(
-            source, destination, payload, priority, acknowledge=acknowledge, on_result=on_result
-        )
+    def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
+        del source  # one for all components
+        return self._messenger
 
     def _watch(self, sock: socket.socket | None) -> None:
         if sock is not None:
@@ -178,9 +147,6 @@ class JudpTransport:
         self._book.learn(packet.source, sender, now)
         if not self._inbox.take(packet, sender, now):
             self._on_stray(packet, sender, may_forward=may_forward)
-
-    def _answer(self, packet: Packet, sender: Endpoint) -> None:
-        self._sender.put(packet.encode(), sender)
 
     def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
         """Pass a packet that is not for this process to a neighbour that shares the port."""

@@ -5,17 +5,19 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
+from ...base.settings import Endpoint
 from ..address_book import AddressBook, Doubt
+from ..packets.carrier import Carrier
 from ..packets.packet import AckNak, Broadcast
 
 if TYPE_CHECKING:
+    from ...base.address import JausAddress
     from ...base.loop import Loop
-    from ...base.settings import Endpoint
     from ..packets.packet import Packet
     from .shared_port import SharedPort
 
 
-class Sender:
+class Sender(Carrier[Endpoint]):
     """Sends each packet where its destination is, from any thread."""
 
     def __init__(self, loop: Loop, port: SharedPort, book: AddressBook) -> None:
@@ -54,6 +56,14 @@ class Sender:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
             sent = self.put(packet.encode(), self._port.group) or sent
         return sent
+
+    def answer(self, packet: Packet, origin: Endpoint) -> None:
+        """Send a packet back to the endpoint that one came from."""
+        self.put(packet.encode(), origin)
+
+    def suspect(self, destination: JausAddress) -> None:
+        """Search for a destination that fails to acknowledge, from its next packet on."""
+        self._book.suspect(destination)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> bool:
         """Send a datagram from the unicast socket; return whether the system took it."""

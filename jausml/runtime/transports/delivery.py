@@ -1,0 +1,52 @@
+"""Messages as transports hand them over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from ..base.address import JausAddress
+    from ..base.loop import Loop
+    from .packets.packet import Priority
+
+MESSAGE_CODE_SIZE = 2
+"""Bytes of the message code with which every payload begins."""
+
+
+class ReceivedMessage(NamedTuple):
+    """One JAUS message as it arrived.
+
+    Attributes:
+        source: Component that sent it.
+        destination: Component or wildcard that it was sent to.
+        payload: Little-endian 16-bit message code and body.
+        priority: Priority that the sender chose.
+        sequence: Sequence number of its (first) packet.
+    """
+
+    source: JausAddress
+    destination: JausAddress
+    payload: bytes
+    priority: Priority
+    sequence: int
+
+
+Receive = Callable[[ReceivedMessage], None]
+"""Takes a message for one component; runs on the loop's thread and holds the loop's lock."""
+
+OnResult = Callable[[bool], None]
+"""Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
+
+
+def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
+    """Tell a result in the next round of the loop.
+
+    Args:
+        loop: The loop.
+        on_result: Who wants to know, if anybody.
+        success: Whether the message went out.
+    """
+    if on_result is not None:
+        loop.call_soon(partial(on_result, success))
