@@ -6,14 +6,8 @@ import grimp
 
 # To be opened; the list only shrinks.
 KNOWN = {
-    frozenset(f"jausml.generators.{name}" for name in names)
-    for names in [
-        (
-            "bridge.translation.lists",
-            "bridge.translation.messages",
-            "bridge.translation.translation",
-        ),
-    ]
+    frozenset(f"jausml.generators.bridge.translation.{name}" for name in names)
+    for names in [("lists", "messages", "translation")]
 }
 
 

@@ -61,7 +61,7 @@ def tasks(model: Model) -> list[Task]:
 
 def _messages(bridge: BridgeView) -> MessagesModule:
     return MessagesModule(
-        summary=f"The JAUS messages of the bridge {bridge.name}.",
+        summary=f"The JAUS messages of the {bridge.title}.",
         runtime=runtime.FACE,
         messages=bridge.messages,
         source=bridge.source,

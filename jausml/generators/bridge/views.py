@@ -82,6 +82,11 @@ class BridgeView:
         return str(self.bridge.name)
 
     @property
+    def title(self) -> str:
+        """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
+        return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
+
+    @property
     def package(self) -> str:
         """Package, module of the skeleton and executable."""
         return package_name(self.name)
@@ -99,7 +104,7 @@ class BridgeView:
     @property
     def documentation(self) -> str:
         """What the model says that the bridge is for."""
-        return self.bridge.documentation or f"Bridge {self.name} of the system {self.system.name}."
+        return self.bridge.documentation or f"The {self.title} of the system {self.system.name}."
 
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
