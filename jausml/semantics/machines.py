@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
+from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import (
     CORE_LEAVES,
     CORE_STATES,
@@ -21,23 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.semantics.subject import Subject
-
-CORE = "urn:jaus:jss:core:"
-"""Prefix of the URNs of the core services (AS5710)."""
-
-_CORE_NAMES = (
-    *("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness", "Liveliness"),
-    *("Time", "ListManager"),
-)
-KEPT_BY_RUNTIME = frozenset(
-    [
-        *(CORE + name for name in _CORE_NAMES),
-        "urn:jaus:jss:iop:UnsolicitedHeartbeat",
-        "urn:jaus:jss:manipulator:ListManager",
-        "urn:jaus:jss:mobility:ListManager",
-    ]
-)
-"""Services whose messages and behaviour the runtime itself takes care of."""
 
 
 @dataclass(frozen=True)
@@ -130,9 +114,9 @@ def behaviours(subject: Subject) -> Iterator[Behaviour]:
         subject: The model.
     """
     for service in subject.instances(jaus.Service):
-        if service.urn in KEPT_BY_RUNTIME or not service.machines:
+        if service.urn in SERVED_BY_RUNTIME or not service.machines:
             continue
-        chain = [each for each in reversed(lineage(service)) if each.urn not in KEPT_BY_RUNTIME]
+        chain = [each for each in reversed(lineage(service)) if each.urn not in SERVED_BY_RUNTIME]
         if not all(subject.is_intact(each) for each in chain):
             continue
         if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):

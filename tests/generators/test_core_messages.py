@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from codec_support import ROOT, library
 
-from jausml.generators.common.components import CORE_MESSAGES
 from jausml.runtime import messages as core_messages
+from jausml.runtime.services import core
+from jausml.runtime.services.liveness import UNSOLICITED
 from jausml.runtime.wire.message import Message
+from jausml.semantics.core_services import CORE, CORE_MESSAGES, SERVED_BY_RUNTIME
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -45,3 +47,10 @@ def test_messages_of_core_1_0_are_the_same() -> None:
     for view in library("core-v1.0")[0]:
         assert view.body.segments == newer[view.jaus_name].body.segments
         assert view.code == newer[view.jaus_name].code
+
+
+def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
+    classes = [each for name, each in vars(core).items() if name.endswith("Service")]
+    served = frozenset().union(*(each.urns for each in classes if each is not core.CoreService))
+    # Transport has no messages; unsolicited heartbeats are a setting of Liveness.
+    assert served | {CORE + "Transport", UNSOLICITED} == SERVED_BY_RUNTIME

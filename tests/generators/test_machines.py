@@ -12,7 +12,6 @@ import pytest
 from codec_support import ROOT
 
 from jausml.generation import render
-from jausml.generators.common import components
 from jausml.generators.jaus_component.diagrams import guard_text
 from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
 from jausml.generators.jaus_component.target import TARGET
@@ -24,7 +23,6 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.modelled import ModelledComponent
 from jausml.runtime.transports.selecting import create_transport
-from jausml.semantics.machines import KEPT_BY_RUNTIME
 
 MODEL = Path(__file__).parent / "lamp.xmi"
 BASE = "spot/spot/spot_base.py"
@@ -189,10 +187,6 @@ def test_every_name_of_the_component_is_taken():
     # Methods that answer queries may be named report_..., and leave this one out by themselves.
     assert names - COMPONENT_NAMES == {"report_changed"}
     assert set(STANDARD_GUARDS.values()) <= COMPONENT_NAMES
-
-
-def test_rules_and_targets_agree_on_what_the_runtime_takes():
-    assert KEPT_BY_RUNTIME == components.RUNTIME_SERVICES
 
 
 @pytest.mark.slow

@@ -24,6 +24,7 @@ from jausml.languages.guards import (
     conditions,
     parse_guard,
 )
+from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
 
 if TYPE_CHECKING:
@@ -362,7 +363,7 @@ def is_core_trigger(transition: jaus.Transition) -> bool:
     """Tells whether the services of the runtime act on the message of a transition themselves."""
     message = transition.message
     owner = None if message is None else message.eContainer()
-    return owner is not None and owner.urn in components.RUNTIME_SERVICES
+    return owner is not None and owner.urn in SERVED_BY_RUNTIME
 
 
 def _attribute(machine: Machine) -> str:

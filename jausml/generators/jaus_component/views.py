@@ -27,6 +27,7 @@ from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.message_examples import example_bytes
 from jausml.generators.python.guards import condition, guard_of, may_set_limits
 from jausml.generators.python.layout import Call, hexadecimal, statement, text
+from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -124,13 +125,13 @@ class ComponentView:
     def _services(self) -> tuple[jaus.Service, ...]:
         """Provided services whose messages the component itself handles, bases first."""
         provided = components.with_inherited(self.component.provides)
-        return tuple(s for s in provided if s.urn not in components.RUNTIME_SERVICES)
+        return tuple(s for s in provided if s.urn not in SERVED_BY_RUNTIME)
 
     @functools.cached_property
     def _messages(self) -> dict[jaus.MessageDef, MessageView]:
         """Every message of the component by model element."""
         used = components.with_inherited(self.component.uses)
-        services = [*self._services, *(s for s in used if s.urn not in components.RUNTIME_SERVICES)]
+        services = [*self._services, *(s for s in used if s.urn not in SERVED_BY_RUNTIME)]
         elements = [m for s in services for m in [*s.inputs, *s.outputs]]
         elements += machines.messages_of(self._services)
         for connection in self.component.connections:
@@ -140,7 +141,7 @@ class ComponentView:
     @property
     def messages(self) -> tuple[MessageView, ...]:
         """The messages whose classes the package brings; the runtime has those of core services."""
-        own = (v for e, v in self._messages.items() if not components.is_core_message(e))
+        own = (v for e, v in self._messages.items() if not is_core_message(e))
         return tuple(dict.fromkeys(own))
 
     @property
@@ -380,7 +381,7 @@ class ComponentView:
             for_user: Whether it is the skeleton. Names for annotations are imported plainly
                 there: its user will soon need them for more.
         """
-        core = [v.class_name for e, v in self._messages.items() if components.is_core_message(e)]
+        core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
         face = [*_RUNTIME_NAMES, "Transport"] if for_user else _RUNTIME_NAMES
         own = {".messages": [view.class_name for view in self.messages]}
         if for_user:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.generators.common.components import CORE, with_inherited
+from jausml.generators.common.components import with_inherited
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.semantics.core_services import CORE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.system import system_of
-from jausml.generators.common.components import CORE, with_inherited
+from jausml.generators.common.components import with_inherited
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
+from jausml.semantics.core_services import CORE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

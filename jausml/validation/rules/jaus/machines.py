@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.languages.guards import Guard, GuardError, conditions, parse_guard
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics.core_services import CORE, SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import (
     CORE_EVENTS,
     CORE_MACHINE,
@@ -17,8 +18,6 @@ from jausml.semantics.inherited_machines import (
     event_name,
 )
 from jausml.semantics.machines import (
-    CORE,
-    KEPT_BY_RUNTIME,
     Behaviour,
     behaviours,
     described,
@@ -265,7 +264,7 @@ def core_messages(subject: Subject) -> Iterator[Finding]:
             owner = None if message is None else message.eContainer()
             if message is None or owner is None:
                 continue
-            if owner.urn in KEPT_BY_RUNTIME:
+            if owner.urn in SERVED_BY_RUNTIME:
                 text = (
                     f"{message.name} is taken by {owner.name} of the runtime, not by a transition"
                 )
@@ -295,7 +294,7 @@ def commands(subject: Subject) -> Iterator[Finding]:
             if message is None or not message.isCommand:
                 continue
             owner = message.eContainer()
-            if owner is not None and owner.urn in KEPT_BY_RUNTIME:
+            if owner is not None and owner.urn in SERVED_BY_RUNTIME:
                 continue
             try:
                 asked = set(conditions(parse_guard(transition.guard)))
@@ -318,7 +317,7 @@ def bridges(subject: Subject) -> Iterator[Finding]:
     """
     for owner in subject.instances(bridge.Bridge):
         for service in with_inherited(owner.provides):
-            is_kept = service.urn in KEPT_BY_RUNTIME or subject.model.is_library(service)
+            is_kept = service.urn in SERVED_BY_RUNTIME or subject.model.is_library(service)
             if service.machines and not is_kept:
                 text = f"the bridge '{owner.name}' does not run the state machine of"
                 note = Note(service, f"'{service.name}'")
