@@ -18,7 +18,7 @@ from types import ModuleType
 from jausml.generation import render
 from jausml.generators.jaus_component.target import TARGET as COMPONENTS
 from jausml.model import read_models
-from jausml.runtime.services import messages as core_messages
+from jausml.runtime import messages as core_messages
 
 ROOT = Path(__file__).resolve().parent.parent
 SECONDS = 0.4
