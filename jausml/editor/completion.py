@@ -43,7 +43,7 @@ _TOP_WORDS = ("import", "struct", *_TOP)
 _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
 
 
-class Kind(Enum):
+class CompletionKind(Enum):
     """The kind of a completion."""
 
     KEYWORD = "keyword"
@@ -70,7 +70,7 @@ class Completion:
     """
 
     label: str
-    kind: Kind
+    kind: CompletionKind
     detail: str = ""
     documentation: str = ""
     text: str = ""
@@ -114,7 +114,7 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
     if context.item is None:
         yield from (_keyword(each) for each in _TOP_WORDS)
     elif context.item is context.map:
-        yield from (Completion(each, Kind.KEYWORD) for each in _MAP_WORDS)
+        yield from (Completion(each, CompletionKind.KEYWORD) for each in _MAP_WORDS)
     if context.table is not None:
         yield from (_keyword(snake_case(each.name)) for each in contained_classes(context.table))
     yield from map(_feature, features_of(context.item, context.table).values())
@@ -122,17 +122,21 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
 
 def _keyword(word: str) -> Completion:
     known = keywords().get(word)
-    return Completion(word, Kind.KEYWORD, "", documentation(known.eclass) if known else "")
+    return Completion(
+        word, CompletionKind.KEYWORD, "", documentation(known.eclass) if known else ""
+    )
 
 
 def _feature(feature: FeatureTable) -> Completion:
     name = feature.name
     kind = feature.type_name.rpartition(".")[2]
-    return Completion(name, Kind.FEATURE, kind, documentation(feature.feature), f"{name}: ")
+    return Completion(
+        name, CompletionKind.FEATURE, kind, documentation(feature.feature), f"{name}: "
+    )
 
 
 def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from (Completion(written_word(each), Kind.FILE) for each in library_files())
+    yield from (Completion(written_word(each), CompletionKind.FILE) for each in library_files())
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -140,7 +144,7 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
         service = getattr(each.eContainer(), "name", "") or ""
         detail = f"{each.code} {service}".strip()
         name = written_word(each.name or "")
-        yield Completion(name, Kind.MESSAGE, detail, each.documentation or "")
+        yield Completion(name, CompletionKind.MESSAGE, detail, each.documentation or "")
 
 
 def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -148,7 +152,7 @@ def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
         package = getattr(each.eContainer(), "name", None)
         if package and each.name:
             name = written_word(f"{package}/{each.name}")
-            yield Completion(name, Kind.MESSAGE, "", each.documentation or "")
+            yield Completion(name, CompletionKind.MESSAGE, "", each.documentation or "")
 
 
 def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -159,16 +163,16 @@ def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completi
     for field in fields_of(sides.target if end.is_jaus else sides.source):
         found = sides.follow(field.name, is_source=not end.is_jaus)
         detail = ", ".join(facts(found.attribute())) if found is not None else ""
-        yield Completion(written_word(field.name), Kind.FIELD, detail)
+        yield Completion(written_word(field.name), CompletionKind.FIELD, detail)
 
 
 def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
     is_source = context.part is Part.SOURCE
     sides = sides_at(bench, path, context)
     if not context.word and is_source and context.around(Direction) is not None:
-        yield from (Completion(each, Kind.KEYWORD) for each in ("ignore", "clock"))
+        yield from (Completion(each, CompletionKind.KEYWORD) for each in ("ignore", "clock"))
     if is_source:
-        yield from (Completion(each, Kind.NAME, "join") for each in sides.joins)
+        yield from (Completion(each, CompletionKind.NAME, "join") for each in sides.joins)
         if isinstance(context.item, Assignment):
             yield from map(_feature, features_of(context.item, None).values())
     before, _, _ = context.word.rpartition(".")
@@ -177,7 +181,7 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         found = sides.follow(name, is_source=is_source)
         detail = ", ".join(facts(found.attribute())) if found is not None else ""
         said = field.documentation or ""
-        yield Completion(written_path(name), Kind.FIELD, detail, said)
+        yield Completion(written_path(name), CompletionKind.FIELD, detail, said)
 
 
 def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -187,7 +191,7 @@ def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Comp
 def conversion_completion(conversion: Conversion) -> Completion:
     """Returns a conversion with its signature and what it does."""
     told = (conversion.signature, conversion.documentation)
-    return Completion(conversion.name, Kind.CONVERSION, *told)
+    return Completion(conversion.name, CompletionKind.CONVERSION, *told)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -201,7 +205,7 @@ def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
 
 def _units(context: Context) -> Iterator[Completion]:
     for each in UNITS:
-        yield Completion(each, Kind.UNIT, text=each if context.in_text else f'"{each}"')
+        yield Completion(each, CompletionKind.UNIT, text=each if context.in_text else f'"{each}"')
 
 
 def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -223,11 +227,13 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
 def _literals(feature: FeatureTable) -> Iterator[Completion]:
     data_type = feature.data_type
     if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
-        yield from (Completion(each, Kind.VALUE) for each in ("true", "false"))
+        yield from (Completion(each, CompletionKind.VALUE) for each in ("true", "false"))
     for each in data_type.legal if data_type is not None else ():
         literal = data_type.literals[each] if data_type is not None else None
         default = " (default)" if literal is not None and literal == feature.default else ""
-        yield Completion(written_word(each), Kind.VALUE, default.strip(), documentation(literal))
+        yield Completion(
+            written_word(each), CompletionKind.VALUE, default.strip(), documentation(literal)
+        )
 
 
 def _declared(
@@ -238,7 +244,7 @@ def _declared(
         for each in names_in(bench.text(file)).declarations:
             if each.table in wanted.subtypes and _is_visible(each, context):
                 detail = f"{snake_case(each.table.name)} in {show(file.name)}"
-                yield Completion(written_path(each.name.text), Kind.NAME, detail)
+                yield Completion(written_path(each.name.text), CompletionKind.NAME, detail)
 
 
 def _is_visible(declaration: Declaration, context: Context) -> bool:

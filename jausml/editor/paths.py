@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jausml.editor.context import Context
     from jausml.editor.workbench import Workbench
     from jausml.semantics.attributes import Part
-    from jausml.semantics.paths import Place
+    from jausml.semantics.paths import PathPlace
 
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
@@ -33,11 +33,11 @@ class Sides:
         joins: Where paths start that begin with the name of a join.
     """
 
-    source: Place | None
-    target: Place | None
-    joins: dict[str, Place]
+    source: PathPlace | None
+    target: PathPlace | None
+    joins: dict[str, PathPlace]
 
-    def follow(self, path: str, *, is_source: bool) -> Place | None:
+    def follow(self, path: str, *, is_source: bool) -> PathPlace | None:
         """Returns where a path leads to; None when it leads nowhere.
 
         Args:
@@ -84,7 +84,7 @@ def _at_end(
     return None if end is None else bench.find(path, kind, end.type.text)
 
 
-def fields_of(place: Place | None) -> list[Part]:
+def fields_of(place: PathPlace | None) -> list[Part]:
     """Returns the fields that the next step of a path can name."""
     if isinstance(place, JausPlace):
         return [each for each in place.members() or [] if each.name]
@@ -120,7 +120,7 @@ def _nested(sides: Sides, context: Context) -> Sides:
     return sides
 
 
-def _element(place: Place | None) -> Place | None:
+def _element(place: PathPlace | None) -> PathPlace | None:
     is_list = isinstance(place, RosPlace) and place.is_array
     is_list = is_list or (
         isinstance(place, JausPlace) and isinstance(place.field, (jaus.List, jaus.Array))
@@ -128,13 +128,13 @@ def _element(place: Place | None) -> Place | None:
     return place.element() if place is not None and is_list else None
 
 
-def _follow(place: Place | None, path: str) -> Place | None:
+def _follow(place: PathPlace | None, path: str) -> PathPlace | None:
     found = place.follow(path) if place is not None else None
     return found if isinstance(found, (JausPlace, RosPlace)) else None
 
 
-def _joins(bench: Workbench, path: Path, context: Context) -> dict[str, Place]:
-    joins: dict[str, Place] = {}
+def _joins(bench: Workbench, path: Path, context: Context) -> dict[str, PathPlace]:
+    joins: dict[str, PathPlace] = {}
     for item in context.map.items if context.map is not None else []:
         if isinstance(item, Element) and item.name is not None and _keyword(item) == "join":
             for feature in item.items:

@@ -15,7 +15,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
-from jausml.editor.completion import Kind, complete
+from jausml.editor.completion import CompletionKind, complete
 from jausml.editor.definition import define
 from jausml.editor.diagnosing import Problem, all_problems, syntax_problems
 from jausml.editor.hover import hover
@@ -41,15 +41,15 @@ _SEVERITIES = {
     Severity.INFO: types.DiagnosticSeverity.Information,
 }
 _KINDS = {
-    Kind.KEYWORD: types.CompletionItemKind.Keyword,
-    Kind.MESSAGE: types.CompletionItemKind.Class,
-    Kind.FIELD: types.CompletionItemKind.Field,
-    Kind.CONVERSION: types.CompletionItemKind.Function,
-    Kind.UNIT: types.CompletionItemKind.Unit,
-    Kind.VALUE: types.CompletionItemKind.EnumMember,
-    Kind.FEATURE: types.CompletionItemKind.Property,
-    Kind.NAME: types.CompletionItemKind.Reference,
-    Kind.FILE: types.CompletionItemKind.File,
+    CompletionKind.KEYWORD: types.CompletionItemKind.Keyword,
+    CompletionKind.MESSAGE: types.CompletionItemKind.Class,
+    CompletionKind.FIELD: types.CompletionItemKind.Field,
+    CompletionKind.CONVERSION: types.CompletionItemKind.Function,
+    CompletionKind.UNIT: types.CompletionItemKind.Unit,
+    CompletionKind.VALUE: types.CompletionItemKind.EnumMember,
+    CompletionKind.FEATURE: types.CompletionItemKind.Property,
+    CompletionKind.NAME: types.CompletionItemKind.Reference,
+    CompletionKind.FILE: types.CompletionItemKind.File,
 }
 _At = TypeVar(
     "_At",

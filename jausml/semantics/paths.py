@@ -24,14 +24,14 @@ if TYPE_CHECKING:
         bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
     )
 
-Place = JausPlace | RosPlace
-FoundPlace = Place | PathFault | None
+PathPlace = JausPlace | RosPlace
+FoundPlace = PathPlace | PathFault | None
 
 COUNTERS = ("index", "count")
 
 
 @dataclass(frozen=True, slots=True)
-class Scope:
+class PathScope:
     """The start of the paths of some assignments.
 
     Attributes:
@@ -44,8 +44,8 @@ class Scope:
 
     map: bridge.AttributeMap
     to_ros: bool
-    source: Place
-    target: Place
+    source: PathPlace
+    target: PathPlace
     is_nested: bool = False
 
     def find_source(self, path: str) -> FoundPlace:
@@ -68,7 +68,7 @@ class Scope:
             return PathFault("the target of an element lies within the element")
         return self.target.follow(path)
 
-    def inner(self, assignment: bridge.ListAssignment) -> Scope | None:
+    def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
         """Returns the scope of what a list assignment nests; None when its ends are no lists."""
         source = self.find_source(source_paths(assignment)[0])
         target = self.find_target(assignment.target.strip())
@@ -77,7 +77,7 @@ class Scope:
         from_element, to_element = source.element(), target.element()
         if from_element is None or to_element is None:
             return None
-        return Scope(self.map, self.to_ros, from_element, to_element, is_nested=True)
+        return PathScope(self.map, self.to_ros, from_element, to_element, is_nested=True)
 
 
 AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
@@ -94,7 +94,7 @@ class Placed(Generic[AssignmentT_co]):
     """
 
     assignment: AssignmentT_co
-    scope: Scope
+    scope: PathScope
 
     @cached_property
     def targets(self) -> list[tuple[str, Found]]:
@@ -126,7 +126,7 @@ class Placed(Generic[AssignmentT_co]):
 
 def outer_scope(
     attribute_map: bridge.AttributeMap, *, to_ros: bool, indexed: bool = False
-) -> Scope:
+) -> PathScope:
     """Returns the scope of the assignments of a map.
 
     Args:
@@ -136,7 +136,7 @@ def outer_scope(
     """
     ros = RosPlace(type=attribute_map.type, indexed=indexed)
     ends = message_place(attribute_map.message), ros
-    return Scope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
+    return PathScope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
 
 
 def place(
@@ -157,7 +157,7 @@ def place(
 
 
 def flattened(
-    assignments: Iterable[bridge.Assignment], scope: Scope
+    assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[Placed[bridge.Assignment]]:
     """Yields assignments with those that they nest, each before what it nests.
 
@@ -173,7 +173,7 @@ def flattened(
                 yield from flattened(each.assignments, inner)
 
 
-def is_many(found: FoundPlace) -> TypeGuard[Place]:
+def is_many(found: FoundPlace) -> TypeGuard[PathPlace]:
     """Tells whether a place is a list or an array as a whole."""
     if isinstance(found, RosPlace):
         return found.is_array
@@ -205,7 +205,7 @@ def parse_path(path: str) -> tuple[str, ...]:
 
 def _scope(
     attribute_map: bridge.AttributeMap, owner: EObject | None, *, to_ros: bool
-) -> Scope | None:
+) -> PathScope | None:
     if not isinstance(owner, bridge.ListAssignment):
         return outer_scope(attribute_map, to_ros=to_ros)
     around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)

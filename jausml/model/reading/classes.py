@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from jausml.model.reading.problems import Place, Problems
+from jausml.model.reading.problems import NodePlace, Problems
 from jausml.model.values import show, suggest
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class ClassFinder:
 
     def of_root(self, node: Node) -> ClassTable | None:
         """Returns the class of a root element, which its tag names."""
-        place = Place(self._document, node)
+        place = NodePlace(self._document, node)
         if not node.namespace:
             names = ", ".join(sorted(each.name for each in self._metamodels.packages.values()))
             self._problems.report(
@@ -68,7 +68,7 @@ class ClassFinder:
         """
         table = target_class(feature)
         attribute = _type_attribute(node)
-        place = Place(self._document, node, attribute)
+        place = NodePlace(self._document, node, attribute)
         if attribute is not None:
             named = self.of_name(place, node.get(" ".join(attribute)) or "")
             if named is None:
@@ -85,7 +85,7 @@ class ClassFinder:
             table = named
         return table if self._is_concrete(place, table) else None
 
-    def of_name(self, place: Place, written: str) -> ClassTable | None:
+    def of_name(self, place: NodePlace, written: str) -> ClassTable | None:
         """Returns the class of a qualified name such as `jaus:Component`."""
         prefix, _, name = written.strip().rpartition(":")
         namespace = place.node.prefixes.get(prefix)
@@ -100,7 +100,7 @@ class ClassFinder:
         package = self._package(place, namespace)
         return self._class(place, package, name) if package is not None else None
 
-    def _package(self, place: Place, namespace: str) -> PackageTable | None:
+    def _package(self, place: NodePlace, namespace: str) -> PackageTable | None:
         package = self._metamodels.packages.get(namespace)
         if package is None:
             message = f"unknown namespace '{namespace}'"
@@ -118,14 +118,14 @@ class ClassFinder:
         known_names = sorted(self._metamodels.packages)
         return suggest(namespace, known_names) or f"known are {', '.join(known_names)}"
 
-    def _class(self, place: Place, package: PackageTable, name: str) -> ClassTable | None:
+    def _class(self, place: NodePlace, package: PackageTable, name: str) -> ClassTable | None:
         table = package.classes.get(name)
         if table is None:
             message = f"unknown class {show(name)} of the {package.name} metamodel"
             self._problems.report("JML102", place, message, suggest(name, package.classes))
         return table
 
-    def _is_concrete(self, place: Place, table: ClassTable) -> bool:
+    def _is_concrete(self, place: NodePlace, table: ClassTable) -> bool:
         if table.abstract:
             hint = f"name a concrete class by xsi:type: {concrete_names(table)}"
             message = f"class {table.qualified_name} is abstract"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.metamodel.filling import count
-from jausml.model.reading.problems import Place
+from jausml.model.reading.problems import NodePlace
 
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
@@ -49,7 +49,7 @@ def _report(
 ) -> None:
     what = f"feature '{feature.name}' of {_label(table, node.obj)}"
     written = node.get(feature.name) is not None
-    place = Place(document, node, ("", feature.name) if written else None)
+    place = NodePlace(document, node, ("", feature.name) if written else None)
     if 0 <= feature.upper < number:
         message = f"{what} has {number} values, at most {feature.upper} are allowed"
         problems.report("JML109", place, message)

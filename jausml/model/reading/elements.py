@@ -14,7 +14,7 @@ from jausml.metamodel.filling import holds, link, new_object, set_value, set_val
 from jausml.model.diagnostics import Related
 from jausml.model.notation import BY_NAME
 from jausml.model.reading.classes import XSI, ClassFinder, is_xmi, target_class
-from jausml.model.reading.problems import Place, Problems, XmlAttribute
+from jausml.model.reading.problems import NodePlace, Problems, XmlAttribute
 from jausml.model.values import convert, nearest, show
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Reference:
         direct: The contained element itself, which waits for its place among others.
     """
 
-    place: Place
+    place: NodePlace
     owner: EObject
     feature: FeatureTable
     uri: str = ""
@@ -148,7 +148,7 @@ class ElementBuilder:
         holder = self._document.ids.setdefault(identifier, node)
         if holder is not node:
             first = Related(self._document.location(holder), "the first element of this id")
-            place = Place(self._document, node, attribute)
+            place = NodePlace(self._document, node, attribute)
             message = f"duplicate id {show(identifier)}"
             self._problems.report("JML201", place, message, related=(first,))
 
@@ -197,7 +197,7 @@ class ElementBuilder:
         self._element(child, table)
         if feature.name in waiting:
             # Its place is behind an element of another document, which is not there yet.
-            place = Place(self._document, child)
+            place = NodePlace(self._document, child)
             self._references.append(Reference(place, node.obj, feature, direct=child.obj))
         else:
             link(node.obj, feature, child.obj)
@@ -226,10 +226,10 @@ class ElementBuilder:
         elif feature.kind is FeatureKind.CONTAINMENT:
             self._problems.spoil(node.obj, feature.name)
             message = f"feature '{feature.name}' of {_class(node)} owns its elements"
-            place = Place(self._document, node, attribute)
+            place = NodePlace(self._document, node, attribute)
             self._problems.report("JML114", place, message, "write them as child elements")
         else:
-            self._note_all(Place(self._document, node, attribute), node.obj, feature, text)
+            self._note_all(NodePlace(self._document, node, attribute), node.obj, feature, text)
 
     def _assign_value(self, node: Node, child: Node, feature: FeatureTable) -> None:
         """Takes the text of a child element as the value of an attribute."""
@@ -239,7 +239,7 @@ class ElementBuilder:
                 set_value(node.obj, feature, None)
         elif child.children:
             self._problems.spoil(node.obj, feature.name)
-            inner = Place(self._document, child.children[0])
+            inner = NodePlace(self._document, child.children[0])
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._problems.report("JML103", inner, message)
         else:
@@ -251,7 +251,7 @@ class ElementBuilder:
         identifier = _idref(child)
         name = child.get(BY_NAME)
         if name is not None:
-            place = Place(self._document, child)
+            place = NodePlace(self._document, child)
             self._references.append(Reference(place, node.obj, feature, name=name))
         elif href is not None and not self._document.is_xml:
             self._href(node, child, feature, href)
@@ -262,13 +262,13 @@ class ElementBuilder:
                 self._href(node, child, feature, href)
         elif identifier is not None:
             attribute, value = identifier
-            place = Place(self._document, child, attribute)
+            place = NodePlace(self._document, child, attribute)
             self._note(place, node.obj, feature, "", value.strip())
         elif not _is_nil(child):
             self._problems.spoil(node.obj, feature.name)
             self._problems.report(
                 "JML115",
-                Place(self._document, child),
+                NodePlace(self._document, child),
                 f"feature '{feature.name}' of {_class(node)} refers to elements, it owns none",
                 f'write {feature.name}="fragment" or <{feature.name} href="file#fragment"/>',
             )
@@ -276,10 +276,10 @@ class ElementBuilder:
     def _href(self, node: Node, child: Node, feature: FeatureTable, href: str) -> None:
         """Notes the href of a child element."""
         uri, _, fragment = href.strip().partition("#")
-        place = Place(self._document, child, ("", "href"))
+        place = NodePlace(self._document, child, ("", "href"))
         self._note(place, node.obj, feature, uri, fragment)
 
-    def _note_all(self, place: Place, obj: EObject, feature: FeatureTable, text: str) -> None:
+    def _note_all(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
         """Notes blank-separated references: `id`, `//@a.0`, `#id` or `prefix:Class file#id`."""
         found: list[tuple[str, str]] = []
         typed = False
@@ -305,7 +305,7 @@ class ElementBuilder:
         for uri, fragment in found:
             self._note(place, obj, feature, uri, fragment)
 
-    def _can_stand_in(self, place: Place, obj: EObject, feature: FeatureTable) -> bool:
+    def _can_stand_in(self, place: NodePlace, obj: EObject, feature: FeatureTable) -> bool:
         """EMF makes a placeholder of the feature's class for `file#id` without a class."""
         if not target_class(feature).abstract:
             return True
@@ -316,7 +316,7 @@ class ElementBuilder:
         return False
 
     def _note(
-        self, place: Place, obj: EObject, feature: FeatureTable, uri: str, fragment: str
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, uri: str, fragment: str
     ) -> None:
         self._references.append(Reference(place, obj, feature, uri, fragment))
 
@@ -336,18 +336,20 @@ class ElementBuilder:
                 values.append(value)
             else:
                 self._problems.spoil(obj, feature.name)
-                place = Place(self._document, node, attribute)
+                place = NodePlace(self._document, node, attribute)
                 what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
                 self._problems.report(fault.rule, place, f"{what}: {fault.reason}", fault.hint)
         if feature.many:
             if feature.unique:
-                self._check_repeated(Place(self._document, node, attribute), obj, feature, values)
+                self._check_repeated(
+                    NodePlace(self._document, node, attribute), obj, feature, values
+                )
             set_values(obj, feature, values)
         elif values:
             set_value(obj, feature, values[0])
 
     def _check_repeated(
-        self, place: Place, obj: EObject, feature: FeatureTable, values: list[Any]
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, values: list[Any]
     ) -> None:
         """Reports a value that the set of a unique feature will hold once only."""
         seen: list[Any] = []
@@ -383,7 +385,7 @@ class ElementBuilder:
         hint: str = "",
         attribute: XmlAttribute | None = None,
     ) -> None:
-        self._problems.report(rule, Place(self._document, node, attribute), message, hint)
+        self._problems.report(rule, NodePlace(self._document, node, attribute), message, hint)
 
 
 def _class(node: Node) -> str:

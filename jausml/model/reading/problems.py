@@ -24,7 +24,7 @@ XmlAttribute = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class NodePlace:
     """A place in a document: an element, and perhaps an attribute of it."""
 
     document: Document
@@ -40,7 +40,7 @@ class Place:
 @dataclass(frozen=True, slots=True)
 class _Draft:
     rule: str
-    place: Place | Location
+    place: NodePlace | Location
     message: str
     hint: str
     related: tuple[Related, ...]
@@ -63,7 +63,7 @@ class Problems:
     def report(
         self,
         rule: str,
-        place: Place | Location,
+        place: NodePlace | Location,
         message: str,
         hint: str = "",
         related: tuple[Related, ...] = (),

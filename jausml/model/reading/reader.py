@@ -17,7 +17,7 @@ from jausml.model.names import NameFinder
 from jausml.model.reading.conformance import check_bounds
 from jausml.model.reading.elements import ElementBuilder
 from jausml.model.reading.known import KnownNames, in_order_of_import
-from jausml.model.reading.problems import Place, Problems
+from jausml.model.reading.problems import NodePlace, Problems
 from jausml.model.reading.references import Resolution
 from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.model.xmi.parsing import Node, parse
@@ -229,7 +229,7 @@ class _Reading:
         for fault in faults:
             # A node of its own places the finding; its parent tells the element.
             node = Node("", [], {}, fault.owner, (fault.line, fault.column, 0))
-            place = Place(document, node)
+            place = NodePlace(document, node)
             self._problems.report(fault.rule, place, fault.message, fault.hint)
             if fault.owner is not None and fault.feature:
                 self._problems.spoil(fault.owner.obj, fault.feature)

@@ -37,7 +37,7 @@ _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": Fal
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class MemberKind:
     """The kind of a member of a known message.
 
     Attributes:
@@ -115,7 +115,7 @@ class MemberCheck:
                 self._member(member, kind_of(field), node, depth)
             seen.add(name)
 
-    def _member(self, member: Member, kind: Kind | None, node: Node, depth: int) -> None:
+    def _member(self, member: Member, kind: MemberKind | None, node: Node, depth: int) -> None:
         definition = self._resolved(member)
         if kind is None or definition is None or member.name is None:
             return
@@ -132,7 +132,7 @@ class MemberCheck:
             self._members(definition.type, kind.inner or [], label, node, depth + 1)
 
     @staticmethod
-    def _agrees(definition: Member, size: Size | None, kind: Kind) -> bool:
+    def _agrees(definition: Member, size: Size | None, kind: MemberKind) -> bool:
         # A sequence of any length stands for a bounded one too.
         is_any = size == ANY and kind.size is not None and not kind.size.is_fixed
         if size != kind.size and not is_any:
@@ -159,12 +159,12 @@ class MemberCheck:
         self._faults.append(Fault(rule, message, hint, span.line, span.column, node))
 
 
-def kind_of(field: Part) -> Kind | None:
+def kind_of(field: Part) -> MemberKind | None:
     """Returns what a member of a JAUS message or of a ROS type is; None for a dangling one."""
     return _ros_kind(field) if isinstance(field, ros.Field) else _jaus_kind(field)
 
 
-def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> Kind | None:
+def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind | None:
     field = target_of(part) if isinstance(part, jaus.Field) else part
     if field is None or field in above:
         return None
@@ -173,21 +173,21 @@ def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> Kind | None:
         case jaus.List() | jaus.Array():
             return _repeated(field, above)
         case jaus.Record() | jaus.Sequence():
-            return Kind("struct", frozenset({keyword}), None, field.fields)
+            return MemberKind("struct", frozenset({keyword}), None, field.fields)
         case jaus.Variant():
-            return Kind("struct", frozenset({keyword}), None, field.options)
+            return MemberKind("struct", frozenset({keyword}), None, field.options)
         case jaus.VariableLengthString(maximumLength=bound) | jaus.FixedLengthString(length=bound):
             also = {keyword, f"{STRING}<={bound}"} if bound else {keyword}
-            return Kind(STRING, frozenset(also))
+            return MemberKind(STRING, frozenset(also))
         case jaus.FixedField():
             is_byte = field.type.name == "uint8"
-            return Kind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
+            return MemberKind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
         case jaus.BitField():
-            return Kind(field.type.name, frozenset({keyword}), None, field.subFields)
-    return Kind(keyword)
+            return MemberKind(field.type.name, frozenset({keyword}), None, field.subFields)
+    return MemberKind(keyword)
 
 
-def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Kind | None:
+def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> MemberKind | None:
     """Returns what a list or an array is, None when what it repeats is not known."""
     if field.element is None:
         return None
@@ -200,10 +200,10 @@ def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Kin
         count = field.maximumCount
         size = Size(count, is_fixed=0 < count == field.minimumCount)
         inner = _plain(inner)
-    return Kind(inner.word, inner.also, size, inner.inner)
+    return MemberKind(inner.word, inner.also, size, inner.inner)
 
 
-def _plain(element: Kind) -> Kind:
+def _plain(element: MemberKind) -> MemberKind:
     """Returns what an element of a list is: records of one plain value stand for the value."""
     fields = element.inner or ()
     if len(fields) != 1 or fields[0].name != VALUE:
@@ -211,7 +211,7 @@ def _plain(element: Kind) -> Kind:
     return kind_of(fields[0]) or element
 
 
-def _ros_kind(field: ros.Field) -> Kind | None:
+def _ros_kind(field: ros.Field) -> MemberKind | None:
     kind = field.arrayKind.name
     size = None
     if kind in _SIZES:
@@ -220,13 +220,13 @@ def _ros_kind(field: ros.Field) -> Kind | None:
     if isinstance(field, ros.PrimitiveField):
         word = type_word(field.type.name).word
         also = {f"{word}<={field.stringBound}"} if field.stringBound else set()
-        return Kind(word, frozenset(also), size)
+        return MemberKind(word, frozenset(also), size)
     target = field.messageType if isinstance(field, ros.MessageField) else None
     if target is None:
         return None
     package = target.eContainer()
     full = f"{package.name}/{target.name}" if package is not None else target.name
-    return Kind(full, frozenset({target.name}), size, target.fields)
+    return MemberKind(full, frozenset({target.name}), size, target.fields)
 
 
 def _members_at(built: bridge.AttributeMap, *, is_jaus: bool) -> Sequence[Part] | None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.semantics.attributes import JausPart
     from jausml.semantics.directions import Direction
-    from jausml.semantics.paths import Place, Placed
+    from jausml.semantics.paths import PathPlace, Placed
     from jausml.semantics.subject import Subject
 
     Owner = bridge.AttributeMap | bridge.ListAssignment | bridge.Connection
@@ -105,7 +105,7 @@ def _chosen_twice(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Fin
                     yield Finding(each.assignment, message, "target", related=(note,))
 
 
-def _choices(place: Place, path: str) -> Iterator[tuple[str, str]]:
+def _choices(place: PathPlace, path: str) -> Iterator[tuple[str, str]]:
     """Yields the variants and variable fields on a path with what it takes of each."""
     steps = path.split(".")
     for position, step in enumerate(steps):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import Attribute, PathFault
-from jausml.semantics.paths import Scope, outer_scope
+from jausml.semantics.paths import PathScope, outer_scope
 from jausml.semantics.values import constant_fault
 from jausml.validation.rule import Finding, rule
 
@@ -57,7 +57,7 @@ def _vector_findings(
 
 
 def _value_findings(
-    value: bridge.VectorValue, scope: Scope, *, is_given: bool
+    value: bridge.VectorValue, scope: PathScope, *, is_given: bool
 ) -> Iterator[Finding]:
     if value.path is None or value.value is None:
         return
