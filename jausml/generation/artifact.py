@@ -1,4 +1,4 @@
-"""What a target produces: files in memory, and the contract between a skeleton and its base."""
+"""Artifacts: files in memory, and the contract between a skeleton and its base."""
 
 from __future__ import annotations
 

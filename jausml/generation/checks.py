@@ -1,4 +1,4 @@
-"""A last look at rendered text: what no reader of its format would accept is never written."""
+"""Checks of rendered text: what no reader of its format would accept is never written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tells how far a user's skeleton has drifted from the model, from its syntax tree alone.
+"""Drift of a user's skeleton from the model, told from its syntax tree alone.
 
 The user's file is parsed, never imported and never edited.
 """

@@ -1,4 +1,4 @@
-"""Errors that the generation layer raises; the command line turns them into messages."""
+"""Errors of the generation layer, which the command line turns into messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads the output folder; follows no symbolic link inside it."""
+"""Output folder as it is; no symbolic link inside it is followed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The header of generated files: a notice and the hash of the text below and above it.
+"""Header of generated files: a notice and the hash of the text below and above it.
 
 The hash lets an edited file be told from an untouched one when the manifest is lost. Two comment
 lines are put at the top (below a `#!` line or an XML declaration):

@@ -1,4 +1,4 @@
-"""The list of written files, `.jausml/manifest.json`: committed, sorted, without dates."""
+"""Manifest, the list of written files: `.jausml/manifest.json`, sorted, without dates."""
 
 from __future__ import annotations
 

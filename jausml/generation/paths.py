@@ -1,4 +1,4 @@
-"""Which output paths are safe: names in them come from models."""
+"""Safe output paths: names in them come from models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run would do: one plan for writing, `--check`, `--diff` and `--dry-run`."""
+"""Plan of a run: one plan for writing, `--check`, `--diff` and `--dry-run`."""
 
 from __future__ import annotations
 

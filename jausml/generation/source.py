@@ -1,4 +1,4 @@
-"""Reads the classes of a Python file from its syntax tree; nothing in the file is run."""
+"""Classes of a Python file, read from its syntax tree; nothing in the file is run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The use case: a valid model, some targets and a folder become a workspace."""
+"""Workspaces: the use case, from a valid model, some targets and a folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carries out a plan: each file is either old or new at any moment, the manifest comes last."""
+"""Writer of plans: each file is either old or new at any moment, the manifest comes last."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The conversions of an assignment with what each of them works with."""
+"""Steps of an assignment: its conversions with what each of them works with."""
 
 from __future__ import annotations
 

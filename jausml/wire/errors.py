@@ -1,4 +1,4 @@
-"""The error of a message definition that has no layout."""
+"""Error of a message definition that has no layout."""
 
 from __future__ import annotations
 

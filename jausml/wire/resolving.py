@@ -1,4 +1,4 @@
-"""From the definition of a message in a model to its layout: the one walk over field kinds."""
+"""Resolution of message definitions to layouts: the one walk over field kinds."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the engine knows of the languages that it writes."""
+"""Languages that the engine writes, as far as it knows them."""

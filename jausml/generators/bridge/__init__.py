@@ -1,1 +1,1 @@
-"""The target `bridge`: one package for each bridge between JAUS and ROS 2."""
+"""Target `bridge`: one package for each bridge between JAUS and ROS 2."""

@@ -1,4 +1,4 @@
-"""The module of a bridge's base class: what stands in it besides the connections."""
+"""Module of a bridge's base class: what stands in it besides the connections."""
 
 from __future__ import annotations
 

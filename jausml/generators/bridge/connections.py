@@ -1,4 +1,4 @@
-"""What the templates of a bridge package may ask about one connection."""
+"""View of one connection, for the templates of a bridge package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One package for each modelled bridge."""
+"""Target `bridge`: one package for each modelled bridge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the templates of a bridge package may ask."""
+"""View of a bridge package, for its templates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Launch files, parameter files and the list of processes of a system."""
+"""Target `bringup`: launch files, parameters and the list of processes of a system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the templates of the bring-up package may ask."""
+"""View of the bring-up package, for its templates."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What several targets share: naming, views of messages, package files."""
+"""Shared parts of several targets: components, ROS names, names of the runtime."""

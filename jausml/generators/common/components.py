@@ -1,4 +1,4 @@
-"""What targets ask about JAUS components: address, services, settings of their transport."""
+"""JAUS components as targets see them: address, services, settings of their transport."""
 
 from __future__ import annotations
 

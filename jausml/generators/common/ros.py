@@ -1,4 +1,4 @@
-"""What templates may ask about ROS 2 types, quality of service, parameters and imports."""
+"""ROS 2 types, quality of service, parameters and imports, for templates."""
 
 from __future__ import annotations
 

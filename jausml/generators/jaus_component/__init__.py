@@ -1,1 +1,1 @@
-"""JAUS components with skeletons."""
+"""Target `jaus_component`: JAUS components with skeletons."""

@@ -1,4 +1,4 @@
-"""What a component handles, answers and receives: one view for each method of its skeleton."""
+"""Methods of a skeleton: what a component handles, answers and receives, one view for each."""
 
 from __future__ import annotations
 

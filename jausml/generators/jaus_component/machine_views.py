@@ -1,4 +1,4 @@
-"""What templates may ask about a state machine, its methods and its events."""
+"""View of a state machine, its methods and its events, for templates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One package for each modelled JAUS component that is no bridge."""
+"""Target `jaus_component`: one package for each modelled component that is no bridge."""
 
 from __future__ import annotations
 

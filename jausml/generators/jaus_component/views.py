@@ -1,4 +1,4 @@
-"""What the templates of a component package may ask."""
+"""View of a component package, for its templates."""
 
 from __future__ import annotations
 

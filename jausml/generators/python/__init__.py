@@ -1,1 +1,1 @@
-"""What all targets that write Python share: names, layout, imports, package files."""
+"""Shared parts of all targets that write Python: names, layout, imports, package files."""

@@ -1,4 +1,4 @@
-"""Whom a component obeys a message from, by its service (AS5710) and the state (AS6009)."""
+"""Access checks of input messages, by service (AS5710) and state (AS6009)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files that make a folder an ament_python package, shared by all targets."""
+"""Package files: what makes a folder an ament_python package, shared by all targets."""
 
 from __future__ import annotations
 

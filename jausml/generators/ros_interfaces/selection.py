@@ -1,4 +1,4 @@
-"""Which interface packages are made, and which JAUS messages get a ROS message."""
+"""Selection of interface packages, and of the JAUS messages that get a ROS message."""
 
 from __future__ import annotations
 

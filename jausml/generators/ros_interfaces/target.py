@@ -1,4 +1,4 @@
-"""Interface packages, which colcon builds like any other."""
+"""Target `ros_interfaces`: interface packages, which colcon builds like any other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the templates of interface packages may ask."""
+"""View of interface packages, for their templates."""
 
 from __future__ import annotations
 

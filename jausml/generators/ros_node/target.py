@@ -1,4 +1,4 @@
-"""One package for each modelled ROS 2 node."""
+"""Target `ros_node`: one package for each modelled ROS 2 node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the templates of a ROS 2 node package may ask."""
+"""View of a ROS 2 node package, for its templates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Copies the runtime, so that a robot needs nothing but ROS 2 and Python."""
+"""Target `runtime`: copies the runtime, so that a robot needs nothing but ROS 2 and Python."""
 
 from __future__ import annotations
 

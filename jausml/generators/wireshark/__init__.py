@@ -1,1 +1,1 @@
-"""The target `wireshark`: a dissector for Wireshark and tshark, in Lua."""
+"""Target `wireshark`: a dissector for Wireshark and tshark, in Lua."""

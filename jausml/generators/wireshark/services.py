@@ -1,4 +1,4 @@
-"""Which services a dissector knows."""
+"""Services that a dissector knows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One Lua file that makes Wireshark show JAUS messages."""
+"""Target `wireshark`: one Lua file that makes Wireshark show JAUS messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What templates/dissector.lua.j2 may ask: the messages as plain tables, the ports, the names."""
+"""View of the dissector for its template: messages as plain tables, ports, names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bridge: one process that is a JAUS component and a ROS 2 node at the same time.
+"""Bridge: one process that is a JAUS component and a ROS 2 node at the same time.
 
 A value crosses on the thread on which it arrived: from JAUS on the loop of the transport, from ROS
 on the thread that waits for ROS messages. Nothing is polled and nothing is handed over.

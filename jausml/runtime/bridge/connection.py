@@ -1,4 +1,4 @@
-"""A connection of a bridge: takes a message, translates it, hands it over.
+"""Connection of a bridge: takes a message, translates it, hands it over.
 
 All of it happens on the thread on which the message arrived. What is lost is counted under a
 reason; nothing that a message contains, and nothing that an overridden method does, ends the

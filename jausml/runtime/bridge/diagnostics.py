@@ -1,4 +1,4 @@
-"""What a connection of a bridge counts and reports."""
+"""Counts and reports of a connection of a bridge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why a translation gives up on a message."""
+"""Errors by which a translation gives up on a message."""
 
 from __future__ import annotations
 

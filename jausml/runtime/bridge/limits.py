@@ -1,4 +1,4 @@
-"""What becomes of values that their target field cannot carry: one limit for each policy.
+"""Limits of values that their target field cannot carry: one for each policy.
 
 Generated translations call the limit that the model names for the field. All of them return a value
 that fits as it is, which is the usual case and costs one comparison. They differ in the others:

@@ -1,4 +1,4 @@
-"""A process of one bridge: command line, signals, clean shutdown on both sides, exit code."""
+"""Process of one bridge: command line, signals, clean shutdown on both sides, exit code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a model says about a bridge, apart from its connections."""
+"""Settings of a bridge as the model states them, apart from its connections."""
 
 from __future__ import annotations
 

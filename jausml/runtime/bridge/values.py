@@ -1,4 +1,4 @@
-"""Moves values between conversions and ROS messages."""
+"""Values on their way between conversions and ROS messages."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How a component uses the core services of other components."""
+"""Clients: how a component uses the core services of other components."""

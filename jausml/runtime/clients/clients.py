@@ -1,4 +1,4 @@
-"""What a component uses other components with."""
+"""Clients of one component: everything by which it uses others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All events of other components that one component has subscribed to (AS5710, Events)."""
+"""Client of events: all those of other components that one component has subscribed to (AS5710)."""
 
 from __future__ import annotations
 

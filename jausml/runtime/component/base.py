@@ -1,4 +1,4 @@
-"""The part of a component that serves others: dispatch, core services, life cycle."""
+"""Base of a component, which serves others: dispatch, core services, life cycle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a component calls on its own sub-class: the hooks that a user overrides."""
+"""Hooks of a component: what it calls on its own sub-class and a user overrides."""
 
 from __future__ import annotations
 

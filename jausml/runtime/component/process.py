@@ -1,4 +1,4 @@
-"""A process of JAUS components: command line, log, signals, clean shutdown, exit code."""
+"""Process of JAUS components: command line, log, signals, clean shutdown, exit code."""
 
 from __future__ import annotations
 

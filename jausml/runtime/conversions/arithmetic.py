@@ -1,4 +1,4 @@
-"""What expressions of attribute maps compute with, beyond `+ - *` and comparisons of Python.
+"""Functions of expressions, beyond `+ - *` and the comparisons of Python.
 
 Where an operation has no value, such as a division by zero, it raises `ConversionError`, which
 drops the message and is counted: no number of a peer ends the thread of a bridge.

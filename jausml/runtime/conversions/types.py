@@ -1,4 +1,4 @@
-"""What the conversions of attribute maps take and yield.
+"""Types of what conversions of attribute maps take and yield.
 
 Messages of either side are read by attribute, so that conversions need neither; results are named
 tuples with the same attributes.

@@ -1,4 +1,4 @@
-"""The end of a command that takes time."""
+"""Completion: the end of a command that takes time."""
 
 from __future__ import annotations
 

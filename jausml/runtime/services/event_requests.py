@@ -1,4 +1,4 @@
-"""What report events and command events share: their ids and refusals (AS5710, Events)."""
+"""Requests of events: the ids and refusals that report and command events share (AS5710)."""
 
 from __future__ import annotations
 

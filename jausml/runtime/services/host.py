@@ -1,4 +1,4 @@
-"""What core services and clients need of the component that they belong to."""
+"""Host of services and clients: what they need of the component that they belong to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where components are: learnt from every datagram, or configured."""
+"""Address book: where components are, learnt from every datagram or configured."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who holds a port that is taken, and what to do about it."""
+"""Holder of a port that is taken: who it is, and what to do about it."""
 
 from __future__ import annotations
 

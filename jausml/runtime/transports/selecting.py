@@ -1,4 +1,4 @@
-"""The transports to choose from."""
+"""Selection of a transport."""
 
 from __future__ import annotations
 

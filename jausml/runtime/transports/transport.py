@@ -1,4 +1,4 @@
-"""What all transports have in common, and all that components know of them."""
+"""Transport as components need it; they know nothing else of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the generated messages call to check a value on its way to and from the wire.
+"""Checks that generated messages call for a value on its way to and from the wire.
 
 Encoding is strict: a value outside its range, or one that a value set does not list, raises
 EncodeError and names the attribute. Decoding is as lenient as the layout allows: an integer that a

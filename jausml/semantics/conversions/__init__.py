@@ -1,4 +1,4 @@
-"""What the named conversions mean, one class for each literal of `bridge.ConversionKind`."""
+"""Conversions by meaning, one class for each literal of `bridge.ConversionKind`."""
 
 from __future__ import annotations
 

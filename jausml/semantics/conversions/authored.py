@@ -1,4 +1,4 @@
-"""Conversions that say nothing alone: what they do stands in the model or in the skeleton."""
+"""Authored conversions: what they do stands in the model or in the skeleton."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The base of all conversions: what the toolchain knows of one."""
+"""Base of all conversions: what the toolchain knows of one."""
 
 from __future__ import annotations
 

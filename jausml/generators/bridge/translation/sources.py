@@ -1,4 +1,4 @@
-"""Where translations take values from: a JAUS message, a ROS message, or an element of a list."""
+"""Sources of translations: a JAUS message, a ROS message, or an element of a list."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What translations need of the class and the module around them."""
+"""Surroundings of translations: what they need of the class and the module around them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where translations put values: a JAUS message, a ROS message, or an element of a list in one."""
+"""Targets of translations: a JAUS message, a ROS message, or an element of a list in one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How values stand on the wire (SAE AS5684): what a codec says of one field of a message.
+"""Fields of messages on the wire (SAE AS5684): what a codec says of each.
 
 Each class describes one kind of value and answers what templates/messages.py.j2 asks: the Python
 type, a default, and the expressions that turn the value into its wire form and back.

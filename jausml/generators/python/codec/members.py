@@ -1,4 +1,4 @@
-"""The attributes of messages and of the containers in them, and how they stand on the wire."""
+"""Members of messages and of the containers in them, and how they stand on the wire."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Builds the views of messages from the model: resolves types, names, formats and limits."""
+"""Builder of the views of messages: resolves types, names, formats and limits."""
 
 from __future__ import annotations
 

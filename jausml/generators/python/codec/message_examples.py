@@ -1,4 +1,4 @@
-"""Bytes of an example of each message, for generated tests.
+"""Examples of messages as bytes, for generated tests.
 
 They are put together from the layout of the fields alone, so that a test holds the generated codec
 to something else than itself.

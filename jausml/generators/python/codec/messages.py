@@ -1,4 +1,4 @@
-"""What templates/messages.py.j2 may ask about messages: everything is computed here, once.
+"""Views of messages for templates/messages.py.j2: everything is computed here, once.
 
 A message body is a tree of containers (AS5684: record, sequence, list, variant). In Python a
 message is a dataclass of the members of its body; a container inside it is a dataclass inside the

@@ -1,4 +1,4 @@
-"""The classes inside a message class, one view for each kind."""
+"""Classes inside a message class, one view for each kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the classes of one message share: their names, their constants, and the plain ones."""
+"""Scope of the classes of one message: their names, their constants, and the plain ones."""
 
 from __future__ import annotations
 

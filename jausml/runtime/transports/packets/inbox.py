@@ -1,4 +1,4 @@
-"""From packets to the components of this process."""
+"""Inbox: from packets to the components of this process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The message layer that all transports share."""
+"""Messenger: the message layer that all transports share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packets that wait for their acknowledgement."""
+"""Outbox: packets that wait for their acknowledgement."""
 
 from __future__ import annotations
 

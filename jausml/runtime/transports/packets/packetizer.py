@@ -1,4 +1,4 @@
-"""From messages to numbered packets."""
+"""Packetizer: from messages to numbered packets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From packets to datagrams on the network."""
+"""Sender: from packets to datagrams on the network."""
 
 from __future__ import annotations
 
