@@ -105,3 +105,28 @@ def test_round_trips_are_judged_by_what_their_ends_can_hold(
       ROS->JAUS ( a -> a : {back} )
     }}"""
     assert ("JML437" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong
+
+
+@pytest.mark.parametrize(
+    ("targets", "conversion", "is_wrong"),
+    [
+        ("Roll, Pitch, Yaw", "enu_quaternion_to_ned_angles", False),
+        ("Roll, Pitch, Yaw", "flu_quaternion_to_frd_angles", True),
+        ("Pitch, Roll, Yaw", "enu_quaternion_to_ned_angles", True),
+        ("Yaw", "enu_quaternion_to_ned_heading", False),
+        ("Yaw", "enu_quaternion_to_ned_heading, negate", True),
+        ("Yaw", "flu_quaternion_to_frd_yaw", True),
+    ],
+)
+def test_what_hides_an_unknown_orientation_hides_no_wrong_axes(
+    targets, conversion, is_wrong, tmp_path
+):
+    text = f"""
+    attitude {{
+      JAUS ReportGlobalPose
+      ROS sensor_msgs/Imu
+      ROS->JAUS (
+        orientation, orientation_covariance[0] -> {targets} : orientation_if_known, {conversion}
+      )
+    }}"""
+    assert ("JML433" in {rule for rule, _ in findings(tmp_path, text)}) == is_wrong

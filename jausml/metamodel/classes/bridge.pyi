@@ -118,6 +118,7 @@ class ConversionKind(EEnumLiteral):
         "look_up",
         "expression",
         "user",
+        "orientation_if_known",
     ]
 
 class NamedElement(EObject):

@@ -75,6 +75,23 @@ def _heading(yaw: float) -> float:
     return math.atan2(math.cos(yaw), math.sin(yaw))
 
 
+class OrientationIfKnown(Conversion):
+    """The orientation, or one of length zero where the variance beside it is negative.
+
+    A first variance of -1 says in sensor_msgs/Imu that the orientation is unknown. One of length
+    zero has no angles: what is made of it is not a number.
+    """
+
+    name = "orientation_if_known"
+    inputs = (QUATERNION, NUMBER)
+    outputs = (QUATERNION,)
+    keeps_sign = True
+
+    def forward(self, parts: Parts, variance: float) -> Parts:
+        """All parts, or none of them."""
+        return (0.0, 0.0, 0.0, 0.0) if variance < 0 else parts
+
+
 class FrdAnglesToFluQuaternion(Conversion):
     """Roll, pitch and yaw about forward-right-down axes to an orientation in forward-left-up."""
 
@@ -239,6 +256,7 @@ class EnuQuaternionToNedAngles(Conversion):
 
 
 CONVERSIONS = (
+    OrientationIfKnown(),
     FrdAnglesToFluQuaternion(),
     FrdYawToFluQuaternion(),
     FluQuaternionToFrdRoll(),
