@@ -35,7 +35,6 @@ from typing import TYPE_CHECKING
 
 HERE = Path(__file__).resolve().parent
 CLIENT, BRIDGE, ECHO = "10.1.1", "10.1.9", "10.1.5"
-PACKAGES = ("jausml_runtime", "measured_bridge")
 PATIENCE = 30.0
 
 if TYPE_CHECKING:
@@ -46,15 +45,16 @@ def generate(folder: Path) -> list[str]:
     """Generates the bridge; returns the folders for the module path."""
     from jausml.generation import render
     from jausml.generators.bridge.target import TARGET as BRIDGE_TARGET
+    from jausml.generators.messages.target import TARGET as MESSAGES_TARGET
     from jausml.generators.runtime.target import TARGET as RUNTIME_TARGET
     from jausml.model import read_models
 
     model = read_models([HERE / "bridge_latency.xmi"]).model
-    for artifact in render(model, [BRIDGE_TARGET, RUNTIME_TARGET]):
+    for artifact in render(model, [BRIDGE_TARGET, MESSAGES_TARGET, RUNTIME_TARGET]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
-    return [str(folder / package) for package in PACKAGES]
+    return [str(path) for path in sorted(folder.iterdir()) if (path / path.name).is_dir()]
 
 
 # ------------------------------------------------------------------ echoes

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 from jausml.generation import render
-from jausml.generators.jaus_component.target import TARGET as COMPONENTS
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.model import read_models
 from jausml.runtime import messages as core_messages
 
@@ -26,15 +26,16 @@ SECONDS = 0.4
 
 
 def vehicle_messages(folder: Path) -> tuple[ModuleType, str]:
-    """Generates the messages of the example vehicle and imports them on the checkout's runtime.
+    """Generates the velocity messages of the example and imports them on the checkout's runtime.
 
     Returns:
         The module and its text.
     """
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
-    texts = {artifact.path: artifact.text for artifact in render(model, [COMPONENTS])}
+    texts = {artifact.path: artifact.text for artifact in render(model, [MESSAGES])}
     path = folder / "vehicle_messages.py"
-    text = texts["vehicle/vehicle/messages.py"].replace("jausml_runtime", "jausml.runtime")
+    name = "catvehicle_messages/catvehicle_messages/velocity_state_sensor.py"
+    text = texts[name].replace("jausml_runtime", "jausml.runtime")
     path.write_text(text, encoding="utf-8")
     spec = importlib.util.spec_from_file_location("vehicle_messages", path)
     assert spec is not None

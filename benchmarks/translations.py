@@ -20,6 +20,7 @@ from sensor_msgs.msg import LaserScan
 
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGES
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
@@ -50,7 +51,7 @@ def generate(folder: Path) -> None:
     path = folder / "system.ros2jaus"
     path.write_text(SYSTEM, encoding="utf-8")
     model = read_models([path], project_root=folder, notations=NOTATIONS).model
-    for artifact in render(model, [BRIDGES, RUNTIME]):
+    for artifact in render(model, [BRIDGES, MESSAGES, RUNTIME]):
         target = folder / "src" / artifact.path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(artifact.text, encoding="utf-8")

@@ -33,7 +33,7 @@ from jausml.validation.formats.text import one_line
 from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
-    from jausml.generation import Plan
+    from jausml.generation import Plan, Target
     from jausml.model.model import Model
 
 _MODES = ("check", "diff", "dry_run")
@@ -49,7 +49,7 @@ class WholeLibraryOption(click.Option):
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         """Returns the flag and what it asks of each target."""
-        targets = load_targets().values()
+        targets = _installed().values()
         able = ((target.name, target.whole_library) for target in targets)
         texts = "; ".join(f"with --target {name} {each.help}" for name, each in able if each)
         self.help = f"Describe more: {texts}."
@@ -157,9 +157,14 @@ def _valid_model(read: ReadResult) -> Model:
 
 def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
     try:
-        return select(load_targets(), names, whole_library=whole_library)
+        return select(_installed(), names, whole_library=whole_library)
     except SelectionError as error:
         raise click.UsageError(str(error)) from error
+
+
+def _installed() -> dict[str, Target[Any]]:
+    try:
+        return load_targets()
     except GenerationError as error:
         raise EnvironmentFault(str(error)) from error
 

@@ -10,8 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from workspaces import packages_of, python_path
+
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import validate
@@ -76,7 +79,7 @@ class Generated:
             "follow_imports = silent\n"
             f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
         )
-        path = str(self.folder / "jausml_runtime")
+        path = python_path(self.folder)
         modules = [f"{self.package}/{name}.py" for name in (f"{self.package}_base", self.package)]
         self.tool("mypy", "--config-file", str(settings), *modules, MYPYPATH=path)
 
@@ -90,8 +93,13 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     # The bridges here have nobody to talk to; all else must be accepted.
     refusals = [each for each in errors if each.rule not in {"JML422", "JML423"}]
     assert not refusals, "\n".join(f"{each.location.line}: {each.message}" for each in refusals)
-    made = {artifact.path: artifact for artifact in render(result.model, [TARGET, RUNTIME])}
-    again = {artifact.path: artifact.text for artifact in render(result.model, [TARGET, RUNTIME])}
+    made = {
+        artifact.path: artifact for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
+    }
+    again = {
+        artifact.path: artifact.text
+        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
+    }
     assert {path: artifact.text for path, artifact in made.items()} == again
     return made
 
@@ -109,8 +117,8 @@ def generated(text: str, folder: Path, package: str) -> Generated:
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(artifact.text, encoding="utf-8")
     # The first runtime that is imported serves all tests: it is the same for all.
-    for place in (folder / "jausml_runtime", folder / package):
-        sys.path.append(str(place))
+    for place in packages_of(folder):
+        sys.path.append(place)
     try:
         skeleton = importlib.import_module(f"{package}.{package}")
         messages = importlib.import_module(f"{package}.messages")

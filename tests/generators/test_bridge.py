@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from workspaces import python_path
 
 from jausml.generation import InternalError, Kind, render
 from jausml.generation.system import system_of
@@ -16,6 +17,7 @@ from jausml.generators.bridge.checks.ends import Ends
 from jausml.generators.bridge.checks.samples import sample_of
 from jausml.generators.bridge.target import TARGET
 from jausml.generators.bridge.views import BridgeView
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
@@ -164,13 +166,14 @@ def test_base_holds(base, text):
 
 def test_exactly_the_messages_used(loop_files):
     tree = ast.parse(loop_files["loop_bridge/loop_bridge/messages.py"].text)
-    assert [node.name for node in tree.body if isinstance(node, ast.ClassDef)] == [
-        "SetWrenchEffort",
-        "SetVelocityCommand",
+    (exports,) = (node.value for node in tree.body if isinstance(node, ast.Assign))
+    assert ast.literal_eval(exports) == [
         "QueryLocalPose",
         "QueryVelocityState",
         "ReportLocalPose",
         "ReportVelocityState",
+        "SetVelocityCommand",
+        "SetWrenchEffort",
     ]
 
 
@@ -204,7 +207,7 @@ def test_contract_names_each_translation(loop_files):
 def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
     result = read_models([model])
     artifacts = render(result.model, [TARGET])
-    write([*artifacts, *render(result.model, [RUNTIME])], tmp_path)
+    write([*artifacts, *render(result.model, [MESSAGES, RUNTIME])], tmp_path)
     package = artifacts[0].path.split("/")[0]
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     folder = tmp_path / package
@@ -222,14 +225,14 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
     tool("ruff", "format", "--check", *config, ".")
     tool("ruff", "check", *config, "--ignore", "S101", package, "test")
     pytest.importorskip("rclpy")
-    path = os.pathsep.join([str(tmp_path / "jausml_runtime"), str(folder)])
+    path = python_path(tmp_path)
     tool("pytest", "-q", "-c", os.devnull, "--rootdir", str(folder), "test", PYTHONPATH=path)
 
 
 @pytest.mark.slow
 def test_output_passes_the_type_checker(tmp_path):
     result = read_models([CASE])
-    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     settings = tmp_path / "mypy.ini"
     settings.write_text(
         "[mypy]\nstrict = True\npython_version = 3.10\ncache_dir = " + os.devnull + "\n"
@@ -239,7 +242,7 @@ def test_output_passes_the_type_checker(tmp_path):
         "follow_imports = skip\n"
     )
     package = tmp_path / "loop_bridge" / "loop_bridge"
-    path = os.pathsep.join([str(tmp_path / "jausml_runtime"), str(package.parent)])
+    path = python_path(tmp_path)
     folders = (package, package.parent / "test")
     modules = sorted(str(each) for folder in folders for each in folder.glob("*.py"))
     done = subprocess.run(
@@ -255,7 +258,7 @@ def test_output_passes_the_type_checker(tmp_path):
 def test_skeleton_overrides_and_help(tmp_path):
     pytest.importorskip("rclpy")
     result = read_models([CASE])
-    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
 from loop_bridge.loop_bridge import LoopBridge
 from loop_bridge.main import main
@@ -273,7 +276,7 @@ assert mine.drive._safe_value() == "mine"
 assert [each.name for each in mine.connections][:2] == ["odometry", "speed"]
 main(["--help"])
 """
-    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "loop_bridge"))
+    path = python_path(tmp_path)
     done = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, "PYTHONPATH": path},
@@ -288,7 +291,7 @@ main(["--help"])
 def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
     pytest.importorskip("rclpy")
     result = read_models([CASE])
-    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
 from geometry_msgs.msg import Twist
 from jausml_runtime import OutOfRangeError
@@ -313,7 +316,7 @@ report = bridge.translate_estimate(odometry)
 assert (report.x, report.y, report.yaw) == (1.0, None, 0.0)
 assert type(report).decode(report.encode()).y is None
 """
-    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "loop_bridge"))
+    path = python_path(tmp_path)
     done = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, "PYTHONPATH": path},
@@ -327,7 +330,7 @@ def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
     pytest.importorskip("rclpy")
     result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
     assert result.diagnostics == []
-    write(render(result.model, [TARGET, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
     program = """
 import math
 import pytest
@@ -356,7 +359,7 @@ for level in (math.nan, math.inf):
         assert (caught.value.policy, caught.value.field) == (policy, "Level")
 assert bridge.translate_full(report(level=2.6)).data == 3
 """
-    path = os.pathsep.join(str(tmp_path / name) for name in ("jausml_runtime", "narrow_bridge"))
+    path = python_path(tmp_path)
     done = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, "PYTHONPATH": path},

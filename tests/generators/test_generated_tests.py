@@ -9,9 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
@@ -93,7 +95,7 @@ def write(folder):
     """Writes the generated bridge and the runtime."""
     result = read_models([MODEL], notations=NOTATIONS)
     assert result.diagnostics == []
-    for artifact in render(result.model, [TARGET, RUNTIME]):
+    for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
@@ -169,7 +171,7 @@ def outcomes(folder):
         [sys.executable, str(runner), str(package), BASE, *map(str, replacements)],
         env={
             **os.environ,
-            "PYTHONPATH": str(folder / "jausml_runtime"),
+            "PYTHONPATH": python_path(folder),
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
         },
         capture_output=True,

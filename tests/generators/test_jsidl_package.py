@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from codec_support import ROOT
+from workspaces import python_path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +26,7 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def run(*command: str | Path, cwd: Path) -> str:
-    path = os.pathsep.join(str(cwd / name) for name in ("hoist", "jausml_runtime"))
+    path = python_path(cwd)
     done = subprocess.run(
         [sys.executable, "-m", *map(str, command)],
         cwd=cwd,

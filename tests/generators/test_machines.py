@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from workspaces import packages_of, python_path
 
 from jausml.generation import render
 from jausml.generators.jaus_component.diagrams import guard_text
 from jausml.generators.jaus_component.machines import COMPONENT_NAMES, STANDARD_GUARDS
 from jausml.generators.jaus_component.target import TARGET
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.languages.guards import parse_guard
 from jausml.model import read_models
@@ -33,7 +35,10 @@ SKELETON = "spot/spot/spot.py"
 def texts() -> dict[str, str]:
     result = read_models([MODEL], project_root=ROOT)
     assert not result.diagnostics, result.diagnostics
-    return {artifact.path: artifact.text for artifact in render(result.model, [TARGET, RUNTIME])}
+    return {
+        artifact.path: artifact.text
+        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
+    }
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +52,7 @@ def workspace(texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -
 
 
 def run(*command: str, cwd: Path, workspace: Path) -> None:
-    path = os.pathsep.join(str(workspace / name) for name in ("spot", "jausml_runtime"))
+    path = python_path(workspace)
     done = subprocess.run(
         [sys.executable, *command],
         cwd=cwd,
@@ -116,7 +121,9 @@ def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wron
         (folder / name).write_text(text.replace(right, wrong), "utf-8")
     test = (workspace / "spot/test/test_spot.py").read_text("utf-8")
     (folder / "test_spot.py").write_text(test, "utf-8")
-    (tmp_path / "jausml_runtime").symlink_to(workspace / "jausml_runtime")
+    for package in packages_of(workspace):
+        if not (tmp_path / Path(package).name).exists():
+            (tmp_path / Path(package).name).symlink_to(package)
     with pytest.raises(AssertionError, match=failure):
         run("-m", "pytest", "-q", "test_spot.py", cwd=folder, workspace=tmp_path)
 

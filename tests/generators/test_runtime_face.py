@@ -16,6 +16,7 @@ from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.common import runtime as public
 from jausml.generators.jaus_component.target import TARGET as COMPONENT
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
@@ -122,7 +123,7 @@ def talk(tmp_path_factory):
     """A workspace of a component and the runtime."""
     folder = tmp_path_factory.mktemp("talk")
     model = read_models([ROOT / "tests" / "generators" / "lamp.xmi"]).model
-    gen.generate(model, (COMPONENT, RUNTIME), folder)
+    gen.generate(model, (COMPONENT, MESSAGES, RUNTIME), folder)
     return folder
 
 
@@ -142,7 +143,8 @@ def test_another_api_is_refused(talk, tmp_path, version, remedy):
     assert "\nAPI_VERSION = (1, 0)\n" in text
     doctored.write_text(text.replace("\nAPI_VERSION = (1, 0)\n", f"\nAPI_VERSION = {version}\n"))
     package = next(path for path in talk.iterdir() if (path / path.name / "main.py").is_file())
-    found = os.pathsep.join(map(str, (tmp_path / "jausml_runtime", package)))
+    messages = next(talk.glob("*_messages"))
+    found = os.pathsep.join(map(str, (tmp_path / "jausml_runtime", messages, package)))
     done = run("-c", f"import {package.name}.main", cwd=tmp_path, PYTHONPATH=found)
     if remedy is None:
         assert done.returncode == 0, done.stderr

@@ -10,10 +10,12 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.jaus_component.target import TARGET as COMPONENT
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
@@ -74,15 +76,14 @@ def generate(folder: Path, transport: str, robot: int = 3794, station: int = 379
     )
     result = read_models([model])
     assert not result.diagnostics, result.diagnostics
-    for artifact in render(result.model, [COMPONENT, RUNTIME, BRINGUP]):
+    for artifact in render(result.model, [COMPONENT, MESSAGES, RUNTIME, BRINGUP]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, "utf-8")
 
 
 def environment(folder: Path) -> dict[str, str]:
-    packages = ("arm", "leg", "desk", "jausml_runtime")
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(str(folder / each) for each in packages)}
+    return {**os.environ, "PYTHONPATH": python_path(folder)}
 
 
 @pytest.mark.parametrize(

@@ -13,25 +13,27 @@ import threading
 import time
 from pathlib import Path
 
+from workspaces import packages_of
+
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
-PACKAGES = ("jausml_runtime", "loop_bridge")
 PATIENCE = 20.0
 
 
 def generate(folder: Path) -> list[str]:
     """Generates the test bridge; returns the folders for the module path."""
     result = read_models([MODEL])
-    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
-    return [str(folder / package) for package in PACKAGES]
+    return packages_of(folder)
 
 
 def free_port() -> int:

@@ -10,8 +10,11 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from workspaces import packages_of
+
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
@@ -46,11 +49,11 @@ def generate(folder):
     model.write_text(SYSTEM, encoding="utf-8")
     result = read_models([model], notations=NOTATIONS)
     assert result.diagnostics == []
-    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
-    return [str(folder / name) for name in ("jausml_runtime", "pose_bridge")]
+    return packages_of(folder)
 
 
 @pytest.fixture

@@ -9,11 +9,9 @@ from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.bridge.checks.module import TestModule
 from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common import runtime
-from jausml.generators.python.codec.messages import MessagesModule
+from jausml.generators.messages.views import SystemMessages
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
-    module_path,
     package_tasks,
     package_view,
     program_tasks,
@@ -27,6 +25,7 @@ def tasks(model: Model) -> list[Task]:
     """Returns the files of every bridge."""
     system, source = system_of(model), source_of(model)
     bridges = [BridgeView(bridge, system, source) for bridge in system.bridges]
+    messages = SystemMessages(system, source)
     tests = [TestModule(bridge) for bridge in bridges]
     packages = [
         package_view(
@@ -36,19 +35,18 @@ def tasks(model: Model) -> list[Task]:
             source=source,
             description=bridge.documentation,
             element=bridge.bridge,
-            dependencies=bridge.dependencies,
+            dependencies=(*bridge.dependencies, *messages.needed_by(bridge)),
             test_dependencies=test.dependencies,
             executables=((bridge.package, f"{bridge.package}.main"),),
         )
         for bridge, test in zip(bridges, tests, strict=True)
     ]
-    messages = {bridge.element_id: bridge for bridge in bridges}
     return [
         *package_tasks(packages),
         FileTask(
-            "messages.py.j2",
-            [_messages(bridge) for bridge in bridges],
-            lambda module: module_path(messages[module.element_id], "messages"),
+            "used_messages.py.j2",
+            [messages.used_by(bridge) for bridge in bridges],
+            lambda used: used.path,
         ),
         *program_tasks(bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
         FileTask(
@@ -59,20 +57,10 @@ def tasks(model: Model) -> list[Task]:
     ]
 
 
-def _messages(bridge: BridgeView) -> MessagesModule:
-    return MessagesModule(
-        summary=f"The JAUS messages of the {bridge.title}.",
-        runtime=runtime.FACE,
-        messages=bridge.messages,
-        source=bridge.source,
-        element_id=bridge.element_id,
-    )
-
-
 TARGET = Target(
     name="bridge",
     description="ROS 2 <-> JAUS bridges with skeletons, one ament_python package each.",
     tasks=tasks,
     template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
 )
-"""Messages, base, skeleton, entry point and tests of each bridge."""
+"""Base, skeleton, entry point and tests of each bridge."""

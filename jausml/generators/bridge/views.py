@@ -24,7 +24,7 @@ from jausml.generators.common.components import (
     transport_settings,
 )
 from jausml.generators.common.ros import import_lines
-from jausml.generators.python.codec.message_builder import build_message, build_messages
+from jausml.generators.python.codec.message_builder import build_message, build_message_map
 from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import Scope, class_name, names_in, package_name, snake_case
 from jausml.metamodel.classes import bridge, jaus
@@ -123,14 +123,19 @@ class BridgeView:
         )
 
     @functools.cached_property
-    def messages(self) -> tuple[MessageView, ...]:
-        """The classes of the JAUS messages that the bridge takes, makes and asks for."""
-        return build_messages(
+    def message_map(self) -> dict[jaus.MessageDef, MessageView]:
+        """The JAUS messages that the bridge takes, makes and asks for."""
+        return build_message_map(
             element
             for connection in self.bridge.bridgeConnections
             for element in (*_messages_of(connection), query_of(connection))
             if element is not None
         )
+
+    @functools.cached_property
+    def messages(self) -> tuple[MessageView, ...]:
+        """The classes of these messages."""
+        return tuple(dict.fromkeys(self.message_map.values()))
 
     @functools.cached_property
     def ros_classes(self) -> RosClasses:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_string
 from jausml.generators.common import runtime
 from jausml.generators.python.layout import Call
+from jausml.metamodel.classes import bridge
 from jausml.semantics.core_services import CORE
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ SUBSYSTEM_TYPES = {
     "component": 60001,
 }
 """Type that Discovery reports, by literal of SubsystemType (AS5710, ReportIdentification)."""
+
+
+def plain_components(system: System) -> list[jaus.Component]:
+    """Returns the components of a system that are no bridges."""
+    return [each for each in system.components if not isinstance(each, bridge.Bridge)]
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:

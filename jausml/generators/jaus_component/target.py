@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml.generators.common import runtime
+from jausml.generators.common.components import plain_components
+from jausml.generators.common.runtime import FACE
 from jausml.generators.jaus_component.views import ComponentView
-from jausml.generators.python.codec.messages import MessagesModule
+from jausml.generators.messages.views import SystemMessages
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
-    module_path,
     package_tasks,
     package_view,
     program_tasks,
 )
-from jausml.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from jausml.model.model import Model
@@ -26,8 +25,8 @@ if TYPE_CHECKING:
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every component."""
     system, source = system_of(model), source_of(model)
-    plain = [c for c in system.components if not isinstance(c, bridge.Bridge)]
-    views = [ComponentView(component, system, source) for component in plain]
+    views = [ComponentView(component, system, source) for component in plain_components(system)]
+    messages = SystemMessages(system, source)
     packages = [
         package_view(
             system,
@@ -36,18 +35,17 @@ def tasks(model: Model) -> list[Task]:
             source=source,
             description=view.documentation,
             element=view.component,
-            dependencies=(runtime.FACE,),
+            dependencies=(FACE, *messages.needed_by(view)),
             executables=((view.package, f"{view.package}.main"),),
         )
         for view in views
     ]
-    by_id = {view.element_id: view for view in views}
     return [
         *package_tasks(packages),
         FileTask(
-            "messages.py.j2",
-            [_messages(view) for view in views],
-            lambda module: module_path(by_id[module.element_id], "messages"),
+            "used_messages.py.j2",
+            [messages.used_by(view) for view in views],
+            lambda used: used.path,
         ),
         *program_tasks(
             views,
@@ -68,20 +66,10 @@ def tasks(model: Model) -> list[Task]:
     ]
 
 
-def _messages(view: ComponentView) -> MessagesModule:
-    return MessagesModule(
-        summary=f"The JAUS messages of the component {view.name} and their codecs.",
-        runtime=runtime.FACE,
-        messages=view.messages,
-        source=view.source,
-        element_id=view.element_id,
-    )
-
-
 TARGET = Target(
     name="jaus_component",
     description="JAUS components with skeletons, one ament_python package each.",
     tasks=tasks,
     template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
 )
-"""Messages, base, skeleton, entry point and tests of each component."""
+"""Base, skeleton, entry point and tests of each component."""

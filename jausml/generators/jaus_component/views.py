@@ -139,10 +139,14 @@ class ComponentView:
         return build_message_map(dict.fromkeys(elements))
 
     @property
+    def message_map(self) -> dict[jaus.MessageDef, MessageView]:
+        """The messages that are not in the runtime, as those of core services are."""
+        return {e: v for e, v in self._messages.items() if not is_core_message(e)}
+
+    @property
     def messages(self) -> tuple[MessageView, ...]:
-        """The messages whose classes the package brings; the runtime has those of core services."""
-        own = (v for e, v in self._messages.items() if not is_core_message(e))
-        return tuple(dict.fromkeys(own))
+        """The classes of these messages."""
+        return tuple(dict.fromkeys(self.message_map.values()))
 
     @property
     def examples(self) -> tuple[str, ...]:

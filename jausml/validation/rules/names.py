@@ -75,9 +75,9 @@ def interface_names(subject: Subject) -> Iterator[Finding]:
 def package_collisions(subject: Subject) -> Iterator[Finding]:
     """The packages of a system have names of their own, whatever their upper and lower case.
 
-    There is one for each component, bridge and node, and one named <system>_bringup; their names
-    are the names in the model in snake case. The interface packages that the model uses are
-    packages too.
+    There is one for each component, bridge and node, and those named <system>_bringup and
+    <system>_messages; their names are the names in the model in snake case. The interface packages
+    that the model uses are packages too.
 
     Bad: a component named Vehicle and a node named vehicle
 
@@ -89,7 +89,8 @@ def package_collisions(subject: Subject) -> Iterator[Finding]:
             package_key(each.name): each for each in interfaces if each.name
         }
         if whole.name:
-            holders.setdefault(package_key(f"{whole.name}_bringup"), whole)
+            for ending in ("bringup", "messages"):
+                holders.setdefault(package_key(f"{whole.name}_{ending}"), whole)
         elements: list[Named] = [*whole.components, *whole.bridges, *whole.nodes]
         for element in elements:
             if not element.name or not is_identifier(element.name):

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Quaternion
 from std_msgs.msg import Header
+from workspaces import packages_of
 
 from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.metamodel.classes import bridge
 from jausml.model import read_models
@@ -136,7 +138,7 @@ def generate(result: ReadResult, folder: Path) -> None:
         result: The model of `system_text`.
         folder: Where to put the packages.
     """
-    for artifact in render(result.model, [BRIDGE, RUNTIME]):
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
         file = folder / artifact.path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(artifact.text, encoding="utf-8")
@@ -201,9 +203,9 @@ class Translator:
         """
         stand_in()
         name = package.name
-        for folder in (package, package.parent / "jausml_runtime"):
-            if str(folder) not in sys.path:
-                sys.path.insert(0, str(folder))
+        for folder in packages_of(package.parent):
+            if folder not in sys.path:
+                sys.path.insert(0, folder)
         self.messages = importlib.import_module(f"{name}.messages")
         module = importlib.import_module(f"{name}.{name}")
         self.bridge = getattr(module, "".join(word.capitalize() for word in name.split("_")))()

@@ -13,6 +13,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from workspaces import python_path
 
 HERE = Path(__file__).resolve().parent
 EXAMPLE = HERE.parents[2] / "models" / "examples" / "winch"
@@ -112,11 +113,10 @@ def test_the_winch_stops_when_its_operator_dies(workspace):
     process = start(workspace, "--only", "winch")
     seen = read_until(process, "winch runs as")
     assert "winch runs as 120.1.1" in seen
-    folders = [str(workspace / name) for name in ("winch", "jausml_runtime")]
     try:
         done = subprocess.run(
             [sys.executable, str(HERE / "dying_operator.py")],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(folders)},
+            env={**os.environ, "PYTHONPATH": python_path(workspace)},
             capture_output=True,
             text=True,
             timeout=60,

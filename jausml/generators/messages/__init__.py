@@ -1,0 +1,1 @@
+"""The target `messages`: one package with the classes of all JAUS messages of a system."""
