@@ -135,54 +135,6 @@ def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
     return indented([(prefix + line).rstrip() for line in lines or [""]], indent)
 
 
-def call_args(
-    arguments: Sequence[object], opening: str, closing: str = ")", indent: int = 0
-) -> str:
-    """Lays out a call or a signature as ruff's formatter does.
-
-    Args:
-        arguments: The arguments or parameters as Python text.
-        opening: Text up to and with the bracket, e.g. `self.create_publisher(`.
-        closing: Text from the closing bracket to the end of the line, e.g. `) -> None:`.
-        indent: Columns before the statement; the first line is not indented here.
-
-    Returns:
-        One line when it fits, else all arguments on one line of their own, else one on each line.
-    """
-    texts = [str(argument) for argument in arguments]
-    line = opening + ", ".join(texts) + closing
-    if not texts or len(line) + indent <= LINE_WIDTH:
-        return line
-    middle = _INDENT + ", ".join(texts)
-    if len(middle) + indent <= LINE_WIDTH:
-        return indented([opening, middle, closing], indent)
-    return _one_per_line(texts, opening, closing, indent)
-
-
-def items(values: Sequence[object], opening: str, closing: str, indent: int = 0) -> str:
-    """Lays out a list, tuple, set or dict display as ruff's formatter does.
-
-    Args:
-        values: The items as Python text (`key: value` for a dict).
-        opening: Text up to and with the bracket, e.g. `FIELDS = [`.
-        closing: Text from the closing bracket to the end of the line, e.g. `]`.
-        indent: Columns before the statement; the first line is not indented here.
-
-    Returns:
-        One line when it fits, else one item on each line. A tuple of one item keeps its comma.
-    """
-    texts = [str(value) for value in values]
-    comma = "," if len(texts) == 1 and opening.endswith("(") else ""
-    line = opening + ", ".join(texts) + comma + closing
-    if not texts or len(line) + indent <= LINE_WIDTH:
-        return line
-    return _one_per_line(texts, opening, closing, indent)
-
-
-def _one_per_line(texts: Sequence[str], opening: str, closing: str, indent: int) -> str:
-    return indented([opening, *(f"{_INDENT}{text}," for text in texts), closing], indent)
-
-
 def paragraphs(text: str) -> list[str]:
     """Returns the printable paragraphs of a text, each on one line; blank lines separate them."""
     joined = (" ".join(part.split()) for part in re.split(r"\n\s*\n", printable(text)))

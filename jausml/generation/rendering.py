@@ -17,7 +17,7 @@ from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import syntax_problem
 from jausml.generation.errors import InternalError
 from jausml.generation.header import add_header
-from jausml.generation.languages.python import layout
+from jausml.generation.languages.python import layout, with_imports
 from jausml.generation.tasks import TextTask
 
 if TYPE_CHECKING:
@@ -37,8 +37,6 @@ FILTERS: Mapping[str, Callable[..., str]] = {
     "yamlstr": literals.yaml_string,
     "docstring": docstrings.model_docstring,
     "comment": literals.comment,
-    "call_args": literals.call_args,
-    "items_layout": literals.items,
     "lua": lua_literals.lua_literal,
 }
 """What templates may put text through."""
@@ -141,6 +139,8 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
             return str(view.content)
         template = self.environment.get_template(self.task.template)
         text: str = template.render(view=view, **self.global_context)
+        if self.task.imports is not None:
+            text = with_imports(text, self.task.imports(view))
         return layout(text) if self.task.path(view).endswith(".py") else text
 
     def _template_line(self, error: Exception) -> str | None:

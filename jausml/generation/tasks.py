@@ -14,6 +14,8 @@ from jausml.generation.artifact import Kind, SkeletonContract
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from jausml.generation.languages.python import Imports
+
 
 class View(Protocol):
     """What a target's views module offers about one model element.
@@ -44,6 +46,7 @@ class FileTask(Generic[ViewT]):
         kind: Who owns the files.
         executable: Whether the files get the executable bits.
         contract: For a Python skeleton, what its base expects.
+        imports: For Python, what a file may import; its template has no import statements then.
     """
 
     template: str
@@ -53,6 +56,7 @@ class FileTask(Generic[ViewT]):
     kind: Kind = Kind.GENERATED
     executable: bool = False
     contract: Callable[[ViewT], SkeletonContract] | None = None
+    imports: Callable[[ViewT], Imports] | None = None
 
     def label(self, view: ViewT) -> str:
         """Returns what an error names when no template line is known."""

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
-import random
-import shutil
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import pytest
 from hypothesis import example, given
@@ -148,65 +143,6 @@ def test_ident_refuses_what_is_no_name(name):
 
 def test_ident_returns_names_unchanged():
     assert literals.identifier("geometry_msgs.msg.Twist") == "geometry_msgs.msg.Twist"
-
-
-def test_call_args_uses_the_three_forms():
-    assert literals.call_args(["a", "b"], "f(") == "f(a, b)"
-    middle = literals.call_args(["a" * 45, "b" * 45], "function(", indent=4)
-    assert middle == f"function(\n        {'a' * 45}, {'b' * 45}\n    )"
-    tall = literals.call_args(["a" * 60, "b" * 60], "function(")
-    assert tall == f"function(\n    {'a' * 60},\n    {'b' * 60},\n)"
-    assert literals.call_args([], "function" * 20 + "(") == "function" * 20 + "()"
-
-
-def test_items_keeps_the_comma_of_a_tuple_of_one():
-    assert literals.items(["1"], "X = (", ")") == "X = (1,)"
-    assert literals.items(["1"], "X = [", "]") == "X = [1]"
-
-
-def _sample_module(seed):
-    rng = random.Random(seed)
-
-    def words(count):
-        alphabet = "abcdefghij"
-        return ["w" + "".join(rng.choices(alphabet, k=rng.randint(1, 24))) for _ in range(count)]
-
-    def string():
-        return literals.python_string("".join(rng.choices("ab'\"\\\n é", k=rng.randint(0, 12))))
-
-    doc = " ".join(words(rng.randint(0, 30)))
-    length = rng.choice((len(doc), rng.randint(85, 105)))
-    parts = [docstrings.model_docstring(doc[:length], 0), "", ""]
-    parts += [f"class C{seed}:"]
-    parts += ["    " + docstrings.model_docstring(". ".join(words(rng.randint(0, 30))), 4), ""]
-    parts += [f"    TITLE = {string()}"]
-    parts += [
-        "    " + literals.items([string() for _ in words(rng.randint(2, 9))], "A = [", "]", 4)
-    ]
-    parts += ["    " + literals.items(words(rng.randint(1, 9)), "B = (", ")", 4)]
-    pairs = [f"{string()}: {word}" for word in words(rng.randint(1, 9))]
-    parts += ["    " + literals.items(pairs, "D = {", "}", 4), ""]
-    names = [f"a{n}_{word}: int" for n, word in enumerate(words(rng.randint(0, 8)))]
-    head = literals.call_args(["self", *names], "def method(", ") -> None:", 4)
-    parts += ["    " + head]
-    parts += ["        " + docstrings.model_docstring("\n\n".join(words(rng.randint(1, 4))), 8)]
-    parts += ["        " + literals.comment(" ".join(words(rng.randint(0, 30))), 8)]
-    arguments = [f"k{n}={string()}" for n in range(rng.randint(0, 8))]
-    parts += ["        " + literals.call_args(arguments, "self.call(", ")", 8)]
-    return "\n".join(parts) + "\n"
-
-
-def test_layout_is_what_ruff_format_makes(tmp_path):
-    ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
-    if ruff is None:
-        pytest.skip("ruff is not installed")
-    for seed in range(60):
-        (tmp_path / f"m{seed}.py").write_text(_sample_module(seed), encoding="utf-8")
-
-    command = [ruff, "format", "--isolated", "--line-length=100", "--diff", str(tmp_path)]
-    result = subprocess.run(command, capture_output=True, text=True)
-
-    assert result.returncode == 0, result.stdout[:4000]
 
 
 @pytest.mark.parametrize(("value", "text"), [(1e22, "1e22"), (-2.5e-7, "-2.5e-07"), (1.0, "1.0")])

@@ -91,18 +91,21 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
         if source.velocity_y is not None:
-            target.twist.twist.linear.y = negate(source.velocity_y)  # meter per second
+            target.twist.twist.linear.y = conversions.negate(source.velocity_y)  # meter per second
 """,
         # A time, relative to the clock of the bridge.
         """
-            set_time(target.header.stamp, timestamp_to_time(source.time_stamp, near=self.now()))
+            set_time(
+                target.header.stamp,
+                conversions.timestamp_to_time(source.time_stamp, near=self.now()),
+            )
 """,
         # Several sources of one conversion.
         """
         if source.roll is not None and source.pitch is not None and source.yaw is not None:
             set_quaternion(
                 target.pose.orientation,
-                frd_angles_to_flu_quaternion(source.roll, source.pitch, source.yaw),
+                conversions.frd_angles_to_flu_quaternion(source.roll, source.pitch, source.yaw),
             )
 """,
         # The policy of the connection, and those of assignments that have their own.
@@ -111,22 +114,27 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
         target.y = self.estimate.drop_field(
-            "Y", negate(source.pose.pose.position.y), -100000.0, 100000.0
+            "Y", conversions.negate(source.pose.pose.position.y), -100000.0, 100000.0
         )  # meter
 """,
         """
         target.propulsive_linear_effort_x = self.drive.error(
-            "PropulsiveLinearEffortX", scale(source.linear.x, 10.0), -100.0, 100.0
+            "PropulsiveLinearEffortX", conversions.scale(source.linear.x, 10.0), -100.0, 100.0
         )  # percent
 """,
         # Conversions in order, within the range of the target.
         """
         target.propulsive_rotational_effort_z = self.drive.clamp(
-            "PropulsiveRotationalEffortZ", scale(negate(source.angular.z), 100.0), -100.0, 100.0
+            "PropulsiveRotationalEffortZ",
+            conversions.scale(conversions.negate(source.angular.z), 100.0),
+            -100.0,
+            100.0,
         )  # percent
 """,
         """
-        target.time_stamp = ReportLocalPose.TimeStamp(*time_to_timestamp(source.header.stamp))
+        target.time_stamp = ReportLocalPose.TimeStamp(
+            *conversions.time_to_timestamp(source.header.stamp)
+        )
 """,
         # One query for two connections asks for what both of them read.
         """
@@ -478,8 +486,8 @@ def body(tmp_path, line, **texts):
     """The statements of the only translation of a small model."""
     model = small(tmp_path, assignments=line, **texts)
     view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
-    text = view.connections[0].body.text
-    ast.parse(text.replace("\n        ", "\n"))
+    text = "\n".join(view.connections[0].translated.lines)
+    ast.parse(text)
     return text
 
 
@@ -494,7 +502,7 @@ def body(tmp_path, line, **texts):
         ("Head.Number", "large", "clamp.integer("),
         ("Head.Number", "real", 'self.things.clamp.finite("Head.Number", source.head.number)'),
         ("Head.Number", "matrix[7]", "target.matrix[7] = self.things.clamp.finite("),
-        ("Head.Number", "single", "clamp.single(\n"),
+        ("Head.Number", "single", "clamp.single("),
         ("Head.Effort", "single", "target.single = source.head.effort"),
         ("Head.Effort", "matrix[7]", "target.matrix[7] = source.head.effort"),
         ("Head.Percent", "signed", 'clamp.integer("signed", source.head.percent, -128, 127)'),
@@ -583,7 +591,8 @@ def test_examples_are_values_that_the_target_carries(tmp_path, target, conversio
     line = assignment("FieldAssignment", "toJaus", target, source="real", conversions=conversions)
     model = small(tmp_path, assignments=line, direction="rosToJaus")
     view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
-    sample = sample_of(Ends(view.connections[0], view.ros_classes.name_of))
+    uses = view.translations.uses
+    sample = sample_of(Ends(view.connections[0], uses.type_name, uses))
     assert (sample and sample.values) == (expected and {"real": expected})
     for artifact in render(model, [TARGET]):
         if artifact.path.endswith("_translations.py"):

@@ -30,9 +30,9 @@ DAMAGES = {
         "value_to_percent(source.linear.x",
         "percent_to_value(source.linear.x",
     ),
-    "a negation": ("= negate(source.velocity_y)", "= source.velocity_y"),
+    "a negation": ("= conversions.negate(source.velocity_y)", "= source.velocity_y"),
     "a negation on the way back": (
-        "negate(source.twist.twist.angular.z)",
+        "conversions.negate(source.twist.twist.angular.z)",
         "source.twist.twist.angular.z",
     ),
     "two members": (
@@ -57,28 +57,31 @@ DAMAGES = {
         "frd_angles_to_flu_quaternion(source.roll",
     ),
     "the body for the world": (
-        "= enu_quaternion_to_ned_angles(source",
-        "= flu_quaternion_to_frd_angles(source",
+        "= conversions.enu_quaternion_to_ned_angles(source",
+        "= conversions.flu_quaternion_to_frd_angles(source",
     ),
     "roll and pitch": (
         "(source.roll, source.pitch, source.yaw)",
         "(source.pitch, source.roll, source.yaw)",
     ),
-    "pitch and yaw on the way back": ("roll, pitch, yaw = enu", "roll, yaw, pitch = enu"),
+    "pitch and yaw on the way back": (
+        "roll, pitch, yaw = conversions.enu",
+        "roll, yaw, pitch = conversions.enu",
+    ),
     "the required field": (
         'raise AbsentFieldError("Velocity_X")',
         "source.velocity_x = 0.0",
     ),
     "the default value": ("twist.linear.z = 0.25", "twist.linear.z = 0.5"),
     "the last value": (
-        "self.last_speed_twist_twist_angular_z = negate(source.yaw_rate)",
-        "target.twist.twist.angular.z = negate(source.yaw_rate)",
+        "self.last_speed_twist_twist_angular_z = conversions.negate(source.yaw_rate)",
+        "target.twist.twist.angular.z = conversions.negate(source.yaw_rate)",
     ),
-    "a square": ("= square(source.velocity_rms)", "= source.velocity_rms"),
+    "a square": ("= conversions.square(source.velocity_rms)", "= source.velocity_rms"),
     "the constant": ('frame_id = "odom"', 'frame_id = "map"'),
     "the time": (
-        "set_time(target.header.stamp, timestamp_to_time(source.time_stamp, near=self.now()))",
-        "timestamp_to_time(source.time_stamp, near=self.now())",
+        "set_time(\n",
+        "(\n",
     ),
     "what is ignored": (
         'header.frame_id = "odom"',

@@ -11,7 +11,8 @@ import pytest
 
 from jausml import generation as gen
 from jausml.generation.artifact import Kind
-from jausml.generators.common.ros import RosType, import_lines, local_names
+from jausml.generation.languages.python import Imports, Origin, layout, with_imports
+from jausml.generators.common.ros import RosType, local_names
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.ros_node.views import NodeView
 from jausml.metamodel.classes import ros, system
@@ -292,7 +293,12 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
         ("ament.packages", "Error"),
     ]
     file = tmp_path / "module.py"
-    file.write_text("\n".join(import_lines(reversed(names))) + "\n")
+    origins = {
+        local or name: Origin(module, name)
+        for module, (name, _, local) in ((each[0], each[1].partition(" as ")) for each in names)
+    }
+    body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
+    file.write_text(layout(with_imports(body, Imports(origins))))
     done = run(
         "-m",
         "ruff",

@@ -4,37 +4,24 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from textwrap import indent
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
-from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
-from jausml.generators.bridge.translation import (
-    Body,
-    Surroundings,
-    jaus_constants,
-    ros_constants,
-    to_jaus,
-    to_ros,
-)
-from jausml.generators.common import runtime
+from jausml.generation.literals import python_literal, python_string
 from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
-from jausml.generators.python.layout import Call, signature, statement
-from jausml.generators.python.names import Scope, snake_case
+from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable
 
+    from jausml.generators.bridge.translation import Translated
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus, ros
 
-COMPLEX = "# noqa: C901"
-"""Comment behind the first line of a method with many branches."""
 PRESENCE_VECTOR = "PresenceVector"
-_OWN_NAMES = frozenset({"self", "source", "target"})
-_ARGUMENT = 12
 _QOS = {
     "reliability": "reliable",
     "durability": "volatile",
@@ -80,21 +67,27 @@ class ConnectionView:
 
     Args:
         connection: The connection.
-        name: Its name in Python.
-        ros_name: Name of its ROS message class in the generated modules.
+        translated: Its translation.
         view_of: Returns the class of a JAUS message.
-        around: What the translations of the bridge use of its class and module.
         requested: JAUS fields of the report that connections of the bridge read.
     """
 
     connection: bridge.Connection
-    name: str
-    ros_name: str
+    translated: Translated
     view_of: Callable[[jaus.MessageDef], MessageView]
-    around: Surroundings
     requested: frozenset[str] = frozenset()
 
     # ------------------------------------------------------------------ both ends
+
+    @property
+    def name(self) -> str:
+        """Its name in Python."""
+        return self.translated.name
+
+    @property
+    def ros_name(self) -> str:
+        """Name of its ROS message class in the generated modules."""
+        return self.translated.ros_name
 
     @property
     def to_ros(self) -> bool:
@@ -178,21 +171,21 @@ class ConnectionView:
             return (self.message_name,)
         return (self.message_name, self.query.class_name)
 
-    def _query_call(self, query: MessageView) -> Call:
+    def _query_call(self, query: MessageView) -> str:
         """The query as it is asked: its presence vector names the fields that are read."""
         presence = query.find(PRESENCE_VECTOR)
         if not presence:
-            return Call(query.class_name, ())
+            return call(query.class_name)
         bits = (m.bit for m in self.message.body.members if m.jaus_name in self.requested)
-        return Call(query.class_name, (f"{presence[0].attribute}=0x{sum(bits):04X}",))
+        return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
 
     # ------------------------------------------------------------------ construction
 
     @property
-    def arguments(self) -> tuple[tuple[str, str | Call], ...]:
+    def arguments(self) -> tuple[tuple[str, str], ...]:
         """Arguments of the runtime class after name and translate."""
         connection = self.connection
-        found: list[tuple[str, str | Call]] = [
+        found = [
             ("message", self.message_name),
             ("type", self.ros_name),
         ]
@@ -213,8 +206,8 @@ class ConnectionView:
             found.append(("safe_value", f"self.safe_{self.name}"))
         return tuple(found)
 
-    def _sending(self) -> list[tuple[str, str | Call]]:
-        found: list[tuple[str, str | Call]] = []
+    def _sending(self) -> list[tuple[str, str]]:
+        found = []
         if self.connection.control and self.guard != "ANY":
             found.append(("control", f"Guard.{self.guard}"))
         if self.connection.priority.name != "standard":
@@ -225,25 +218,24 @@ class ConnectionView:
         return found
 
     @property
-    def peers(self) -> tuple[Call, ...]:
+    def peers(self) -> tuple[str, ...]:
         """Addresses of the JAUS components at the other end."""
         return tuple(map(address_call, self.connection.peers))
 
     @property
-    def topics(self) -> tuple[Call, ...]:
+    def topics(self) -> tuple[str, ...]:
         """The topics with their quality of service."""
         return tuple(_topic(topic) for topic in self.connection.topics if topic.join is None)
 
     @property
     def argument_lines(self) -> tuple[str, ...]:
-        """Arguments of the runtime class after name and translate, laid out."""
-        lines = [argument(key, value, _ARGUMENT) for key, value in self.arguments]
+        """Arguments of the runtime class after name and translate."""
+        lines = [f"{key}={value}" for key, value in self.arguments]
         if self.kind != "TopicsToReport":
-            lines.append(list_argument("peers", self.peers, _ARGUMENT))
-        lines.append(list_argument("topics", self.topics, _ARGUMENT))
+            lines.append(f"peers={_list(self.peers)}")
+        lines.append(f"topics={_list(self.topics)}")
         if self.joins:
-            calls = [_join(join) for join in self.joins]
-            lines.append(list_argument("joins", calls, _ARGUMENT))
+            lines.append(f"joins={_list(map(_join, self.joins))}")
         return tuple(lines)
 
     @property
@@ -263,63 +255,27 @@ class ConnectionView:
     def _handler_guard(self) -> str:
         return self.guard if self.kind == "MessageToTopics" else "ANY"
 
-    @property
-    def runtime_names(self) -> set[tuple[str, str]]:
-        """Names of the runtime that the base needs for the connection."""
-        names = {self.kind}
-        keys = {key for key, _ in self.arguments}
-        if keys & {"when", "control"}:
-            names.add("Guard")
-        if "priority" in keys:
-            names.add("Priority")
-        if any(topic.qos is not None for topic in self.connection.topics):
-            joined = [topic for join in self.joins for topic in map(_topic, join.topics)]
-            if any(len(topic.arguments) > 1 for topic in (*self.topics, *joined)):
-                names.add("Qos")
-        if self.joins:
-            names.add("Join")
-        return {*((runtime.FACE, name) for name in names), *self.body.names}
-
     # ------------------------------------------------------------------ translation
 
-    @functools.cached_property
+    @property
     def joins(self) -> tuple[JoinView, ...]:
         """The joined topics, whose latest messages are parameters of the translation."""
-        if self.to_ros:
-            return ()
-        scope = Scope(_OWN_NAMES)
+        topics = self.connection.topics
         return tuple(
             JoinView(
-                join,
-                scope.claim(snake_case(join.name)),
-                self.around.type_name(join.type),
-                tuple(topic for topic in self.connection.topics if topic.join is join),
+                each.join,
+                each.name,
+                each.type_name,
+                tuple(topic for topic in topics if topic.join is each.join),
             )
-            for join in self.connection.map.joins
+            for each in self.translated.joins
         )
 
-    @functools.cached_property
-    def body(self) -> Body:
-        """The statements of the translation."""
-        owner = f"self.{self.name}"
-        if self.to_ros:
-            return to_ros(self.connection, self.message, owner, self.ros_name, self.around)
-        joins = {join.model_name: (join.name, join.type) for join in self.joins}
-        return to_jaus(self.connection, self.message, owner, joins, self.around)
-
     @property
-    def translate_signature(self) -> str:
-        """First line of the translation."""
-        parameters = ["self", f"source: {self.source_name}"]
-        parameters += [f"{join.name}: {join.type_name} | None = None" for join in self.joins]
-        result = f"{self.target_name} | None"
-        comment = COMPLEX if self.body.is_complex else ""
-        return signature(f"def translate_{self.name}", parameters, result, 4, comment)
-
-    @property
-    def safe_signature(self) -> str:
-        """First line of the method that makes the safe value."""
-        return signature(f"def safe_{self.name}", ["self"], self.target_name, 4)
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of the translation."""
+        joins = (f"{join.name}: {join.type_name} | None = None" for join in self.joins)
+        return ("self", f"source: {self.source_name}", *joins)
 
     @property
     def safe_documentation(self) -> str:
@@ -337,14 +293,6 @@ class ConnectionView:
         """Whether the model says what is sent when the source is lost, and it can be lost."""
         can_be_lost = self.connection.silenceTimeout > 0 or self._handler_guard == "READY"
         return bool(self.connection.safeValue) and can_be_lost
-
-    @functools.cached_property
-    def safe_body(self) -> Body:
-        """The statements that make the safe value."""
-        constants = self.connection.safeValue
-        if self.to_ros:
-            return ros_constants(self.connection.map.type, self.ros_name, constants)
-        return jaus_constants(self.message, constants)
 
 
 def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
@@ -370,31 +318,21 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     return query
 
 
-def argument(name: str, value: str | Call, column: int) -> str:
-    """Returns a keyword argument of a call that stands one to a line, without its comma."""
-    return statement(value, f"{name}=", column + 1)
+def _list(items: Iterable[str]) -> str:
+    return f"[{', '.join(items)}]"
 
 
-def list_argument(name: str, items: Sequence[Call], column: int) -> str:
-    """Returns a keyword argument that is a list of calls, without its comma."""
-    line = f"{name}=[{', '.join(map(str, items))}]"
-    if len(line) + 1 + column <= LINE_WIDTH:
-        return line
-    inner = [indent(f"{statement(item, '', column + 5)},", "    ") for item in items]
-    return "\n".join([f"{name}=[", *inner, "]"])
-
-
-def _join(join: JoinView) -> Call:
-    topics = ", ".join(map(str, map(_topic, join.topics)))
-    arguments = [python_string(join.name), join.type_name, f"[{topics}]"]
+def _join(join: JoinView) -> str:
+    topics = _list(map(_topic, join.topics))
+    arguments = [python_string(join.name), join.type_name, topics]
     arguments.append(f"freshness={python_literal(float(join.join.freshness))}")
     if join.join.whenStale.name == "dropMessage":
         arguments.append("drop=True")
-    return Call("Join", tuple(arguments))
+    return call("Join", *arguments)
 
 
-def _topic(topic: bridge.Topic) -> Call:
-    arguments: list[str | Call] = [python_string(topic.name)]
+def _topic(topic: bridge.Topic) -> str:
+    arguments = [python_string(topic.name)]
     if topic.qos is not None:
         policies = []
         for feature, default in _QOS.items():
@@ -403,5 +341,5 @@ def _topic(topic: bridge.Topic) -> Call:
             if value != default:
                 policies.append(f"{snake_case(feature)}={python_literal(value)}")
         if policies:
-            arguments.append(Call("Qos", tuple(policies)))
-    return Call("Topic", tuple(arguments))
+            arguments.append(call("Qos", *policies))
+    return call("Topic", *arguments)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.generation.languages.python import Origin
 from jausml.generators.common.ros import RosType, ros_type
 
 if TYPE_CHECKING:
@@ -45,15 +46,13 @@ class RosClasses:
             self._taken.add(name)
         return self.names[kind]
 
-    def imports(self, used: Iterable[str]) -> set[tuple[str, str]]:
-        """Returns modules and names to import.
+    @property
+    def origins(self) -> dict[str, Origin]:
+        """Where the classes come from, by name."""
+        return {name: Origin(kind.module, kind.name) for kind, name in self.names.items()}
 
-        Args:
-            used: Names of the classes that a module uses.
-        """
-        wanted = set(used)
-        return {
-            (kind.module, kind.name if name == kind.name else f"{kind.name} as {name}")
-            for kind, name in self.names.items()
-            if name in wanted
-        }
+    def copy(self) -> RosClasses:
+        """Returns the same names, to which others may be added without a trace here."""
+        other = RosClasses(self._taken)
+        other.names = dict(self.names)
+        return other

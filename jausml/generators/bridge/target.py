@@ -53,6 +53,7 @@ def tasks(model: Model) -> list[Task]:
             "test_translations.py.j2",
             tests,
             lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+            imports=lambda view: view.imports,
         ),
     ]
 

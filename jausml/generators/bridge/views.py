@@ -5,28 +5,26 @@ from __future__ import annotations
 import functools
 from contextlib import suppress
 from dataclasses import dataclass
-from textwrap import indent
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
-from jausml.generators.bridge.base_module import VALUE_TYPES, BaseModule, names_of, stub
-from jausml.generators.bridge.connections import ConnectionView, argument, query_of
-from jausml.generators.bridge.ros_classes import RosClasses
-from jausml.generators.bridge.translation import AssignmentError, Surroundings, used_maps
+from jausml.generation.languages.python import Imports, offered
+from jausml.generation.literals import python_literal, python_string
+from jausml.generators.bridge.base_module import BaseModule, names_of, stub
+from jausml.generators.bridge.connections import ConnectionView, query_of
+from jausml.generators.bridge.translation import AssignmentError, Translations, translate, used_maps
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime
 from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
     service_identities,
-    transport_names,
     transport_settings,
 )
-from jausml.generators.common.ros import import_lines
 from jausml.generators.python.codec.message_builder import build_message, build_message_map
-from jausml.generators.python.layout import Call, statement
-from jausml.generators.python.names import Scope, class_name, names_in, package_name, snake_case
+from jausml.generators.python.names import class_name, package_name
+from jausml.generators.python.package import laid_out
+from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.paths import source_paths
 
@@ -36,25 +34,6 @@ if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import System
-
-_ARGUMENT = 16
-
-
-# Attributes that the base class has anyway.
-_TAKEN_ATTRIBUTES = names_in(
-    """
-    accept close component connections loop now on_not_ready open publisher rate_parameter report
-    ros settings silence_parameter subscribe
-    """
-)
-# Classes of the runtime that generated modules import.
-_TAKEN_CLASSES = names_in(
-    """
-    AbsentFieldError Bridge BridgeSettings ComponentSettings ConversionError EventToTopics Guard
-    JausAddress MessageToTopics Priority Qos QueryToTopics ServiceIdentity Topic TopicsToMessage
-    TopicsToReport TransportKind TransportSettings
-    """
-)
 
 
 @dataclass(frozen=True)
@@ -107,19 +86,26 @@ class BridgeView:
         return self.bridge.documentation or f"The {self.title} of the system {self.system.name}."
 
     @functools.cached_property
+    def translations(self) -> Translations:
+        """The translations of the connections.
+
+        Raises:
+            AssignmentError: A value does not fit its target.
+            PathError: A path leads nowhere.
+        """
+        classes = {view.class_name for view in self.messages}
+        taken = {*classes, *runtime.names(), self.class_name, self.base_name}
+        return translate(self.bridge, self.message_of, taken)
+
+    @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
         """The connections in model order, under names that are unique in Python."""
-        scope = self._around.attributes
+        pairs = zip(self.bridge.bridgeConnections, self.translations.connections, strict=True)
         return tuple(
             ConnectionView(
-                connection,
-                scope.claim(snake_case(connection.name)),
-                self.ros_classes.name_of(connection.map.type),
-                self.message_of,
-                self._around,
-                self._requested(connection.map.message),
+                connection, translated, self.message_of, self._requested(connection.map.message)
             )
-            for connection in self.bridge.bridgeConnections
+            for connection, translated in pairs
         )
 
     @functools.cached_property
@@ -137,27 +123,6 @@ class BridgeView:
         """The classes of these messages."""
         return tuple(dict.fromkeys(self.message_map.values()))
 
-    @functools.cached_property
-    def ros_classes(self) -> RosClasses:
-        """Names of the ROS message classes in the generated modules."""
-        taken = {view.class_name for view in self.messages} | _TAKEN_CLASSES
-        return RosClasses(taken | {self.class_name, self.base_name})
-
-    @functools.cached_property
-    def _around(self) -> Surroundings:
-        """What the translations use of the class and the module; complete once all are written."""
-        overrides = {str(each.name): each for each in self.bridge.quantities}
-        return Surroundings(
-            self.message_of, self.ros_classes.name_of, overrides, Scope(_TAKEN_ATTRIBUTES)
-        )
-
-    @functools.cached_property
-    def around(self) -> Surroundings:
-        """What the translations use of the class and the module."""
-        for connection in self.connections:
-            connection.body  # noqa: B018 - writing a translation collects what it uses
-        return self._around
-
     def message_of(self, element: jaus.MessageDef) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
         return next(
@@ -167,17 +132,16 @@ class BridgeView:
         )
 
     @property
-    def settings(self) -> tuple[tuple[str, str | Call], ...]:
+    def settings(self) -> tuple[tuple[str, str], ...]:
         """Arguments of BridgeSettings, as names and expressions."""
         bridge = self.bridge
-        component = Call(
+        component = call(
             "ComponentSettings",
-            (
-                f"default_authority={bridge.defaultAuthority}",
-                f"control_timeout={bridge.controlTimeout}",
-                f"event_timeout={bridge.eventTimeout}",
-            ),
+            f"default_authority={bridge.defaultAuthority}",
+            f"control_timeout={bridge.controlTimeout}",
+            f"event_timeout={bridge.eventTimeout}",
         )
+        services = tuple(("services", f"({', '.join(self.services)},)") for _ in self.services[:1])
         return (
             ("name", python_string(self.name)),
             ("address", address_call(bridge)),
@@ -188,51 +152,50 @@ class BridgeView:
             ("authority", str(bridge.authority)),
             ("component", component),
             ("transport", transport_settings(self.system, bridge)),
+            *services,
         )
 
     @functools.cached_property
-    def services(self) -> tuple[Call, ...]:
+    def services(self) -> tuple[str, ...]:
         """The services that the bridge provides, inherited ones before those that inherit."""
         return service_identities(self.bridge.provides)
 
-    @property
-    def settings_lines(self) -> tuple[str, ...]:
-        """Arguments of BridgeSettings, laid out."""
-        lines = [argument(key, value, _ARGUMENT) for key, value in self.settings]
-        if self.services:
-            lone = f"services=({self.services[0]},)"
-            inner = [indent(f"{statement(each, '', 21)},", "    ") for each in self.services]
-            is_short = len(self.services) == 1 and len(lone) + 1 + _ARGUMENT <= LINE_WIDTH
-            lines.append(lone if is_short else "\n".join(["services=(", *inner, ")"]))
-        return tuple(lines)
-
-    # ------------------------------------------------------------------ imports
+    # ------------------------------------------------------------------ the modules
 
     @property
-    def base_import_lines(self) -> tuple[str, ...]:
-        """Import lines of the base: ROS and the runtime, then the messages."""
-        classes = ["JausAddress", "Bridge", "BridgeSettings", "ComponentSettings", "Topic"]
-        if self.services:
-            classes.append("ServiceIdentity")
-        names = {(runtime.FACE, name) for name in classes}
-        names |= transport_names(self.system, self.bridge)
-        for view in self.connections:
-            names |= view.runtime_names
-        return self.module.import_lines(names)
+    def base_imports(self) -> Imports:
+        """What the base may import."""
+        return Imports(
+            {
+                **runtime.names(),
+                **self.translations.ros_classes.origins,
+                **offered(".messages", *(view.class_name for view in self.messages)),
+            }
+        )
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+        return self.base_imports.and_also(offered(f".{self.package}_base", self.base_name))
+
+    @property
+    def main_imports(self) -> Imports:
+        """What the entry point may import."""
+        return self.base_imports.and_also(offered(f".{self.package}", self.class_name))
 
     @functools.cached_property
     def module(self) -> BaseModule:
         """What stands in the module of the base besides the connections."""
-        return BaseModule(self.around, self.connections, self.ros_classes)
+        return BaseModule(self.translations.uses)
 
     @property
     def dependencies(self) -> tuple[str, ...]:
         """ROS packages that the package needs at run time, sorted."""
+        packages = {"diagnostic_msgs", runtime.FACE, "rcl_interfaces", "rclpy"}
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
-            self.around  # noqa: B018 - writing the translations names the types inside messages
-        used = {kind.package for kind in self.ros_classes.names}
-        return tuple(sorted(used | {"diagnostic_msgs", runtime.FACE, "rcl_interfaces", "rclpy"}))
+            packages |= {kind.package for kind in self.translations.ros_classes.names}
+        return tuple(sorted(packages))
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
@@ -254,19 +217,6 @@ class BridgeView:
         return SkeletonContract(
             self.class_name, self.base_name, (*translations, hook, *conversions)
         )
-
-    @property
-    def skeleton_standard_lines(self) -> tuple[str, ...]:
-        """Import statements of the standard library that the skeleton needs."""
-        names = ["TYPE_CHECKING"] if self.skeleton_typing_lines else []
-        names += ["Any"] if "Any" in self.module.method_words else []
-        return import_lines(("typing", name) for name in names)
-
-    @property
-    def skeleton_typing_lines(self) -> tuple[str, ...]:
-        """Import statements of the skeleton that type checkers alone need."""
-        names = VALUE_TYPES & self.module.method_words
-        return import_lines(((runtime.CONVERSIONS, name) for name in names), 4)
 
     def _requested(self, message: jaus.MessageDef) -> frozenset[str]:
         """Fields of a report that some connection of the bridge reads."""
@@ -296,10 +246,9 @@ def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
 
 
 def _stub(view: ConnectionView) -> str:
-    parameters = "".join(f", {join.name}: {join.type_name} | None = None" for join in view.joins)
-    arguments = "".join(f", {join.name}" for join in view.joins)
-    return (
-        f"    def translate_{view.name}(self, source: {view.source_name}{parameters})"
-        f" -> {view.target_name} | None:\n"
-        f"        return super().translate_{view.name}(source{arguments})\n"
+    name, parameters = f"translate_{view.name}", ", ".join(view.parameters)
+    arguments = ", ".join(["source", *(join.name for join in view.joins)])
+    return laid_out(
+        f"    def {name}({parameters}) -> {view.target_name} | None:\n"
+        f"        return super().{name}({arguments})\n"
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
-from jausml.generators.bringup.views import BringupView, ProcessView
+from jausml.generators.bringup.views import LAUNCH_IMPORTS, BringupView, ProcessView
 from jausml.generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ def tasks(model: Model) -> list[Task]:
             "system.launch.py.j2",
             bringup.launches,
             lambda launch: f"{bringup.name}/launch/{launch.name}.launch.py",
+            imports=lambda _: LAUNCH_IMPORTS,
         ),
         FileTask(
             "config.yaml.j2",

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from textwrap import indent
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import LINE_WIDTH, python_string, yaml_string
+from jausml.generation.languages.python import Imports, offered
+from jausml.generation.literals import python_string, yaml_string
 from jausml.generators.common.components import TRANSPORTS, host_of
-from jausml.generators.common.ros import import_lines, parameter_value
-from jausml.generators.python.layout import Call, statement
+from jausml.generators.common.ros import parameter_value
 from jausml.generators.python.names import package_name
+from jausml.generators.python.statements import call
 from jausml.metamodel.classes import jaus, ros
 
 if TYPE_CHECKING:
@@ -19,8 +19,20 @@ if TYPE_CHECKING:
 
     from jausml.metamodel.classes.system import Host, System
 
-_COMMAND_COLUMN = 16
-"""Column of the arguments of an action in a launch file."""
+LAUNCH_IMPORTS = Imports(
+    {
+        **offered("ament_index_python.packages", "get_package_share_directory"),
+        **offered("launch", "LaunchDescription"),
+        **offered(
+            "launch.actions", "DeclareLaunchArgument", "ExecuteProcess", "SetEnvironmentVariable"
+        ),
+        **offered("launch.substitutions", "EnvironmentVariable", "LaunchConfiguration"),
+        **offered("launch_ros.actions", "Node"),
+        **offered("launch_ros.substitutions", "ExecutableInPackage"),
+    },
+    for_user=True,
+)
+"""What launch files may import; they import it plainly, as those of ROS do."""
 
 _YAML_WORDS = frozenset(["y", "n", "yes", "no", "on", "off", "true", "false", "null"])
 """Plain scalars that YAML 1.1 reads as another type than text, in any case."""
@@ -118,14 +130,10 @@ class ProcessView:
 
     @property
     def command(self) -> str:
-        """The argument `cmd` of a launch action, laid out for its column."""
+        """What a launch action runs, as Python text."""
         package = python_string(self.package)
-        program = Call("ExecutableInPackage", (f"executable={package}", f"package={package}"))
-        line = f"cmd=[{program}, *TRANSPORT],"
-        if len(line) + _COMMAND_COLUMN <= LINE_WIDTH:
-            return line
-        inner = indent(f"{statement(program, '', _COMMAND_COLUMN + 5)},", "    ")
-        return f"cmd=[\n{inner}\n    *TRANSPORT,\n],"
+        program = call("ExecutableInPackage", f"executable={package}", f"package={package}")
+        return f"[{program}, *TRANSPORT]"
 
     @property
     def transport_arguments(self) -> tuple[str, ...]:
@@ -200,24 +208,6 @@ class LaunchView:
                 for each, value in values
             ),
         )
-
-    @property
-    def import_lines(self) -> tuple[str, ...]:
-        """Import lines of the launch file, without those of the standard library."""
-        names = {
-            ("launch", "LaunchDescription"),
-            ("launch.actions", "DeclareLaunchArgument"),
-            ("launch.actions", "SetEnvironmentVariable"),
-            ("launch.substitutions", "EnvironmentVariable"),
-            ("launch.substitutions", "LaunchConfiguration"),
-        }
-        if self.speaks_ros:
-            names.add(("ament_index_python.packages", "get_package_share_directory"))
-            names.add(("launch_ros.actions", "Node"))
-        if self.has_components:
-            names.add(("launch.actions", "ExecuteProcess"))
-            names.add(("launch_ros.substitutions", "ExecutableInPackage"))
-        return import_lines(names)
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
-from jausml.generators.common import runtime
-from jausml.generators.python.layout import Call
+from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.core_services import CORE
 
@@ -57,7 +56,7 @@ def inherits(service: jaus.Service, name: str) -> bool:
     return any(each.urn == CORE + name for each in with_inherited([service]))
 
 
-def service_identities(services: Iterable[jaus.Service]) -> tuple[Call, ...]:
+def service_identities(services: Iterable[jaus.Service]) -> tuple[str, ...]:
     """Returns what Discovery reports of services and those that they inherit.
 
     Service sets of different age may inherit different versions of a core service; the component
@@ -72,18 +71,18 @@ def service_identities(services: Iterable[jaus.Service]) -> tuple[Call, ...]:
         urn = str(service.urn)
         versions[urn] = max(versions.get(urn, (0, 0)), (major, minor))
     return tuple(
-        Call("ServiceIdentity", (python_string(urn), str(major), str(minor)))
+        call("ServiceIdentity", python_string(urn), str(major), str(minor))
         for urn, (major, minor) in versions.items()
     )
 
 
-def address_call(component: jaus.Component) -> Call:
+def address_call(component: jaus.Component) -> str:
     """Returns the address of a component as a Python expression.
 
     Args:
         component: The component.
     """
-    return Call("JausAddress", tuple(str(int(part)) for part in component.address.split(".")))
+    return call("JausAddress", *(str(int(part)) for part in component.address.split(".")))
 
 
 TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
@@ -105,7 +104,7 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     return system.hosts[0] if system.hosts else None
 
 
-def transport_settings(system: System, component: jaus.Component) -> Call:
+def transport_settings(system: System, component: jaus.Component) -> str:
     """Returns the transport settings of the host that a component runs on.
 
     Args:
@@ -114,8 +113,8 @@ def transport_settings(system: System, component: jaus.Component) -> Call:
     """
     host = host_of(system, component)
     if host is None:
-        return Call("TransportSettings", ())
-    arguments: list[str | Call] = [
+        return call("TransportSettings")
+    arguments = [
         f"interface={python_string(host.interface)}",
         f"port={int(host.port)}",
         f"multicast_group={python_string(host.multicastGroup)}",
@@ -125,24 +124,8 @@ def transport_settings(system: System, component: jaus.Component) -> Call:
         arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
     others = _peers_elsewhere(system, host)
     if others:
-        arguments.append(Call("address_book=peers", tuple(map(python_string, others))))
-    return Call("TransportSettings", tuple(arguments))
-
-
-def transport_names(system: System, component: jaus.Component) -> set[tuple[str, str]]:
-    """Returns what `transport_settings` needs, as pairs of module and name.
-
-    Args:
-        system: The system.
-        component: The component.
-    """
-    host = host_of(system, component)
-    names = {"TransportSettings"}
-    if host is not None and host.transport.name in _TRANSPORT_KINDS:
-        names.add("TransportKind")
-    if host is not None and _peers_elsewhere(system, host):
-        names.add("peers")
-    return {(runtime.FACE, name) for name in names}
+        arguments.append(f"address_book={call('peers', *map(python_string, others))}")
+    return call("TransportSettings", *arguments)
 
 
 def _peers_elsewhere(system: System, host: Host) -> list[str]:

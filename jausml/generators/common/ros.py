@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter, defaultdict
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import LINE_WIDTH
 from jausml.generators.python.names import Scope, class_name
 from jausml.semantics.installed import kind_of, package_of
 
@@ -89,11 +87,9 @@ class Qos:
 
     Attributes:
         arguments: Arguments of QoSProfile, e.g. `depth=10`.
-        imports: Names that the profile needs, as (module, name).
     """
 
     arguments: tuple[str, ...]
-    imports: tuple[tuple[str, str], ...]
 
 
 def qos(profile: ros.QoSProfile | None) -> Qos:
@@ -102,19 +98,16 @@ def qos(profile: ros.QoSProfile | None) -> Qos:
     Policies that equal rclpy's defaults are left out.
     """
     arguments = [f"depth={profile.depth if profile is not None else 10}"]
-    imports = [("rclpy.qos", "QoSProfile")]
     if profile is not None:
         for feature, (policy, default) in _POLICIES.items():
             value = getattr(profile, feature).name
             if value != default:
                 arguments.append(f"{feature}={policy}.{value.upper()}")
-                imports.append(("rclpy.qos", policy))
         for feature, argument in _DURATIONS.items():
             seconds = getattr(profile, feature)
             if 0 < seconds <= LONGEST_DURATION:
                 arguments.append(f"{argument}=Duration(seconds={seconds!r})")
-                imports.append(("rclpy.duration", "Duration"))
-    return Qos(tuple(arguments), tuple(imports))
+    return Qos(tuple(arguments))
 
 
 def parameter_value(parameter: ros.Parameter) -> bool | int | float | str:
@@ -126,40 +119,3 @@ def parameter_value(parameter: ros.Parameter) -> bool | int | float | str:
     if kind == "integer":
         return int(text)
     return float(text) if kind == "double" else text
-
-
-def import_lines(names: Iterable[tuple[str, str]], column: int = 0) -> tuple[str, ...]:
-    """Returns `from module import names` lines as ruff's import sorter writes them.
-
-    Args:
-        names: Pairs of module and name; the name may be `Pose as TurtlesimPose`.
-        column: Column at which they will stand; the lines themselves begin at 0.
-    """
-    statements: dict[tuple[str, str], set[str]] = defaultdict(set)
-    for module, name in names:
-        statements[module, name if " as " in name else ""].add(name)
-    ordered = sorted(
-        (
-            (module, sorted(members, key=_member_order))
-            for (module, _), members in statements.items()
-        ),
-        key=lambda line: (_natural(line[0]), _member_order(line[1][0])),
-    )
-    return tuple(_import_line(module, members, column) for module, members in ordered)
-
-
-def _member_order(name: str) -> tuple[int, str, str]:
-    """Constants come before classes, classes before functions; numbers count as numbers."""
-    group = 0 if len(name) > 1 and name.isupper() else 1 if name[0].isupper() else 2
-    return group, _natural(name), name
-
-
-def _natural(text: str) -> str:
-    return re.sub(r"\d+", lambda number: number.group().zfill(20), text.lower())
-
-
-def _import_line(module: str, names: list[str], column: int) -> str:
-    line = f"from {module} import {', '.join(names)}"
-    if len(line) + column <= LINE_WIDTH:
-        return line
-    return "\n".join([f"from {module} import (", *(f"    {name}," for name in names), ")"])

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import MethodContract
 from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.literals import python_literal
-from jausml.generators.python.layout import Call, signature, statement
+from jausml.generators.python.package import laid_out
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView
@@ -19,7 +20,6 @@ GUARD_TEXTS = {
     "CONTROLLED": "from the controller",
     "READY": "from the controller while the component is Ready",
 }
-_DEFINITION = 4
 _BODY = 8
 
 
@@ -45,7 +45,7 @@ class Method:
     def signature(self) -> str:
         """Its first line."""
         parameters = ["self", *(f"{name}: {kind}" for name, kind in self.parameters)]
-        return signature(f"def {self.name}", parameters, self.result, _DEFINITION)
+        return f"def {self.name}({', '.join(parameters)}) -> {self.result}:"
 
     @property
     def docstring(self) -> str:
@@ -58,16 +58,14 @@ class Method:
         *messages, (sender, _) = self.parameters
         what = "".join(f" {{{name}.NAME}}" for name, _ in messages)
         detail = f'f"{self.name}:{what} from {{{sender}}}"'
-        count = Call("self.counters.count", ('"component.not_implemented"', detail))
-        lines = [statement(count, "", _BODY)]
-        return (*lines, "return None") if self.result != "None" else tuple(lines)
+        count = call("self.counters.count", '"component.not_implemented"', detail)
+        return (count, "return None") if self.result != "None" else (count,)
 
     @property
     def placeholder(self) -> str:
         """Statement of the skeleton: what the base does."""
-        arguments = tuple(name for name, _ in self.parameters)
-        before = "return " if self.result != "None" else ""
-        return statement(Call(f"super().{self.name}", arguments), before, _BODY)
+        default = call(f"super().{self.name}", *(name for name, _ in self.parameters))
+        return f"return {default}" if self.result != "None" else default
 
     @property
     def contract(self) -> MethodContract:
@@ -75,7 +73,7 @@ class Method:
         body = [self.signature, f"    {self.docstring}", f"    {self.placeholder}"]
         stub = "".join(f"    {line}\n" for text in body for line in text.split("\n"))
         names = tuple(name for name, _ in self.parameters)
-        return MethodContract(self.name, names, self.identity, stub)
+        return MethodContract(self.name, names, self.identity, laid_out(stub))
 
 
 @dataclass(frozen=True)
@@ -95,8 +93,8 @@ class Handler:
     @property
     def registration(self) -> str:
         """Statement of the constructor."""
-        arguments = (self.message.class_name, f"self.{self.method.name}", f"when={self.when}")
-        return statement(Call("self.handle", arguments), "", _BODY)
+        method, when = f"self.{self.method.name}", f"when={self.when}"
+        return call("self.handle", self.message.class_name, method, when)
 
 
 @dataclass(frozen=True)
@@ -117,7 +115,7 @@ class Answer:
     def registration(self) -> str:
         """Statement of the constructor."""
         names = (self.query.class_name, self.report.class_name, f"self.{self.method.name}")
-        return statement(Call("self.provide", names), "", _BODY)
+        return call("self.provide", *names)
 
 
 @dataclass(frozen=True)
@@ -132,7 +130,7 @@ class Peer:
     """
 
     constant: str
-    address: Call
+    address: str
     name: str
     control: str
 
@@ -160,7 +158,7 @@ class Received:
     @property
     def registration(self) -> str:
         """Statement of the constructor."""
-        arguments: list[str | Call] = [
+        arguments = [
             f"self.{self.peer.constant}",
             self._query(),
             self.report.class_name,
@@ -168,7 +166,7 @@ class Received:
         ]
         exchange = self.connection.exchange.name
         if exchange == "oneTime":
-            return statement(Call("self.query", tuple(arguments)), "", _BODY)
+            return call("self.query", *arguments)
         if exchange == "periodic":
             arguments.append(f"rate={python_literal(float(self.connection.rate))}")
         if self.silent:
@@ -176,14 +174,14 @@ class Received:
             arguments.append(f"silence_timeout={timeout}")
             callback = f"lambda: self.{self.silent.name}(self.{self.peer.constant})"
             arguments.append(f"on_silence={callback}")
-        return statement(Call("self.subscribe", tuple(arguments)), "", _BODY)
+        return call("self.subscribe", *arguments)
 
-    def _query(self) -> Call:
+    def _query(self) -> str:
         """Returns the query for all optional fields of the report."""
         wanted = self.report.body.presence_mask
         selectors = [m for m in self.query.body.members if m.jaus_name == "PresenceVector"]
         arguments = tuple(f"{member.attribute}=0x{wanted:X}" for member in selectors)
-        return Call(self.query.class_name, arguments if wanted else ())
+        return call(self.query.class_name, *(arguments if wanted else ()))
 
 
 def documented(element: jaus.NamedElement, otherwise: str) -> str:

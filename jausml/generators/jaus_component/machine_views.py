@@ -9,8 +9,7 @@ from jausml.generation.docstrings import clean, docstring
 from jausml.generation.literals import python_string
 from jausml.generators.jaus_component.diagrams import diagram
 from jausml.generators.jaus_component.handlers import Method
-from jausml.generators.python.displays import Display, lines, tuple_of
-from jausml.generators.python.layout import Call, signature, statement
+from jausml.generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
     from jausml.semantics.inherited_machines import Machine
@@ -28,9 +27,9 @@ class MachineMethod(Method):
         detail = python_string(self.name)
         if self.parameters:
             detail = f'f"{self.name}: {{message!r}} of {{sender}}"'
-        count = Call("self.counters.count", ('"component.not_implemented"', detail))
+        count = call("self.counters.count", '"component.not_implemented"', detail)
         result = {"None": (), "bool": ("return False",)}.get(self.result, ("return None",))
-        return (statement(count, "", _BODY), *result)
+        return (count, *result)
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class EventView:
     @property
     def statement(self) -> str:
         """Body of the method."""
-        return statement(Call("self.raise_event", (python_string(self.name),)), "", _BODY)
+        return call("self.raise_event", python_string(self.name))
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,8 @@ class MachineView:
     machine: Machine
     attribute: str
     table: str
-    displays: tuple[Display, ...]
-    ways: tuple[Display, ...]
+    displays: tuple[str, ...]
+    ways: tuple[str, ...]
 
     @property
     def name(self) -> str:
@@ -93,9 +92,7 @@ class MachineView:
         arguments = [python_string(self.name), f"self.{self.table}()"]
         if self.machine.extends_core:
             arguments.append("extends_core=True")
-        return statement(
-            Call("self.add_machine", tuple(arguments)), f"self.{self.attribute} = ", _BODY
-        )
+        return f"self.{self.attribute} = {call('self.add_machine', *arguments)}"
 
     @property
     def docstring(self) -> str:
@@ -116,17 +113,18 @@ class MachineView:
     @property
     def ways_text(self) -> str:
         """Assignment of the ways in the generated test."""
-        return "\n".join(lines(tuple_of("", *self.ways), 0, f"{self.ways_constant}: _Ways = "))
+        return f"{self.ways_constant}: _Ways = {tuple_of(*self.ways)}"
 
     @property
     def test_signature(self) -> str:
         """First lines of the generated test of the ways."""
-        marked = Call("pytest.mark.parametrize", ('"way"', self.ways_constant))
-        name = f"def test_{self.attribute}_goes_as_modelled"
-        first_line = signature(name, ["way: tuple[tuple[str, int, str], ...]"], "None")
-        return f"{statement(marked, '@', 0)}\n{first_line}"
+        name = f"test_{self.attribute}_goes_as_modelled"
+        return (
+            f'@pytest.mark.parametrize("way", {self.ways_constant})\n'
+            f"def {name}(way: tuple[tuple[str, int, str], ...]) -> None:"
+        )
 
     @property
     def states(self) -> str:
         """Statement that returns the states."""
-        return "\n".join(lines(tuple_of("", *self.displays), _BODY, "return "))
+        return f"return {tuple_of(*self.displays)}"

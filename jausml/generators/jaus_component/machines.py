@@ -12,9 +12,8 @@ from jausml.generators.jaus_component.handlers import Method, documented
 from jausml.generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
 from jausml.generators.jaus_component.walks import walks
 from jausml.generators.python import names
-from jausml.generators.python.displays import Display, call, tuple_of
 from jausml.generators.python.guards import condition, guard_of
-from jausml.generators.python.layout import Call, statement
+from jausml.generators.python.statements import call, tuple_of
 from jausml.languages.guards import (
     AllOf,
     AnyOf,
@@ -42,18 +41,6 @@ STANDARD_GUARDS = {
 # Nothing of a guard or an action stays when it is renamed: names that resemble tell.
 _NAME_ALONE = ""
 
-RUNTIME_NAMES = (
-    "Kind",
-    "Message",
-    "ModelledComponent",
-    "On",
-    "State",
-    "all_of",
-    "any_of",
-    "negation",
-)
-"""Names of the runtime that modules of components with machines may use."""
-
 _NAMES = """
 add_machine address allows attempt authority call clear_emergency command command_handler
 component_type control control_available controller core_event core_state core_state_changed
@@ -66,7 +53,6 @@ shut_down start status stop subscribe supports_element transport when_shut_down 
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the component's class that no method of a machine may replace."""
 
-_BODY = 8
 _ENVELOPE = "send"
 
 
@@ -245,18 +231,18 @@ class Machines:
             ]
             if makers:
                 classes = (view.class_name, self._view(report).class_name)
-                return statement(Call("self.provide_by_machines", (*classes, *makers)), "", _BODY)
+                return call("self.provide_by_machines", *classes, *makers)
         _, is_free = self._taken[view.code]
         guard = "ANY" if is_free else guard_of(message, service)
         when = [f"when={condition(message, guard)}"] if guard != "ANY" else []
         arguments = (view.class_name, *when)
-        return statement(Call("self.handle_by_machines", arguments), "", _BODY)
+        return call("self.handle_by_machines", *arguments)
 
     # -- tables ----------------------------------------------------------------------------------
 
-    def _states(self, machine: Machine) -> Iterator[Display]:
+    def _states(self, machine: Machine) -> Iterator[str]:
         for node in machine.nodes.values():
-            items: list[str | Display] = [python_string(node.path)]
+            items = [python_string(node.path)]
             is_core = machine.extends_core and node.path in CORE_STATES
             if not is_core and machine.initial(node.path.rpartition(".")[0]) == node.path:
                 items.append("initial=True")
@@ -264,29 +250,28 @@ class Machines:
             leaving = [action for state in node.elements for action in state.exit]
             for argument, actions in (("entry=", entry), ("exit=", leaving)):
                 if actions:
-                    items.append(tuple_of(argument, *map(self._reference, actions)))
+                    items.append(argument + tuple_of(*map(self._reference, actions)))
             for argument, transitions in (
                 ("transitions=", generated_transitions(node)),
                 ("defaults=", generated_defaults(node)),
             ):
                 if transitions:
                     found = [self._on(machine, node.path, each) for each in transitions]
-                    items.append(tuple_of(argument, *found))
+                    items.append(argument + tuple_of(*found))
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
 
-    def _ways(self, machine: Machine) -> Iterator[Display]:
+    def _ways(self, machine: Machine) -> Iterator[str]:
         listed = {
             path: (generated_transitions(node), generated_defaults(node))
             for path, node in machine.nodes.items()
         }
         for way in walks(machine, listed):
             yield tuple_of(
-                "",
                 *(
-                    tuple_of("", self._named(s.trigger), str(s.refused), python_string(s.state))
+                    tuple_of(self._named(s.trigger), str(s.refused), python_string(s.state))
                     for s in way
-                ),
+                )
             )
 
     def _named(self, trigger: jaus.MessageDef | str) -> str:
@@ -295,13 +280,13 @@ class Machines:
             trigger if isinstance(trigger, str) else self._view(trigger).class_name
         )
 
-    def _on(self, machine: Machine, path: str, transition: jaus.Transition) -> Display:
-        items: list[str | Display] = [self._trigger(transition)]
+    def _on(self, machine: Machine, path: str, transition: jaus.Transition) -> str:
+        items = [self._trigger(transition)]
         guard = parse_guard(transition.guard)
         if guard is not None:
-            items.append(self._condition(guard, "when="))
+            items.append(f"when={self._condition(guard)}")
         if transition.actions:
-            items.append(tuple_of("do=", *map(self._reference, transition.actions)))
+            items.append(f"do={tuple_of(*map(self._reference, transition.actions))}")
         if transition.target:
             target = machine.resolve(path, transition.target) or transition.target
             items.append(f"target={python_string(machine.innermost(target))}")
@@ -315,14 +300,14 @@ class Machines:
         event = event_name(transition.event)
         return python_string(event) if event else "None"
 
-    def _condition(self, guard: Guard, before: str = "") -> str | Display:
+    def _condition(self, guard: Guard) -> str:
         if isinstance(guard, Condition):
             known = STANDARD_GUARDS.get(guard.name)
-            return f"{before}self.{known or self._guard_methods[guard.name].name}"
+            return f"self.{known or self._guard_methods[guard.name].name}"
         if isinstance(guard, Negation):
-            return call(f"{before}negation", self._condition(guard.operand))
+            return call("negation", self._condition(guard.operand))
         function = {AllOf: "all_of", AnyOf: "any_of"}[type(guard)]
-        return call(f"{before}{function}", *map(self._condition, guard.operands))
+        return call(function, *map(self._condition, guard.operands))
 
     def _reference(self, action: jaus.Action) -> str:
         return f"self.{self._action_methods[_key(action)].name}"

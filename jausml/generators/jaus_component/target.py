@@ -57,6 +57,7 @@ def tasks(model: Model) -> list[Task]:
             "test_component.py.j2",
             views,
             lambda view: f"{view.package}/test/test_{view.package}.py",
+            imports=lambda view: view.test_imports,
         ),
         FileTask(
             "states.md.j2",

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+import textwrap
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.docstrings import clean, docstring, sentence
 from jausml.generation.errors import GenerationError
-from jausml.generation.literals import python_string
+from jausml.generation.languages.python import Imports, Origin, offered
+from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generators.common import components, runtime
-from jausml.generators.common.ros import import_lines
 from jausml.generators.jaus_component import machines
 from jausml.generators.jaus_component.handlers import (
     GUARD_TEXTS,
@@ -22,11 +23,11 @@ from jausml.generators.jaus_component.handlers import (
     Received,
     documented,
 )
-from jausml.generators.python import imports, names
+from jausml.generators.python import names
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.message_examples import example_bytes
 from jausml.generators.python.guards import condition, guard_of, may_set_limits
-from jausml.generators.python.layout import Call, hexadecimal, statement, text
+from jausml.generators.python.statements import call, long_string
 from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
 
 if TYPE_CHECKING:
@@ -37,8 +38,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import jaus
     from jausml.metamodel.classes.system import System
 
-_ARGUMENT = 8
-
+_MARGIN = " " * 4
 # Hooks of every component, with their parameters; the base does nothing in them.
 _HOOKS = {
     "on_initialize": (),
@@ -54,16 +54,6 @@ _HOOKS = {
 }
 # Methods of the component itself that a message of an unlucky name must not replace.
 _TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONENT_NAMES
-_RUNTIME_NAMES = (
-    "Completion",
-    "ComponentSettings",
-    "Guard",
-    "JausAddress",
-    "JausComponent",
-    "Scope",
-    "ServiceIdentity",
-    *machines.RUNTIME_NAMES,
-)
 
 
 @dataclass(frozen=True)
@@ -151,7 +141,7 @@ class ComponentView:
     @property
     def examples(self) -> tuple[str, ...]:
         """Class name and bytes of an example of each message of the package, as tuples."""
-        return tuple(hexadecimal(v.class_name, example_bytes(v), 4) for v in self.messages)
+        return tuple(_example(v.class_name, example_bytes(v)) for v in self.messages)
 
     def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:
@@ -321,12 +311,12 @@ class ComponentView:
     # -- text ------------------------------------------------------------------------------------
 
     @property
-    def address(self) -> Call:
+    def address(self) -> str:
         """The modelled address."""
         return components.address_call(self.component)
 
     @property
-    def services(self) -> tuple[Call, ...]:
+    def services(self) -> tuple[str, ...]:
         """The services that Discovery reports."""
         return components.service_identities(self.component.provides)
 
@@ -341,13 +331,13 @@ class ComponentView:
         return python_string(self.name)
 
     @property
-    def description_argument(self) -> str:
-        """The argument `description` of the entry point."""
-        return text(self.documentation, "description=", ",", _ARGUMENT)
+    def description(self) -> str:
+        """What the component is for, as a Python string."""
+        return long_string(self.documentation)
 
     @property
     def settings(self) -> str:
-        """Assignment of the modelled behaviour."""
+        """The modelled behaviour."""
         element = self.component
         arguments = [
             f"default_authority={int(element.defaultAuthority)}",
@@ -356,7 +346,7 @@ class ComponentView:
         ]
         if self._answers_for_subsystem:
             arguments.append("discovery_scope=Scope.SUBSYSTEM")
-        return statement(Call("ComponentSettings", tuple(arguments)), "SETTINGS = ")
+        return call("ComponentSettings", *arguments)
 
     @property
     def _answers_for_subsystem(self) -> bool:
@@ -366,31 +356,48 @@ class ComponentView:
         return discovers and node_and_component == [1, 1]
 
     @property
-    def main_import_lines(self) -> tuple[str, ...]:
-        """Import lines of the entry point, without its own modules."""
-        names = components.transport_names(self.system, self.component)
-        return import_lines({*names, (runtime.FACE, "run_component")})
+    def transport(self) -> str:
+        """The modelled settings of the transport."""
+        return components.transport_settings(self.system, self.component)
 
     @property
-    def transport(self) -> str:
-        """Assignment of the modelled settings of the transport."""
-        call = components.transport_settings(self.system, self.component)
-        return statement(call, "TRANSPORT = ")
-
-    def head(self, body: str, *, for_user: bool = False) -> str:
-        """Returns the import statements of a module of the package.
-
-        Args:
-            body: The text below them.
-            for_user: Whether it is the skeleton. Names for annotations are imported plainly
-                there: its user will soon need them for more.
-        """
+    def base_imports(self) -> Imports:
+        """What the base may import."""
         core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
-        face = [*_RUNTIME_NAMES, "Transport"] if for_user else _RUNTIME_NAMES
-        own = {".messages": [view.class_name for view in self.messages]}
-        if for_user:
-            own[f".{self.package}_base"] = ["ADDRESS", "SETTINGS", self.base_name]
-        return imports.statements(body, {runtime.FACE: face, runtime.MESSAGES: core}, own)
+        return Imports(
+            {
+                **runtime.names(),
+                **offered(runtime.MESSAGES, *core),
+                **offered(".messages", *(view.class_name for view in self.messages)),
+            }
+        )
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+        return replace(self._outer_imports, for_user=True)
+
+    @property
+    def main_imports(self) -> Imports:
+        """What the entry point may import."""
+        return self._outer_imports.and_also(offered(f".{self.package}", self.class_name))
+
+    @property
+    def _outer_imports(self) -> Imports:
+        own = offered(f".{self.package}_base", "ADDRESS", "SETTINGS", self.base_name)
+        return self.base_imports.and_also(own)
+
+    @property
+    def test_imports(self) -> Imports:
+        """What the tests may import."""
+        return Imports(
+            {
+                **runtime.names(),
+                "messages": Origin(self.package, "messages"),
+                **offered(f"{self.package}.{self.package}", self.class_name),
+            },
+            own=self.package,
+        )
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
@@ -400,3 +407,13 @@ class ComponentView:
         )
         methods = (*(method.contract for method in self.methods), *hooks)
         return SkeletonContract(self.class_name, self.base_name, methods)
+
+
+def _example(name: str, data: bytes) -> str:
+    """Returns a tuple of a name and the digits of some bytes, in lines when they are many."""
+    line = f'("{name}", "{data.hex()}"),'
+    if len(_MARGIN + line) <= LINE_WIDTH:
+        return _MARGIN + line
+    digits = textwrap.wrap(data.hex(" ", -4), LINE_WIDTH - 2 * len(_MARGIN))
+    lines = ["(", *(_MARGIN + each for each in (f'"{name}",', '"""', *digits, '""",')), "),"]
+    return "\n".join(_MARGIN + each for each in lines)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.docstrings import clean
+from jausml.generation.languages.python import Origin, statements
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.components import plain_components
-from jausml.generators.common.ros import import_lines
 from jausml.generators.common.runtime import FACE
 from jausml.generators.jaus_component.views import ComponentView
 from jausml.generators.python.codec.message_builder import build_message_map
@@ -50,13 +50,16 @@ class UsedMessages:
 
     Attributes:
         user: The component or bridge.
-        names: Modules and names to import.
-        exports: Names that the module has then.
+        names: Where the classes come from, by name.
     """
 
     user: User
-    names: tuple[tuple[str, str], ...]
-    exports: tuple[str, ...]
+    names: Mapping[str, Origin]
+
+    @property
+    def exports(self) -> tuple[str, ...]:
+        """Names of the classes."""
+        return tuple(sorted(self.names))
 
     @property
     def element_id(self) -> str:
@@ -76,7 +79,7 @@ class UsedMessages:
     @property
     def import_lines(self) -> tuple[str, ...]:
         """Import statements of the module."""
-        return import_lines(self.names)
+        return tuple(statements(self.names))
 
 
 class SystemMessages:
@@ -133,13 +136,12 @@ class SystemMessages:
 
     def used_by(self, user: User) -> UsedMessages:
         """Returns the messages of a component or bridge."""
-        names: dict[str, tuple[str, str]] = {}
+        names: dict[str, Origin] = {}
         for element, view in user.message_map.items():
             home = self._views[element]
             module, _ = self._homes[home]
-            renamed = "" if home.class_name == view.class_name else f" as {view.class_name}"
-            names[view.class_name] = (f"{self.name}.{module}", f"{home.class_name}{renamed}")
-        return UsedMessages(user, tuple(names.values()), tuple(sorted(names)))
+            names[view.class_name] = Origin(f"{self.name}.{module}", home.class_name)
+        return UsedMessages(user, names)
 
     def needed_by(self, user: User) -> tuple[str, ...]:
         """Returns the packages that the messages of a component or bridge are in."""

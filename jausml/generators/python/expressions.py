@@ -147,7 +147,9 @@ class _Writer:
 
     def _call(self, function: str, arguments: Sequence[Expression]) -> str:
         self.functions.add(function)
-        return f"{function}({', '.join(self.number(each, _CHOICE) for each in arguments)})"
+        return (
+            f"arithmetic.{function}({', '.join(self.number(each, _CHOICE) for each in arguments)})"
+        )
 
     def _literal(self, value: float, binding: int) -> str:
         if not math.isfinite(value):

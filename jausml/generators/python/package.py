@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.artifact import Kind
+from jausml.generation.languages.python import layout
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml.generators.common import runtime
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.generation.artifact import SkeletonContract
+    from jausml.generation.languages.python import Imports
     from jausml.metamodel.classes import jaus, ros
     from jausml.metamodel.classes.system import System
 
@@ -134,6 +136,18 @@ class ProgramView(Protocol):
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
 
+    @property
+    def base_imports(self) -> Imports:
+        """What the base may import."""
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+
+    @property
+    def main_imports(self) -> Imports:
+        """What the entry point may import."""
+
 
 def module_path(view: ProgramView, name: str) -> str:
     """Returns the path of a module of a package."""
@@ -152,16 +166,36 @@ def program_tasks(
         main: Template of the entry point.
     """
     return [
-        FileTask(base, views, lambda view: module_path(view, f"{view.package}_base")),
+        FileTask(
+            base,
+            views,
+            lambda view: module_path(view, f"{view.package}_base"),
+            imports=lambda view: view.base_imports,
+        ),
         FileTask(
             skeleton,
             views,
             lambda view: module_path(view, view.package),
             kind=Kind.SKELETON,
             contract=lambda view: view.contract(),
+            imports=lambda view: view.skeleton_imports,
         ),
-        FileTask(main, views, lambda view: module_path(view, "main")),
+        FileTask(
+            main,
+            views,
+            lambda view: module_path(view, "main"),
+            imports=lambda view: view.main_imports,
+        ),
     ]
+
+
+def laid_out(stub: str) -> str:
+    """Returns a method that users may paste, laid out as it stands in its class.
+
+    Args:
+        stub: The method, indented for a class.
+    """
+    return layout(f"class _:\n{stub}").partition("\n")[2]
 
 
 def _text(package: PackageView, path: str) -> TextFile:

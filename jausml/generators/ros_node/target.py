@@ -40,7 +40,10 @@ def tasks(model: Model) -> list[Task]:
         *package_tasks(packages),
         *program_tasks(nodes, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
         FileTask(
-            "test_node.py.j2", nodes, lambda node: f"{node.package}/test/test_{node.package}.py"
+            "test_node.py.j2",
+            nodes,
+            lambda node: f"{node.package}/test/test_{node.package}.py",
+            imports=lambda node: node.test_imports,
         ),
     ]
 

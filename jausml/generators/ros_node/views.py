@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import functools
 import math
-import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.literals import call_args, python_literal, python_string
+from jausml.generation.languages.python import Imports, Origin, offered
+from jausml.generation.literals import python_literal, python_string
 from jausml.generators.common.ros import (
     LONGEST_DURATION,
     Qos,
     RosType,
-    import_lines,
     local_names,
     parameter_value,
     qos,
     ros_type,
 )
 from jausml.generators.python.names import Scope, class_name, package_name, snake_case
+from jausml.generators.python.package import laid_out
+from jausml.generators.python.statements import long_string
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -33,20 +34,26 @@ if TYPE_CHECKING:
 
 NamedT = TypeVar("NamedT", bound="ros.NamedElement")
 _LONG = 2**63
-_DESCRIPTION = 70
-"""Characters of a piece of a description, with room for escapes."""
 
 _OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
 """Parameters that every rclpy node declares itself."""
 
-# Names of the base's module and of the skeleton's that no message type may hide.
-_BASE_NAMES = frozenset(
-    [
-        *("DurabilityPolicy", "Duration", "FloatingPointRange", "HistoryPolicy", "IntegerRange"),
-        *("LivelinessPolicy", "Node", "ParameterDescriptor", "QoSOverridingOptions", "QoSProfile"),
-        "ReliabilityPolicy",
-    ]
-)
+_RCLPY = {
+    "rclpy": Origin("rclpy"),
+    **offered("rcl_interfaces.msg", "FloatingPointRange", "IntegerRange", "ParameterDescriptor"),
+    **offered("rclpy.clock", "Clock"),
+    **offered("rclpy.clock_type", "ClockType"),
+    **offered("rclpy.duration", "Duration"),
+    **offered("rclpy.executors", "ExternalShutdownException"),
+    **offered("rclpy.node", "Node"),
+    **offered("rclpy.qos", "DurabilityPolicy", "HistoryPolicy", "LivelinessPolicy", "QoSProfile"),
+    **offered("rclpy.qos", "ReliabilityPolicy"),
+    **offered("rclpy.qos_overriding_options", "QoSOverridingOptions"),
+    **offered("rclpy.utilities", "ok", "try_shutdown"),
+    "signal": Origin("signal"),
+    **offered("contextlib", "suppress"),
+}
+"""What modules of a node may import besides messages, which hide none of these names."""
 
 
 @dataclass(frozen=True)
@@ -72,21 +79,19 @@ class EndpointView:
     @property
     def message_signature(self) -> str:
         """First line of the method that handles messages."""
-        parameters = ("self", f"message: {self.type_name}")
-        return call_args(parameters, f"def on_{self.name}(", ") -> None:", 4)
+        return f"def on_{self.name}(self, message: {self.type_name}) -> None:"
 
     @property
     def request_signature(self) -> str:
-        """First line or lines of the method that answers requests."""
+        """First line of the method that answers requests."""
         kind = self.type_name
-        parameters = ("self", f"request: {kind}.Request", f"response: {kind}.Response")
-        return call_args(parameters, f"def on_{self.name}(", f") -> {kind}.Response:", 4)
+        parameters = f"self, request: {kind}.Request, response: {kind}.Response"
+        return f"def on_{self.name}({parameters}) -> {kind}.Response:"
 
     @property
     def publish_signature(self) -> str:
         """First line of the method that publishes."""
-        parameters = ("self", f"message: {self.type_name}")
-        return call_args(parameters, f"def publish_{self.name}(", ") -> None:", 4)
+        return f"def publish_{self.name}(self, message: {self.type_name}) -> None:"
 
 
 @dataclass(frozen=True)
@@ -138,11 +143,9 @@ class ParameterView:
         return snake_case(self.range_class)
 
     @property
-    def description(self) -> tuple[str, ...]:
-        """Text of the descriptor as string literals that follow each other."""
-        text = " ".join(self.documentation.split())
-        pieces = textwrap.wrap(text, _DESCRIPTION, drop_whitespace=False) or [""]
-        return tuple(python_string(piece) for piece in pieces)
+    def description(self) -> str:
+        """Text of the descriptor, as a Python string."""
+        return long_string(" ".join(self.documentation.split()))
 
 
 @dataclass(frozen=True)
@@ -249,29 +252,32 @@ class NodeView:
         return tuple(_parameter(each, names[each]) for each in self.node.parameters)
 
     @property
-    def base_imports(self) -> tuple[str, ...]:
-        """Import lines of the base class."""
-        topics = (*self.publishers, *self.subscriptions)
-        names = {("rclpy.node", "Node"), *map(_import, self._endpoints)}
-        for topic in topics:
-            names.update(topic.qos.imports)
-        if topics:
-            names.add(("rclpy.qos_overriding_options", "QoSOverridingOptions"))
-        for parameter in self.declared_parameters:
-            names.add(("rcl_interfaces.msg", "ParameterDescriptor"))
-            if parameter.range_class:
-                names.add(("rcl_interfaces.msg", parameter.range_class))
-        return import_lines(names)
+    def base_imports(self) -> Imports:
+        """What the base may import."""
+        types = {name: Origin(kind.module, kind.name) for kind, name in self._type_names.items()}
+        return Imports({**_RCLPY, **types})
+
+    @property
+    def skeleton_imports(self) -> Imports:
+        """What the skeleton may import."""
+        base = offered(f".{self.package}_base", self.base_name)
+        return replace(self.base_imports.and_also(base), for_user=True)
+
+    @property
+    def main_imports(self) -> Imports:
+        """What the entry point may import."""
+        return self.base_imports.and_also(offered(f".{self.package}", self.class_name))
+
+    @property
+    def test_imports(self) -> Imports:
+        """What the tests may import."""
+        own = offered(f"{self.package}.{self.package}", self.class_name)
+        return Imports({**_RCLPY, **own}, own=self.package)
 
     @property
     def declared_parameters(self) -> tuple[ParameterView, ...]:
         """Parameters that the base declares: rclpy has declared the others by then."""
         return tuple(each for each in self.parameters if each.ros_name not in _OWN_PARAMETERS)
-
-    @property
-    def skeleton_imports(self) -> tuple[str, ...]:
-        """Import lines of the user's skeleton."""
-        return import_lines(map(_import, (*self.subscriptions, *self.service_servers)))
 
     @property
     def dependencies(self) -> tuple[str, ...]:
@@ -288,7 +294,9 @@ class NodeView:
                 f"on_{topic.name}",
                 ("message",),
                 f"topic:{topic.ros_name}",
-                f"    {topic.message_signature}\n        super().on_{topic.name}(message)\n",
+                laid_out(
+                    f"    {topic.message_signature}\n        super().on_{topic.name}(message)\n"
+                ),
             )
             for topic in self.subscriptions
         ]
@@ -297,8 +305,10 @@ class NodeView:
                 f"on_{server.name}",
                 ("request", "response"),
                 f"service:{server.ros_name}",
-                f"    {server.request_signature}\n"
-                f"        return super().on_{server.name}(request, response)\n",
+                laid_out(
+                    f"    {server.request_signature}\n"
+                    f"        return super().on_{server.name}(request, response)\n"
+                ),
             )
             for server in self.service_servers
         ]
@@ -329,7 +339,7 @@ class NodeView:
         """Names of the types, the same in base and skeleton."""
         return local_names(
             (ros_type(endpoint.type) for endpoint in self._names),
-            _BASE_NAMES | {self.class_name, self.base_name},
+            frozenset(_RCLPY) | {self.class_name, self.base_name},
         )
 
     def _topic(self, element: ros.TopicEndpoint, summary: str) -> EndpointView:
@@ -338,7 +348,7 @@ class NodeView:
 
     def _service(self, element: ros.ServiceEndpoint, summary: str) -> EndpointView:
         summary = f"{summary} the service '{element.service}'."
-        return self._endpoint(element, element.service, Qos((), ()), summary)
+        return self._endpoint(element, element.service, Qos(()), summary)
 
     def _endpoint(
         self, element: Endpoint, ros_name: str, profile: Qos, summary: str
@@ -355,11 +365,6 @@ class NodeView:
 
 
 _TIMER_STUB = "    def on_timer(self) -> None:\n        super().on_timer()\n"
-
-
-def _import(endpoint: EndpointView) -> tuple[str, str]:
-    name, local = endpoint.type.name, endpoint.type_name
-    return endpoint.type.module, name if name == local else f"{name} as {local}"
 
 
 def _python_names(elements: Iterable[NamedT], taken: Iterable[str] = ()) -> dict[NamedT, str]:

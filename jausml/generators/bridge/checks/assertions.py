@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.bridge.checks.check import HOLDER, close_to, equals, holds
+from jausml.generators.bridge.checks.check import close_to, equals, holds
 from jausml.generators.bridge.translation.values import BOOLEAN
 from jausml.generators.python.codec.jaus_fields import INTEGER
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.checks.filling import Place, Scalar
 
-# A longer place leaves no room for what is said about it.
-_LONG = 60
 SINGLE = 1e-6
 """More than the relative error of single precision."""
 
@@ -28,7 +25,7 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
         value: Its value.
         tolerance: Largest difference of a number; 0 means what single precision may lose.
     """
-    lines, place = shortened(place)
+    lines = is_there(place)
     if isinstance(value, str):
         return [*lines, equals(place.code, python_string(value))]
     if place.kind == BOOLEAN:
@@ -44,22 +41,9 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
 
 def is_absent(place: Place) -> list[str]:
     """Returns the assertion that an optional attribute is left out."""
-    lines, place = shortened(replace(place, conditions=()))
-    return [*lines, holds(f"{place.code} is None")]
+    return [holds(f"{place.code} is None")]
 
 
-def shortened(place: Place) -> tuple[list[str], Place]:
-    """Returns the assertions that an attribute is there, and the attribute under a handy name.
-
-    Args:
-        place: The attribute.
-    """
-    prefix, _, last = place.code.rpartition(".")
-    if len(place.code) <= _LONG:
-        return [holds(each) for each in place.conditions], place
-    handy = f"{HOLDER}.{last}"
-    own = [each for each in place.conditions if place.code in each]
-    outer = [each for each in place.conditions if place.code not in each]
-    lines = [*map(holds, outer), f"{HOLDER} = {prefix}"]
-    lines += [holds(each.replace(place.code, handy)) for each in own]
-    return lines, replace(place, code=handy)
+def is_there(place: Place) -> list[str]:
+    """Returns the assertions that an attribute is there."""
+    return [holds(each) for each in place.conditions]

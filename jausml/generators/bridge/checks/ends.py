@@ -6,11 +6,11 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generators.bridge.checks.check import MARGIN, store
+from jausml.generators.bridge.checks.check import store
 from jausml.generators.bridge.checks.figures import Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
 from jausml.generators.bridge.translation import used_maps
-from jausml.generators.python.layout import Call, statement
+from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, ros
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.checks.filling import Message
     from jausml.generators.bridge.connections import ConnectionView, JoinView
+    from jausml.generators.bridge.translation import Surroundings
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,12 @@ class Ends:
     Attributes:
         view: The connection.
         type_name: Returns the name of the class of a ROS type.
+        uses: What the translations of the bridge use.
     """
 
     view: ConnectionView
     type_name: Callable[[ros.MessageType], str]
+    uses: Surroundings
 
     @property
     def name(self) -> str:
@@ -85,9 +88,8 @@ class Ends:
 
         Vectors are figures of the map as it stands.
         """
-        self.view.body  # noqa: B018 - writing a translation collects what it uses
         maps = used_maps(self.map, to_ros=self.to_ros)
-        return self.view.around.overridden(each for one in maps for each in one.quantities)
+        return self.uses.overridden(each for one in maps for each in one.quantities)
 
     def join_of(self, path: str) -> JoinView | None:
         """Returns the join that a path of the source starts with."""
@@ -133,11 +135,10 @@ class Ends:
             error: Class of the error.
             before: What keeps the error, e.g. ` as caught`.
         """
-        call = statement(self.call("source"), column=2 * MARGIN)
-        inner = [f"    {line}" for line in call.split("\n")]
-        return [*self.joined(), "\n".join([f"with pytest.raises({error}){before}:", *inner])]
+        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source')}"
+        return [*self.joined(), refusal]
 
-    def call(self, source: str, given: Iterable[str] = ()) -> Call:
+    def call(self, source: str, given: Iterable[str] = ()) -> str:
         """Returns the call that translates a message.
 
         Args:
@@ -149,7 +150,7 @@ class Ends:
             f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
             for join in self.view.joins
         ]
-        return Call(f"bridge.translate_{self.name}", (source, *arguments))
+        return call(f"bridge.translate_{self.name}", source, *arguments)
 
     def joined(self, given: Iterable[str] = ()) -> list[str]:
         """Returns the statements that make joined messages without which nothing is translated.

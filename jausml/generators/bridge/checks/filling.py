@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_literal
-from jausml.generators.bridge.checks.check import MARGIN, store
+from jausml.generators.bridge.checks.check import store
 from jausml.generators.bridge.translation.ros_fields import INTEGER_RANGES, RosStart, ros_field
 from jausml.generators.bridge.translation.values import BOOLEAN, ros_kind
 from jausml.generators.python.codec.jaus_fields import INTEGER, REAL, TEXT, JausStart, jaus_field
-from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import call
 from jausml.semantics.jaus_paths import JausPlace, message_place
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ class JausMessage:
         code = value if isinstance(value, Code) else python_literal(number)
         if field.index is None:
             return store(field.place, code)
-        return store(field.place, Call(field.class_name, (str(field.index), code)))
+        return store(field.place, call(field.class_name, str(field.index), code))
 
 
 @dataclass(frozen=True)
@@ -264,10 +264,8 @@ def _made(place: str, code: str, made: set[str]) -> list[str]:
     made.add(place)
     found = _ELEMENT.fullmatch(place)
     if found is None:
-        return [store(place, Call(code[:-2], ()) if code.endswith("()") else code)]
+        return [store(place, code)]
     places = [f"{found['list']}[{index}]" for index in range(int(found["index"]))]
     missing = [each for each in places if each not in made]
     made.update(missing)
-    element = Call(code[:-2], ()) if code.endswith("()") else code
-    append = statement(Call(f"{found['list']}.append", (element,)), column=MARGIN)
-    return [append] * (len(missing) + 1)
+    return [call(f"{found['list']}.append", code)] * (len(missing) + 1)

@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.generation.literals import python_string
 from jausml.generators.bridge.checks.assertions import has_value, is_absent
-from jausml.generators.bridge.checks.check import MARGIN, Check, tidy
+from jausml.generators.bridge.checks.check import Check, tidy
 from jausml.generators.bridge.checks.filling import JausMessage, short_name
 from jausml.generators.python.codec.jaus_fields import INTEGER, REAL
-from jausml.generators.python.layout import text
+from jausml.generators.python.statements import long_string
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,8 +28,6 @@ _POLICIES = {
 }
 # Beyond an end by this part of the range, or by this much: more than rounding may hide.
 _PART, _LEAST = 0.01, 1.0
-# A longer name of a field gets a line of its own.
-_LONG_LABEL = 50
 _SLACK = 1e-6
 _LARGEST_SINGLE = 3.4028234663852886e38
 
@@ -144,10 +141,7 @@ def _check(ends: Ends, sample: Sample, case: _Case) -> Check:
     lines = ends.source.fill(values)
     name = f"{ends.name}_{short_name(case.target.path)}_{case.word}"
     word = _POLICIES[policy]
-    label = python_string(case.target.path)
-    if len(label) > _LONG_LABEL:
-        lines.append(text(case.target.path, "field = ", "", MARGIN))
-        label = "field"
+    label = long_string(case.target.path)
     if policy == "dropField" or (policy == "clamp" and case.nearest is not None):
         lines += ends.translated()
         if case.nearest is None or policy == "dropField":

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
-import re
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generators.bridge.checks.absences import absences
 from jausml.generators.bridge.checks.check import Check
 from jausml.generators.bridge.checks.ends import Ends
@@ -16,18 +17,16 @@ from jausml.generators.bridge.checks.round_trips import round_trips
 from jausml.generators.bridge.checks.safe_values import safe_values
 from jausml.generators.bridge.checks.samples import sample_of
 from jausml.generators.bridge.checks.vectors import vectors
+from jausml.generators.bridge.translation import AssignmentError
+from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime
-from jausml.generators.common.ros import import_lines
-from jausml.generators.python.layout import signature
 from jausml.generators.python.names import Scope
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.generators.bridge.ros_classes import RosClasses
     from jausml.generators.bridge.views import BridgeView
-
-_WORD = re.compile(r"[A-Za-z_]\w*")
-_ERRORS = ("AbsentFieldError", "OutOfRangeError")
 
 
 @dataclass(frozen=True)
@@ -76,50 +75,47 @@ class TestModule:
     @property
     def dependencies(self) -> tuple[str, ...]:
         """Packages that the tests need, sorted."""
-        hypothesis = ("python3-hypothesis",) if "given" in self._words else ()
-        return (*hypothesis, "python3-pytest")
+        packages = ["python3-pytest"]
+        # A translation that cannot be written is reported by the template that it stands in.
+        with suppress(AssignmentError, PathError):
+            if any(each.decorators for each in self.checks):
+                packages.insert(0, "python3-hypothesis")
+        return tuple(packages)
 
     @property
     def uses_fixture(self) -> bool:
         """Whether some test takes the bridge as a fixture."""
         return not all(check.parameters for check in self.checks)
 
-    def signature(self, check: Check) -> str:
-        """Returns the first line of the function of a test."""
-        parameters = check.parameters or (f"bridge: {self.class_name}",)
-        return signature(f"def test_{check.name}", parameters, "None")
+    def parameters(self, check: Check) -> tuple[str, ...]:
+        """Returns the parameters of a test with their types."""
+        return check.parameters or (f"bridge: {self.class_name}",)
 
     @property
-    def standard_lines(self) -> tuple[str, ...]:
-        """Import lines of the standard library."""
-        return ("import math",) if "math" in self._words else ()
-
-    @property
-    def import_lines(self) -> tuple[str, ...]:
-        """The other import lines."""
-        words = self._words
-        third = set(self.bridge.ros_classes.imports(words))
-        third |= {(runtime.FACE, name) for name in _ERRORS if name in words}
-        if "given" in words:
-            third |= {("hypothesis", "given"), ("hypothesis", "settings")}
-            third.add(("hypothesis", "strategies as st"))
-        package = self.package
-        own = {(f"{package}.{package}", self.class_name)}
-        own |= {
-            (f"{package}.messages", view.class_name)
-            for view in self.bridge.messages
-            if view.class_name in words
-        }
-        return ("import pytest", *import_lines(third), "", *import_lines(own))
+    def imports(self) -> Imports:
+        """What the module may import."""
+        messages = (view.class_name for view in self.bridge.messages)
+        return Imports(
+            {
+                **runtime.names(),
+                **self._ros_classes.origins,
+                **offered("hypothesis", "given", "settings"),
+                "st": Origin("hypothesis", "strategies"),
+                **offered(f"{self.package}.{self.package}", self.class_name),
+                **offered(f"{self.package}.messages", *messages),
+            },
+            own=self.package,
+        )
 
     @functools.cached_property
-    def _words(self) -> frozenset[str]:
-        return frozenset(word for check in self.checks for word in _WORD.findall(check.text))
+    def _ros_classes(self) -> RosClasses:
+        """Names of the ROS classes, also of those that only tests make."""
+        return self.bridge.translations.ros_classes.copy()
 
     def _checks(self) -> Iterator[Check]:
         sampled: list[tuple[Ends, Any]] = []
         for view in self.bridge.connections:
-            ends = Ends(view, self.bridge.ros_classes.name_of)
+            ends = Ends(view, self._ros_classes.name_of, self.bridge.translations.uses)
             yield from vectors(ends)
             sample = sample_of(ends)
             if sample is not None:

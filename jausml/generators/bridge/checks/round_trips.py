@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
-from jausml.generators.bridge.checks.assertions import shortened
-from jausml.generators.bridge.checks.check import MARGIN, Check, store, tidy
+from jausml.generators.bridge.checks.assertions import is_there
+from jausml.generators.bridge.checks.check import Check, store, tidy
 from jausml.generators.bridge.checks.filling import Code, JausMessage, short_name
 from jausml.generators.bridge.checks.limits import chain_gain
 from jausml.generators.bridge.translation.ros_fields import ros_field
 from jausml.generators.python.codec.jaus_fields import INTEGER, REAL
-from jausml.generators.python.layout import Call, statement
 from jausml.generators.python.names import Scope
+from jausml.generators.python.statements import call
 from jausml.semantics.conversions.conversion import QUATERNION
 
 if TYPE_CHECKING:
@@ -157,12 +157,11 @@ def _check(
     ]
     for name, each in zip(names, returning, strict=True):
         place = back.message("back", is_ros=False).place(each.place.path)
-        before, place = shortened(place)
-        lines += [*before, _returned(place.code, name, each)]
+        lines += [*is_there(place), _returned(place.code, name, each)]
     strategies = tuple(_strategy(name, each) for name, each in zip(names, returning, strict=True))
     decorators = (
         f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
-        statement(Call("given", strategies), "@"),
+        f"@{call('given', *strategies)}",
     )
     parameters = tuple(
         f"{name}: {'int' if each.place.kind == INTEGER else 'float'}"
@@ -172,11 +171,11 @@ def _check(
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
 
 
-def _strategy(name: str, each: _Returning) -> Call:
+def _strategy(name: str, each: _Returning) -> str:
     if each.place.kind == INTEGER:
-        return Call(f"{name}=st.integers", (str(int(each.low)), str(int(each.high))))
+        return call(f"{name}=st.integers", str(int(each.low)), str(int(each.high)))
     ends = (python_literal(float(end)) for end in (each.low, each.high))
-    return Call(f"{name}=st.floats", tuple(ends))
+    return call(f"{name}=st.floats", *ends)
 
 
 def _returned(code: str, name: str, each: _Returning) -> str:
@@ -185,5 +184,5 @@ def _returned(code: str, name: str, each: _Returning) -> str:
     tolerance = python_literal(float(each.tolerance))
     if each.is_angle:
         return f"assert abs(math.remainder({code} - {name}, math.tau)) <= {tolerance}"
-    approx = Call("pytest.approx", (name, "rel=0.0", f"abs={tolerance}"))
-    return statement(approx, f"assert {code} == ", MARGIN)
+    approx = call("pytest.approx", name, "rel=0.0", f"abs={tolerance}")
+    return f"assert {code} == {approx}"

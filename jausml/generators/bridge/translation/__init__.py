@@ -1,4 +1,4 @@
-"""Assignments of attribute maps as straight-line Python statements.
+"""Attribute maps as straight-line Python statements.
 
 Text of the model enters the statements only as literals and as names that were found in the model's
 types.
@@ -6,26 +6,18 @@ types.
 
 from __future__ import annotations
 
-from jausml.generators.bridge.translation.body import Body
-from jausml.generators.bridge.translation.maps import (
-    jaus_constants,
-    ros_constants,
-    to_jaus,
-    to_ros,
-    used_maps,
-)
+from jausml.generators.bridge.translation.maps import used_maps
 from jausml.generators.bridge.translation.surroundings import Surroundings
+from jausml.generators.bridge.translation.translating import Translated, Translations, translate
 from jausml.generators.bridge.translation.values import AssignmentError, ros_constant, ros_kind
 
 __all__ = [
     "AssignmentError",
-    "Body",
     "Surroundings",
-    "jaus_constants",
+    "Translated",
+    "Translations",
     "ros_constant",
-    "ros_constants",
     "ros_kind",
-    "to_jaus",
-    "to_ros",
+    "translate",
     "used_maps",
 ]

@@ -17,10 +17,9 @@ from jausml.generators.bridge.translation.values import (
     AssignmentError,
     Value,
 )
-from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, REAL
-from jausml.generators.python.layout import Call, unpacking
 from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import call
 from jausml.languages.expressions import occurrences, parse_expression, source_names
 from jausml.semantics.conversions import conversion_of
 from jausml.semantics.conversions.authored import Expression, LookUp, User, WithUnits
@@ -109,10 +108,16 @@ class Chain:
             return list(values)
         factor, offset = step
         function, arguments = (Linear.name, (factor, offset)) if offset else (Scale.name, (factor,))
-        name = self._body.use(runtime.CONVERSIONS, function)
         numbers = tuple(python_literal(each) for each in arguments)
         return [
-            replace(each, code=Call(name, (each.code, *numbers)), kind=REAL, limits=None, known=())
+            replace(
+                each,
+                code=call(f"conversions.{function}", each.code, *numbers),
+                kind=REAL,
+                limits=None,
+                known=(),
+                is_computed=True,
+            )
             for each in values
         ]
 
@@ -150,32 +155,27 @@ class Chain:
         known = conversion_of(conversion)
         if len(values) != len(known.inputs):
             raise AssignmentError(f"{known.name} does not take {len(values)} values")
-        function = self._body.use(runtime.CONVERSIONS, known.name)
         arguments = [python_literal(float(each)) for each in conversion.arguments]
         if conversion.quantity is not None:
             arguments = [self._surroundings.quantity(conversion.quantity)]
         if known.needs_clock:
             arguments.append("near=self.now()")
-        call = Call(function, (*(each.code for each in values), *arguments))
+        code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)
         kinds = [_RESULTS[output] for output in known.outputs]
-        return self._results(call, kinds, values)
+        return self._results(code, kinds, values)
 
-    def _results(self, call: Call, kinds: list[str], values: list[Value]) -> list[Value]:
+    def _results(self, code: str, kinds: list[str], values: list[Value]) -> list[Value]:
         """The results of a call; several get a local name each."""
         first = replace(values[0], limits=None, listed=(), known=())
         if len(kinds) == 1:
-            return [replace(first, code=call, kind=kinds[0])]
+            return [replace(first, code=code, kind=kinds[0], is_computed=True)]
         places = [
             self._body.local_names.claim(snake_case(name.rpartition(".")[2]))
             for name in _names_for(kinds, self._target_paths)
         ]
-        unpacked = unpacking(places, str(call), self._body.column)
-        if "\n" in unpacked:
-            self._body.store(call, ", ".join(places))
-        else:
-            self._body.add(unpacked)
+        self._body.store(code, ", ".join(places))
         pairs = zip(places, kinds, strict=True)
-        return [replace(first, code=place, kind=kind) for place, kind in pairs]
+        return [replace(first, code=place, kind=kind, is_computed=False) for place, kind in pairs]
 
     def _look_up(self, conversion: Any, values: list[Value], *, is_last: bool) -> Value:
         (value,) = values
@@ -183,11 +183,12 @@ class Chain:
         listed = self._target.listed(self._target_paths[0]) if is_last else ()
         table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
         name = self._surroundings.constant(*table.constant)
-        function = self._body.use(runtime.CONVERSIONS, LookUp.name)
-        code = Call(function, (value.code, name))
+        code = call(f"conversions.{LookUp.name}", value.code, name)
         limits = (table.known[0], table.known[-1]) if table.known else None
         conditions, limit = value.conditions, value.limit
-        return Value(code, kind, conditions, limits=limits, limit=limit, known=table.known)
+        return Value(
+            code, kind, conditions, limits=limits, limit=limit, known=table.known, is_computed=True
+        )
 
     def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
         expression = parse_expression(conversion.expression or "")
@@ -199,16 +200,15 @@ class Chain:
             codes[index] = self._plain(values[index], paths[index], times)
         sources = {name: codes[names[name]] for name in used}
         code = ExpressionStatements(self._body, sources).code(expression)
-        return Value(code, REAL, values[0].conditions, limit=values[0].limit)
+        return Value(code, REAL, values[0].conditions, limit=values[0].limit, is_computed=True)
 
     def _plain(self, value: Value, path: str, times: int) -> str:
         """The value as Python text that stands some times in an expression."""
         if value.kind not in NUMBERS:
             raise AssignmentError(f"{path}: an expression needs numbers")
         value = _real(value)
-        is_short = len(str(value.code)) <= _SHORT
-        if is_short and (times == 1 or isinstance(value.code, str)):
-            return str(value.code)
+        if len(value.code) <= _SHORT and (times == 1 or not value.is_computed):
+            return value.code
         return self._body.local(snake_case(path.rpartition(".")[2]), value.code)
 
     def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
@@ -221,15 +221,14 @@ class Chain:
         outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
         output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
         method = self._surroundings.user_method(conversion.method or "", inputs, output)
-        call = Call(method, tuple(each.code for each in values))
-        return self._results(call, kinds, values)
+        return self._results(call(method, *(each.code for each in values)), kinds, values)
 
 
 def _real(value: Value) -> Value:
     """A number as Python's float: ROS takes no int for it, and products of int have no end."""
     if value.kind not in (INTEGER, BOOLEAN):
         return value
-    return replace(value, code=Call("float", (value.code,)), kind=REAL)
+    return replace(value, code=call("float", value.code), kind=REAL, is_computed=True)
 
 
 def _names_for(kinds: Sequence[str], paths: Sequence[str]) -> list[str]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.generation.literals import python_string
 from jausml.generators.bridge.translation.sources import COUNT, INDEX, Counters
-from jausml.generators.bridge.translation.values import AssignmentError
-from jausml.generators.common import runtime
+from jausml.generators.bridge.translation.values import NO_LIMIT, AssignmentError
 from jausml.generators.python.codec.jaus_fields import joined, there
-from jausml.generators.python.layout import Call, comprehension
+from jausml.generators.python.statements import Assign, Do, For, assigns, call
 from jausml.semantics.conversions import conversion_of
 from jausml.semantics.conversions.authored import User
 
@@ -41,13 +40,13 @@ class _Items:
     """What a loop goes over.
 
     Attributes:
-        code: The elements, as Python text or call.
+        code: The elements, as Python text.
         name: Python text that is as long as the elements.
         counts: Fewest and most elements.
         may_be_none: Whether an element may be None, where its name was missing.
     """
 
-    code: str | Call
+    code: str
     name: str
     counts: tuple[float, float]
     may_be_none: bool = False
@@ -82,7 +81,7 @@ class _ListStatements:
             self._fill(items)
 
     def _all_conditions(self) -> tuple[Condition, ...]:
-        others = [self._outer.source.value(path, "") for path in self._paths[1:]]
+        others = [self._outer.source.value(path, NO_LIMIT) for path in self._paths[1:]]
         conditions = [*self._many.conditions, *(c for each in others for c in each.conditions)]
         return joined(conditions)
 
@@ -90,23 +89,23 @@ class _ListStatements:
 
     def _converted(self) -> _Items:
         """The elements after the conversions of the list as a whole."""
-        code: str | Call = self._many.code
-        inputs: tuple[str | Call, ...] = (
+        code = self._many.code
+        inputs: tuple[str, ...] = (
             code,
-            *(self._outer.source.value(path, "").code for path in self._paths[1:]),
+            *(self._outer.source.value(path, NO_LIMIT).code for path in self._paths[1:]),
         )
         for conversion in self._assignment.conversions:
             known = conversion_of(conversion)
             if isinstance(known, User):
                 types = ("Any",) * len(inputs)
                 method = conversion.method or ""
-                code = Call(self._outer.surroundings.user_method(method, types, "Any"), inputs)
+                code = call(self._outer.surroundings.user_method(method, types, "Any"), *inputs)
             elif not known.changes_nothing:
-                code = Call(self._body.use(runtime.CONVERSIONS, known.name), inputs)
+                code = call(f"conversions.{known.name}", *inputs)
             inputs = (code,)
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
-        if isinstance(code, Call):
+        if code != self._many.code:
             code = self._body.local("items", code)
         return _Items(code, code, self._many.counts)
 
@@ -127,18 +126,16 @@ class _ListStatements:
         if self._outer.to_ros:
             return self._named_in_ros(items, keys, constant, len(names), must=must)
         key_list = self._outer.source.many(keys).code
-        function = self._body.use(runtime.FACE, "by_name")
-        call = Call(function, (constant, key_list, items.name))
+        code = call("by_name", constant, key_list, items.name)
         counts = (len(names), len(names))
-        return _Items(self._body.local("items", call), constant, counts, may_be_none=True)
+        return _Items(self._body.local("items", code), constant, counts, may_be_none=True)
 
     def _named_in_ros(
         self, items: _Items, keys: str, constant: str, count: int, *, must: bool
     ) -> _Items:
         if must:
-            error = self._body.use(runtime.FACE, "AbsentFieldError")
-            with self._body.inside(f"if len({items.name}) < len({constant}):"):
-                self._body.add(f"raise {error}({python_string(self._many.path)})")
+            test = f"len({items.name}) < len({constant})"
+            self._body.refuse(test, "AbsentFieldError", self._many.path)
         local = self._body.local("items", f"{items.name}[: len({constant})]")
         target: Any = self._outer.target
         place = target.field(keys).place
@@ -152,11 +149,10 @@ class _ListStatements:
             return items
         if wanted[0] <= items.counts[0] and items.counts[1] <= wanted[1]:
             return items
-        policy = self._body.policy
-        limit = self._body.limit_of("dropMessage" if policy == "dropField" else policy)
+        sized = f"{self._body.whole_limit.path}.sized"
         numbers = (str(wanted[0]), str(wanted[1]))
-        call = Call(f"{limit}.sized", (python_string(self._target.path), str(items.code), *numbers))
-        return replace(items, code=call)
+        code = call(sized, python_string(self._target.path), items.code, *numbers)
+        return replace(items, code=code)
 
     # -- what is made of it ----------------------------------------------------------------------
 
@@ -200,35 +196,23 @@ class _ListStatements:
             return False
         (result,) = trial_translation.results_of(assignment, values)
         kind = inner.target.kind(".")
-        if trial.lines or kind in {"quaternion", "time"} or "drop_field" in result.limit:
+        is_simple = not trial.statements and kind not in {"quaternion", "time"}
+        if not is_simple or result.limit.drops_field:
             return False
         field: Any = inner.target
         if getattr(field.field("."), "index", None) is not None:
             return False
-        element = inner.target.fitted(".", result)
+        element = inner.target.fitted(".", result).code
         variable = f"{counters.codes[INDEX]}, {item}" if INDEX in counters.used else item
-        code = self._iterated(items, counters, len(f"    for {variable} in "))
-        if str(element) == item:
-            self._body.store(Call("list", (code,)), self._target.place)
-            return True
-        column = self._body.column
-        text = comprehension(self._target.place, element, code, column, variable)
-        self._body.add(text)
+        code = self._iterated(items, counters)
+        made = f"[{element} for {variable} in {code}]"
+        self._body.store(call("list", code) if element == item else made, self._target.place)
         return True
 
-    def _iterated(self, items: _Items, counters: Counters, around: int) -> str:
-        """What is gone through, under a name when it is too long.
-
-        Args:
-            items: The elements.
-            counters: The counters, of which the index asks for more.
-            around: Characters around it in its line.
-        """
-        code = str(items.code)
-        around += len("enumerate()") if INDEX in counters.used else 0
-        if isinstance(items.code, Call) and len(code) + self._body.column + around > LINE_WIDTH:
-            code = self._body.local("items", items.code)
-        return f"enumerate({code})" if INDEX in counters.used else code
+    @staticmethod
+    def _iterated(items: _Items, counters: Counters) -> str:
+        """What is gone through, with the indices when they are asked for."""
+        return call("enumerate", items.code) if INDEX in counters.used else items.code
 
     def _loop(self, items: _Items, item: str, source: Any, counters: Counters) -> None:
         element = self._body.local_names.claim("element")
@@ -244,20 +228,17 @@ class _ListStatements:
             inner_body.require(source.conditions, self._many.path)
         inner.require(self._assignment.assignments)
         inner.add(self._assignment.assignments)
+        made = inner_body.statements
         new = self._target.new_element
-        if new is not None and not inner_body.stores(element):
-            lines, inner_body.lines = inner_body.lines, []
-            inner_body.store(new, element)
-            inner_body.lines += lines
+        if new is not None and not assigns(made, element):
+            made = [Assign(element, new), *made]
         place = self._target.place
         if self._target.fresh and self._outer.to_ros:
             place = self._body.local("elements", "[]")
         elif self._target.fresh:
-            self._body.add(f"{place} = []")
-        inner_body.add(f"{place}.append({element})")
+            self._body.store("[]", place)
         variable = f"{counters.codes[INDEX]}, {item}" if INDEX in counters.used else item
-        code = self._iterated(items, counters, len(f"for {variable} in :"))
-        self._body.add(f"for {variable} in {code}:")
-        self._body.lines += inner_body.lines
+        append = Do(call(f"{place}.append", element))
+        self._body.add(For(variable, self._iterated(items, counters), (*made, append)))
         if place != self._target.place:
             self._body.store(place, self._target.place)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
-from jausml.generators.bridge.translation.body import Body
+from jausml.generators.bridge.translation.body import OWN_NAMES, Body
 from jausml.generators.bridge.translation.ros_fields import RosStart, full_name
 from jausml.generators.bridge.translation.sources import JausSource, RosSource
 from jausml.generators.bridge.translation.surroundings import NestedTranslation
 from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml.generators.bridge.translation.translation import Translation, paths_of
-from jausml.generators.common import runtime
+from jausml.generators.bridge.translation.values import Fitted
 from jausml.generators.python.codec.jaus_fields import JausStart
 from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
-from jausml.generators.python.names import Scope, names_in, snake_case
+from jausml.generators.python.names import Scope, snake_case
 from jausml.metamodel.classes import bridge, ros
 
 if TYPE_CHECKING:
@@ -22,22 +22,6 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.python.codec.messages import MessageView
-
-# Names that the functions of the runtime have in the module, and that no local may hide.
-_TAKEN = names_in(
-    """
-    arc_cosine arc_sine arc_tangent by_name clamp cosine cost_to_occupancy covariance_to_rms
-    deadband degrees_to_radians direction divide enu_quaternion_to_ned_angles
-    enu_quaternion_to_ned_heading enu_yaw_to_ned_heading flu_quaternion_to_frd_angles
-    flu_quaternion_to_frd_pitch flu_quaternion_to_frd_roll flu_quaternion_to_frd_yaw
-    frd_angles_to_flu_quaternion frd_yaw_to_flu_quaternion greatest is_finite least length linear
-    look_up magnitude modulo ned_angles_to_enu_quaternion ned_heading_to_enu_quaternion
-    ned_heading_to_enu_yaw negate occupancy_to_cost percent_to_value power radians_to_degrees
-    reverse_rows root round_down round_off round_up scale self set_quaternion set_time sign sine
-    source square square_root tangent target time_to_timestamp timestamp_to_time value_to_percent
-    wrap_angle
-    """
-)
 
 
 def to_ros(
@@ -95,23 +79,23 @@ def ros_constants(
 ) -> Body:
     """Returns the statements that make `target` (ROS) of constants."""
     body = Body()
-    body.add(f"target = {class_name}()")
+    body.store(f"{class_name}()", "target")
     target = RosTarget(message_type, RosStart("target", message_type))
     for assignment in assignments:
         value = target.constant(assignment.target, assignment.value)
-        target.put(body, assignment.target, value.code)
+        target.put(body, assignment.target, Fitted(value.code))
     return body
 
 
 def jaus_constants(message: MessageView, assignments: Iterable[bridge.ConstantAssignment]) -> Body:
     """Returns the statements that make `target` (JAUS) of constants."""
     body = Body()
-    body.add(f"target = {message.class_name}()")
+    body.store(f"{message.class_name}()", "target")
     target = JausTarget(message)
     for assignment in assignments:
         target.prepare(body, assignment.target)
         value = target.constant(assignment.target, assignment.value)
-        target.put(body, assignment.target, value.code)
+        target.put(body, assignment.target, Fitted(value.code))
     return body
 
 
@@ -140,7 +124,7 @@ def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[b
 
 
 def _body(owner: str, policy: str, *parameters: str) -> Body:
-    return Body(owner, policy, local_names=Scope(_TAKEN | frozenset(parameters)))
+    return Body(owner, policy, local_names=Scope(OWN_NAMES | frozenset(parameters)))
 
 
 def _map_to_ros(
@@ -157,7 +141,7 @@ def _map_to_ros(
     source = JausSource(message, JausStart("source", names=body.name_of))
     translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
     translation.require(attribute_map.toRos)
-    body.add(f"target = {class_name}()")
+    body.store(f"{class_name}()", "target")
     translation.add(attribute_map.toRos)
 
 
@@ -173,7 +157,7 @@ def _map_to_jaus(
     target = JausTarget(message)
     translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
     translation.require(attribute_map.toJaus)
-    body.add(f"target = {message.class_name}()")
+    body.store(f"{message.class_name}()", "target")
     translation.add(attribute_map.toJaus)
 
 
@@ -204,7 +188,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
         _map_to_ros(body, attribute_map, message, type_name, around)
     else:
         _map_to_jaus(body, attribute_map, message, {}, around)
-    nested.body = body
+    nested.lines = body.lines
     return f"self.{name}"
 
 
@@ -220,6 +204,5 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
         for path in paths_of(assignment.source)
     }
     if "CommandType" not in carried:
-        error = body.use(runtime.CONVERSIONS, "ConversionError")
-        body.add(f"if source.command_type != {CURRENT_COMMAND}:")
-        body.add(f'    raise {error}("a limit, not the current command")')
+        test = f"source.command_type != {CURRENT_COMMAND}"
+        body.refuse(test, "ConversionError", "a limit, not the current command")

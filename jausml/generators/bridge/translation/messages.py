@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.literals import python_string
-from jausml.generators.common import runtime
+from jausml.generators.bridge.translation.values import NO_LIMIT, Fitted
 from jausml.generators.python.codec.jaus_fields import FORMAT
-from jausml.generators.python.layout import Call
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.translation import Translation
@@ -38,14 +37,12 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
     with body.given(field.conditions):
         data = field.place
         if field.kind == FORMAT:
-            error = body.use(runtime.CONVERSIONS, "ConversionError")
-            with body.inside(f"if {data}.format_index != 0:"):
-                text = python_string(f"{field.path} carries no JAUS message")
-                body.add(f"raise {error}({text})")
+            text = f"{field.path} carries no JAUS message"
+            body.refuse(f"{data}.format_index != 0", "ConversionError", text)
             data = f"{data}.data"
-        decoded = Call(f"{message.class_name}.decode", (data,))
+        decoded = call(f"{message.class_name}.decode", data)
         path = assignment.target.strip()
-        translation.target.put(body, path, Call(method, (decoded,)))
+        translation.target.put(body, path, Fitted(call(method, decoded)))
 
 
 def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> None:
@@ -53,10 +50,8 @@ def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> 
     path = assignment.target.strip()
     target: Any = translation.target
     target.prepare(body, path)
-    value: Value = translation.source.value(assignment.source.strip(), "")
+    value: Value = translation.source.value(assignment.source.strip(), NO_LIMIT)
     method = translation.nested_method(translation, assignment.map)
     with body.given(value.conditions):
-        payload = Call(f"{Call(method, (value.code,))}.encode", ())
-        policy = body.policy
-        limit = body.limit_of("dropMessage" if policy == "dropField" else policy)
-        target.put(body, path, target.carrier(path, payload, limit))
+        payload = call(f"{call(method, value.code)}.encode")
+        target.put(body, path, target.carrier(path, payload, body.whole_limit))

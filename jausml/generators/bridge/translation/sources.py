@@ -11,7 +11,7 @@ from jausml.generators.bridge.translation.ros_fields import (
     RosStart,
     ros_field,
 )
-from jausml.generators.bridge.translation.values import Value, real, ros_kind
+from jausml.generators.bridge.translation.values import Limit, Value, real, ros_kind
 from jausml.generators.python.codec.jaus_fields import (
     FORMAT,
     INTEGER,
@@ -36,12 +36,12 @@ MANY = 2**32 - 1
 class Source(Protocol):
     """Where the source paths of some assignments start."""
 
-    def value(self, path: str, limit: str) -> Value:
+    def value(self, path: str, limit: Limit) -> Value:
         """Returns the value at the end of a path.
 
         Args:
             path: The path.
-            limit: Python path of what keeps the value within its target.
+            limit: What keeps the value within its target.
 
         Raises:
             PathError: The path leads nowhere.
@@ -86,7 +86,7 @@ class Counters:
     codes: Mapping[str, str]
     used: set[str] = field(default_factory=set)
 
-    def value(self, path: str, limit: str) -> Value | None:
+    def value(self, path: str, limit: Limit) -> Value | None:
         """Returns the value of a counter; None for other paths."""
         if path not in self.codes:
             return None
@@ -127,7 +127,7 @@ class JausSource:
         found = jaus_field(self.message, path, self.start)
         return replace(found, conditions=(*self.conditions, *found.conditions))
 
-    def value(self, path: str, limit: str) -> Value:
+    def value(self, path: str, limit: Limit) -> Value:
         """Returns the value at the end of a path."""
         try:
             found = self.field(path)
@@ -136,11 +136,11 @@ class JausSource:
             if counter is None:
                 raise
             return counter
-        code: Any = found.code
+        code = found.code
         limits = found.brought if found.kind == INTEGER else found.limits
         if found.is_float and not found.is_scaled:
             # The codec hands on what a peer sends; only here is it known what becomes of the rest.
-            code = real(limit, code, found.path, found.limits)
+            code = real(limit, code, found.path, found.limits).code
         listed = tuple((name, str(value)) for name, value in found.listed)
         kind = REAL if found.is_float else found.kind
         return Value(code, kind, found.conditions, found.units, limits, limit, listed)
@@ -206,7 +206,7 @@ class RosSource:
             return found, (there(root),)
         return ros_field(self.type, path, self.start), self.conditions
 
-    def value(self, path: str, limit: str) -> Value:
+    def value(self, path: str, limit: Limit) -> Value:
         """Returns the value at the end of a path."""
         try:
             found, conditions = self._field(path)

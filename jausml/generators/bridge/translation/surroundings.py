@@ -11,7 +11,6 @@ from jausml.generators.python.names import Scope, constant_name, snake_case
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from jausml.generators.bridge.translation.body import Body
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus, ros
 
@@ -91,14 +90,14 @@ class NestedTranslation:
         source_name: Class of the message that is taken.
         target_name: Class of the message that is made.
         documentation: What it does.
-        body: Its statements, None while they are written.
+        lines: Its statements; none while they are written.
     """
 
     name: str
     source_name: str
     target_name: str
     documentation: str
-    body: Body | None = None
+    lines: tuple[str, ...] = ()
 
 
 @dataclass

@@ -13,6 +13,8 @@ from jausml.generators.bridge.translation.values import (
     QUATERNION,
     TIME,
     AssignmentError,
+    Fitted,
+    Limit,
     Value,
     constant,
     fitted_to_jaus,
@@ -21,7 +23,6 @@ from jausml.generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
-from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import (
     BITS,
     FORMAT,
@@ -34,7 +35,7 @@ from jausml.generators.python.codec.jaus_fields import (
     jaus_field,
 )
 from jausml.generators.python.codec.values import PartValue, VariantValue
-from jausml.generators.python.layout import Call
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.translation.body import Body
@@ -84,10 +85,10 @@ class Target(Protocol):
     def prepare(self, body: Body, path: str) -> None:
         """Adds the statements that make what a message lacks on the way to the end of a path."""
 
-    def fitted(self, path: str, value: Value) -> str | Call:
+    def fitted(self, path: str, value: Value) -> Fitted:
         """Returns a value as the end of a path takes it."""
 
-    def put(self, body: Body, path: str, code: str | Call, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
 
     def constant(self, path: str, text: str) -> Value:
@@ -129,22 +130,21 @@ class RosTarget:
     def prepare(self, body: Body, path: str) -> None:
         """Adds nothing: ROS messages are complete as they are made."""
 
-    def fitted(self, path: str, value: Value) -> str | Call:
+    def fitted(self, path: str, value: Value) -> Fitted:
         """Returns a value as the end of a path takes it."""
         found = self.field(path)
         if ros_kind(found) in {QUATERNION, TIME} and value.kind == ros_kind(found):
-            return value.code
+            return Fitted(value.code)
         return fitted_to_ros(value, found)
 
-    def put(self, body: Body, path: str, code: str | Call, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
         found = self.field(path)
         kind = ros_kind(found)
         if kind in {QUATERNION, TIME}:
-            setter = body.use(runtime.FACE, f"set_{kind}")
-            body.store(Call(setter, (found.place, code)))
+            body.do(call(f"set_{kind}", found.place, value.code))
         else:
-            body.store(code, found.place, remark)
+            body.store(value.code, found.place, remark)
 
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
@@ -243,28 +243,28 @@ class JausTarget:
             self.made[element] = body.name_of(element)
             body.store(code, self.made[element])
             code = self.made[element]
-        body.add(f"{appended}.append({code})")
+        body.do(call(f"{appended}.append", code))
 
-    def fitted(self, path: str, value: Value) -> str | Call:
+    def fitted(self, path: str, value: Value) -> Fitted:
         """Returns a value as the end of a path takes it."""
         found = self.field(path)
         if found.kind == BITS and found.sub_fields != _TIMESTAMP:
             raise AssignmentError(f"{found.path} is no TimeStamp")
         return fitted_to_jaus(value, found)
 
-    def put(self, body: Body, path: str, code: str | Call, remark: str = "") -> None:
+    def put(self, body: Body, path: str, value: Fitted, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
         found = self.field(path)
         if found.index is None:
-            body.store(code, found.place, remark or found.units)
+            body.store(value.code, found.place, remark or found.units)
             return
-        if ".drop_field" in str(code):
-            value = body.local("value", code)
-            made = f"{found.class_name}({found.index}, {value})"
-            body.store(f"None if {value} is None else {made}", found.place, remark or found.units)
-            return
-        call = Call(found.class_name, (str(found.index), code))
-        body.store(call, found.place, remark or found.units)
+        code = value.code
+        if value.can_be_none:
+            code = body.local("value", code)
+        made = call(found.class_name, str(found.index), code)
+        if value.can_be_none:
+            made = f"None if {code} is None else {made}"
+        body.store(made, found.place, remark or found.units)
 
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
@@ -298,20 +298,20 @@ class JausTarget:
         """Returns an element of a list as a target."""
         return JausTarget(self.message, replace(many.start, root=root))
 
-    def carrier(self, path: str, payload: str | Call, limit: str) -> str | Call:
+    def carrier(self, path: str, payload: str, limit: Limit) -> Fitted:
         """Returns an encoded message as the field that carries it takes it.
 
         Args:
             path: Path of the field.
             payload: The bytes.
-            limit: Python path of what keeps their number within the field.
+            limit: What keeps their number within the field.
 
         Raises:
             AssignmentError: The field carries no message.
         """
         found = self.field(path)
         if found.kind == FORMAT:
-            return Call(found.class_name, ("0", payload))
+            return Fitted(call(found.class_name, "0", payload))
         if found.kind == OCTETS:
-            return limited(f"{limit}.octets", payload, found.path, found.limits)
+            return limited(limit, "octets", payload, found.path, found.limits)
         raise AssignmentError(f"{found.path} carries no message")

@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.translation import lists, messages
 from jausml.generators.bridge.translation.conversions import Chain
 from jausml.generators.bridge.translation.values import (
+    NO_LIMIT,
     TIME,
     UNLIMITED,
     AssignmentError,
+    Fitted,
     Value,
     constant,
 )
-from jausml.generators.common import runtime
 from jausml.generators.python.codec.jaus_fields import BITS, joined
-from jausml.generators.python.layout import Call
 from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import Assign, If, call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import UnitEffect, conversion_of
 from jausml.semantics.paths import place
@@ -77,7 +78,7 @@ class Translation:
                 many = self.source.many(paths.pop(0))
                 self.body.require(many.conditions, many.path)
             for path in paths:
-                self.body.require(self.source.value(path, "").conditions, path)
+                self.body.require(self.source.value(path, NO_LIMIT).conditions, path)
 
     def add(self, assignments: Iterable[bridge.Assignment]) -> None:
         """Adds the statements of assignments."""
@@ -102,16 +103,15 @@ class Translation:
 
     def _store_constant(self, path: str, text: str) -> None:
         value = self.target.constant(path, text)
-        self.target.put(self.body, path, value.code)
+        self.target.put(self.body, path, Fitted(value.code))
 
     def _clock(self, assignment: bridge.ClockAssignment) -> None:
         self.target.prepare(self.body, assignment.target)
         value = Value("self.now()", TIME)
         if not self.to_ros:
-            function = self.body.use(runtime.CONVERSIONS, "time_to_timestamp")
-            value = Value(Call(function, ("self.now()",)), BITS)
-        code = self.target.fitted(assignment.target, value)
-        self.target.put(self.body, assignment.target, code)
+            value = Value(call("conversions.time_to_timestamp", "self.now()"), BITS)
+        fitted = self.target.fitted(assignment.target, value)
+        self.target.put(self.body, assignment.target, fitted)
 
     # -- fields ----------------------------------------------------------------------------------
 
@@ -158,7 +158,7 @@ class Translation:
         if any(not test for test in tests):
             self._store(assignment, [self._or_default(assignment, each) for each in values])
             return
-        with self.body.inside(self.body.condition(list(dict.fromkeys(tests)), "or")):
+        with self.body.inside(" or ".join(dict.fromkeys(tests))):
             self._store(assignment, [self._or_default(assignment, each) for each in values])
 
     def _or_default(self, assignment: bridge.FieldAssignment, value: Value) -> Value:
@@ -167,11 +167,8 @@ class Translation:
         text, place = assignment.defaultValue or "", assignment.target
         default = constant(value.kind, text, UNLIMITED, place, value.listed)
         test = " and ".join(each.holds for each in value.conditions)
-        name = self.body.local(snake_case(str(value.code).rpartition(".")[2]), default)
-        self.body.add(f"if {test}:")
-        self.body.depth += 1
-        self.body.store(value.code, name)
-        self.body.depth -= 1
+        name = self.body.local(snake_case(value.code.rpartition(".")[2]), default)
+        self.body.add(If(test, (Assign(name, value.code),)))
         return replace(value, code=name, conditions=(), kind=value.kind)
 
     def _field_with_memory(
@@ -192,10 +189,10 @@ class Translation:
             for path, place, value in zip(
                 targets, places, self.results_of(assignment, values), strict=True
             ):
-                self.body.store(self.target.fitted(path, value), place)
+                self.body.store(self.target.fitted(path, value).code, place)
         for path, place in zip(targets, places, strict=True):
-            with self.body.inside(f"if {place} is not None:"):
-                self.target.put(self.body, path, place)
+            with self.body.inside(f"{place} is not None"):
+                self.target.put(self.body, path, Fitted(place))
 
     def _store(self, assignment: bridge.FieldAssignment, values: Sequence[Value]) -> None:
         results = self.results_of(assignment, values)

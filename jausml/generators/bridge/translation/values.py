@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.translation.ros_fields import INTEGER_RANGES
 from jausml.generators.python.codec.jaus_fields import BITS, INTEGER, OCTETS, REAL, TEXT, Limits
-from jausml.generators.python.layout import Call
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,9 +30,9 @@ PYTHON_TYPES = {
     BOOLEAN: "bool",
     TEXT: "str",
     OCTETS: "bytes",
-    QUATERNION: "Quaternion",
-    TIME: "Time",
-    BITS: "TimeStamp",
+    QUATERNION: "conversions.Quaternion",
+    TIME: "conversions.Time",
+    BITS: "conversions.TimeStamp",
 }
 """Types of the kinds of values as conversions see them."""
 
@@ -58,6 +58,36 @@ class AssignmentError(ValueError):
 
 
 @dataclass(frozen=True)
+class Limit:
+    """What keeps values within their targets.
+
+    Attributes:
+        path: Its Python path, e.g. `self.speed.clamp`; empty for values that need none.
+        drops_field: Whether it answers None for what does not fit.
+    """
+
+    path: str = ""
+    drops_field: bool = False
+
+
+NO_LIMIT = Limit()
+"""The limit of constants, and of values that are only asked whether they are there."""
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A value as its target takes it.
+
+    Attributes:
+        code: Python expression.
+        can_be_none: Whether it is None where the value does not fit.
+    """
+
+    code: str
+    can_be_none: bool = False
+
+
+@dataclass(frozen=True)
 class Value:
     """A value on its way to the target.
 
@@ -67,19 +97,21 @@ class Value:
         conditions: What must hold for the value to be there.
         units: Unit of the source, or words about units; empty when unknown.
         limits: Least and greatest value of a number that is not converted, when they are known.
-        limit: Python path of what keeps the value within its target; empty for constants.
+        limit: What keeps the value within its target.
         listed: Names and values of the numbers that the source names.
         known: All integers that it can be; empty when they are not known.
+        is_computed: Whether asking for it again would compute it again.
     """
 
-    code: str | Call
+    code: str
     kind: str
     conditions: tuple[Condition, ...] = ()
     units: str = ""
     limits: tuple[float, float] | None = None
-    limit: str = ""
+    limit: Limit = NO_LIMIT
     listed: tuple[tuple[str, str], ...] = ()
     known: tuple[int, ...] = ()
+    is_computed: bool = False
 
 
 def ros_kind(target: RosField) -> str:
@@ -92,8 +124,8 @@ def ros_kind(target: RosField) -> str:
 # ---------------------------------------------------------------- fitted to the target
 
 
-def fitted_to_ros(value: Value, target: RosField) -> str | Call:
-    """Returns the expression that makes a value one of a ROS field.
+def fitted_to_ros(value: Value, target: RosField) -> Fitted:
+    """Returns a value as one of a ROS field.
 
     Raises:
         AssignmentError: The kinds do not go together.
@@ -102,20 +134,20 @@ def fitted_to_ros(value: Value, target: RosField) -> str | Call:
     if wanted == INTEGER and value.kind in NUMBERS:
         return _integer(value, target.path, INTEGER_RANGES[target.type])
     if wanted == REAL and value.kind in {INTEGER, BOOLEAN}:
-        return Call("float", (value.code,))
+        return Fitted(call("float", value.code))
     if wanted == value.kind == REAL and target.type == "float32":
         return _single(value, target.path)
-    if wanted == value.kind == TEXT and value.limit and target.bound:
-        return limited(f"{value.limit}.text", value.code, target.path, (0, target.bound))
+    if wanted == value.kind == TEXT and value.limit.path and target.bound:
+        return limited(value.limit, "text", value.code, target.path, (0, target.bound))
     if wanted == BOOLEAN and value.kind in {INTEGER, REAL}:
-        return Call("bool", (value.code,))
+        return Fitted(call("bool", value.code))
     if wanted == value.kind:
-        return value.code
+        return Fitted(value.code)
     raise AssignmentError(f"{value.kind} does not fit {target.path} ({target.type})")
 
 
-def fitted_to_jaus(value: Value, target: JausField) -> str | Call:
-    """Returns the expression that makes a value one of a JAUS field.
+def fitted_to_jaus(value: Value, target: JausField) -> Fitted:
+    """Returns a value as one of a JAUS field.
 
     Raises:
         AssignmentError: The kinds do not go together.
@@ -125,66 +157,78 @@ def fitted_to_jaus(value: Value, target: JausField) -> str | Call:
             return _listed(value, target)
         return _integer(value, target.path, target.limits)
     if target.kind == REAL and value.kind in NUMBERS:
-        code = value.code if value.kind == REAL else Call("float", (value.code,))
+        code = value.code if value.kind == REAL else call("float", value.code)
         if value.limits is None or not _within(value.limits, target.limits):
-            code = real(value.limit, code, target.path, target.limits)
-        return code
+            return real(value.limit, code, target.path, target.limits)
+        return Fitted(code)
     if target.kind == BITS and value.kind == BITS:
-        return Call(target.class_name, (f"*{value.code}",))
+        return Fitted(call(target.class_name, f"*{value.code}"))
     if target.kind == value.kind == TEXT:
-        return limited(f"{value.limit}.text", value.code, target.path, target.limits)
+        return limited(value.limit, "text", value.code, target.path, target.limits)
     if target.kind == value.kind == OCTETS:
         return _octets(value, target)
     raise AssignmentError(f"{value.kind} does not fit {target.path}")
 
 
-def real(limit: str, code: str | Call, name: str, limits: Limits) -> Call:
-    """Returns the expression of a real within limits.
+def real(limit: Limit, code: str, name: str, limits: Limits) -> Fitted:
+    """Returns a real within limits.
 
     Args:
-        limit: Python path of what keeps it there.
+        limit: What keeps it there.
         code: The real.
         name: Path of the field, for counters.
         limits: Least and greatest value.
     """
     if limits == _DOUBLE:
-        return limited(f"{limit}.finite", code, name, ())
+        return limited(limit, "finite", code, name, ())
     if limits == _SINGLE:
-        return limited(f"{limit}.single", code, name, ())
-    return limited(limit, code, name, limits)
+        return limited(limit, "single", code, name, ())
+    return limited(limit, "", code, name, limits)
 
 
-def limited(function: str, code: str | Call, name: str, limits: tuple[float, ...]) -> Call:
-    """Returns the call of what keeps a value within limits."""
-    return Call(function, (python_string(name), code, *map(python_literal, limits)))
+def limited(limit: Limit, method: str, code: str, name: str, limits: tuple[float, ...]) -> Fitted:
+    """Returns a value within limits.
+
+    Args:
+        limit: What keeps it there.
+        method: How; empty for numbers between two others.
+        code: The value.
+        name: Path of the field, for counters.
+        limits: The limits.
+    """
+    function = f"{limit.path}.{method}" if method else limit.path
+    arguments = (python_string(name), code, *map(python_literal, limits))
+    return Fitted(call(function, *arguments), can_be_none=limit.drops_field)
 
 
-def _integer(value: Value, name: str, limits: Limits) -> str | Call:
+def _integer(value: Value, name: str, limits: Limits) -> Fitted:
     if value.kind == INTEGER and value.limits is not None and _within(value.limits, limits):
-        return value.code
-    return limited(f"{value.limit}.integer", value.code, name, (int(limits[0]), int(limits[1])))
+        return Fitted(value.code)
+    ends = (int(limits[0]), int(limits[1]))
+    return limited(value.limit, "integer", value.code, name, ends)
 
 
-def _listed(value: Value, target: JausField) -> str | Call:
+def _listed(value: Value, target: JausField) -> Fitted:
     legal = (any(low <= each <= high for low, high in target.values) for each in value.known)
     if value.known and all(legal):
-        return value.code
-    ranges = repr(target.values)
-    return Call(f"{value.limit}.listed", (python_string(target.path), value.code, ranges))
+        return Fitted(value.code)
+    arguments = (python_string(target.path), value.code, repr(target.values))
+    code = call(f"{value.limit.path}.listed", *arguments)
+    return Fitted(code, can_be_none=value.limit.drops_field)
 
 
-def _single(value: Value, name: str) -> str | Call:
+def _single(value: Value, name: str) -> Fitted:
     if value.limits is not None and _within(value.limits, _SINGLE):
-        return value.code
-    return limited(f"{value.limit}.single", value.code, name, ())
+        return Fitted(value.code)
+    return limited(value.limit, "single", value.code, name, ())
 
 
-def _octets(value: Value, target: JausField) -> Call:
-    code = Call("bytes", (value.code,))
+def _octets(value: Value, target: JausField) -> Fitted:
+    code = call("bytes", value.code)
     lower, upper = target.limits
     if lower == 0 and upper >= _COUNTED_BY_32_BITS:
-        return code
-    return limited(f"{value.limit}.octets", code, target.path, target.limits)
+        return Fitted(code)
+    return limited(value.limit, "octets", code, target.path, target.limits)
 
 
 def _within(inner: Limits, outer: Limits) -> bool:

@@ -45,21 +45,28 @@ class Condition:
     """What must hold for a value to be there, as Python text.
 
     Attributes:
-        holds: The condition; for a name, the statement that gives it.
+        holds: The condition; for a name, the name.
         fails: Its opposite; empty for a name.
         longer: The list that must be longer than `than`; empty for other conditions.
         than: Number of elements.
+        place: What a name stands for; empty for conditions.
     """
 
     holds: str
     fails: str
     longer: str = ""
     than: int = 0
+    place: str = ""
 
     @property
     def is_name(self) -> bool:
         """Whether it is no condition, but gives a short name to what those before it found."""
-        return not self.fails
+        return bool(self.place)
+
+    @property
+    def name(self) -> str:
+        """The name, when it is one."""
+        return self.holds
 
 
 def there(place: str) -> Condition:
@@ -281,7 +288,7 @@ class _Walk:
         self._at, self._place = at.element, f"{self._place}[{index}]"
         if isinstance(at, ListValue) and self._start.names is not None:
             name = self._start.names(self._place)
-            self._conditions.append(Condition(f"{name} = {self._place}", ""))
+            self._conditions.append(Condition(name, "", place=self._place))
             self._place = name
         self._is_made, self._is_optional = isinstance(at, ArrayValue), False
 

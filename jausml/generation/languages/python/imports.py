@@ -1,0 +1,180 @@
+"""The imports of rendered Python: exactly the names that a module uses, and no unknown ones."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+import sys
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+MARKER = "from __future__ import annotations\n"
+"""The line of a template that import statements follow."""
+_NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.ExceptHandler)
+_OF_MODULES = frozenset({"__name__", "__file__", "__doc__"})
+# Decorators of classes ask for these while the program runs.
+_ALWAYS_RUNNING = frozenset({"typing", "dataclasses"})
+
+
+class UnknownNameError(NameError):
+    """A name that rendered Python uses and that nothing defines or offers."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a name comes from.
+
+    Attributes:
+        module: The module; relative ones begin with a dot.
+        name: Its name there; empty for the module itself.
+    """
+
+    module: str
+    name: str = ""
+
+
+def offered(module: str, *names: str) -> dict[str, Origin]:
+    """Returns names as a module offers them.
+
+    Args:
+        module: The module.
+        *names: The names, which the importing module uses unchanged.
+    """
+    return {name: Origin(module, name) for name in names}
+
+
+STANDARD: Mapping[str, Origin] = {
+    "math": Origin("math"),
+    "pytest": Origin("pytest"),
+    "socket": Origin("socket"),
+    "struct": Origin("struct"),
+    **offered("collections.abc", "Callable", "Iterator", "Sequence"),
+    **offered("dataclasses", "dataclass", "field"),
+    **offered("enum", "IntEnum"),
+    **offered("pathlib", "Path"),
+    **offered("typing", "TYPE_CHECKING", "Any", "ClassVar"),
+}
+"""What any generated module may use of the standard library, and pytest."""
+
+
+@dataclass(frozen=True)
+class Imports:
+    """What a module may import.
+
+    Attributes:
+        names: Origins by name, besides those of the standard library.
+        own: The package that the module belongs to, whose imports stand last.
+        for_user: Whether names for annotations are imported plainly, for a user who will soon need
+            them for more.
+    """
+
+    names: Mapping[str, Origin]
+    own: str = ""
+    for_user: bool = False
+
+    def and_also(self, names: Mapping[str, Origin]) -> Imports:
+        """Returns the same with further names, which come before others of that name.
+
+        Args:
+            names: Origins by name.
+        """
+        return replace(self, names={**self.names, **names})
+
+
+def with_imports(text: str, imports: Imports) -> str:
+    """Returns a module with the import statements for what it uses, in ruff's order.
+
+    Args:
+        text: The module without them; they follow its line MARKER.
+        imports: What it may import.
+
+    Raises:
+        UnknownNameError: Nothing defines a name that it uses.
+    """
+    module = ast.parse(text)
+    origins = {**STANDARD, **imports.names}
+    annotations = {id(node) for root in _annotations(module) for node in ast.walk(root)}
+    defined = set(_defined(module))
+    running: set[str] = set()
+    every: set[str] = set()
+    for node in ast.walk(module):
+        if not isinstance(node, ast.Name) or node.id in defined:
+            continue
+        if node.id in origins:
+            is_running = id(node) not in annotations or imports.for_user
+            is_running |= origins[node.id].module in _ALWAYS_RUNNING
+            (running if is_running else every).add(node.id)
+        elif not hasattr(builtins, node.id) and node.id not in _OF_MODULES:
+            raise UnknownNameError(f"nothing defines the name {node.id!r} (line {node.lineno})")
+    only_typing = every - running
+    if only_typing:
+        running.add("TYPE_CHECKING")
+    blocks = _sections(running, origins, imports.own)
+    if only_typing:
+        inner = "\n\n".join(_sections(only_typing, origins, imports.own))
+        blocks.append("if TYPE_CHECKING:\n" + re.sub("^(?=.)", "    ", inner, flags=re.MULTILINE))
+    return text.replace(MARKER, "\n".join([MARKER, *(f"{each}\n" for each in blocks)]), 1)
+
+
+def _annotations(module: ast.Module) -> Iterator[ast.expr]:
+    for node in ast.walk(module):
+        if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation is not None:
+            yield node.annotation
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.returns is not None:
+            yield node.returns
+
+
+def _defined(module: ast.Module) -> Iterator[str]:
+    for node in ast.walk(module):
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            yield node.id
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, _NAMED) and node.name:
+            yield node.name
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            yield from (each.asname or each.name.partition(".")[0] for each in node.names)
+
+
+def _sections(names: Iterable[str], origins: Mapping[str, Origin], own: str) -> list[str]:
+    """Returns the import statements of the standard library, of others and of the package."""
+    sections: dict[int, dict[str, Origin]] = defaultdict(dict)
+    for name in names:
+        top = origins[name].module.partition(".")[0]
+        number = 2 if top in {"", own} else int(top not in sys.stdlib_module_names)
+        sections[number][name] = origins[name]
+    return ["\n".join(statements(sections[number])) for number in sorted(sections)]
+
+
+def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
+    """Yields the import statements for names, in ruff's order.
+
+    Args:
+        origins: Origins by name.
+    """
+    modules = [name for name, origin in origins.items() if not origin.name]
+    yield from (f"import {origins[name].module}" for name in sorted(modules, key=_natural))
+    members: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for name, origin in origins.items():
+        if origin.name == name:
+            members[origin.module, ""].add(name)
+        elif origin.name:
+            members[origin.module, name].add(f"{origin.name} as {name}")
+    lines = [(module, sorted(each, key=_rank)) for (module, _), each in members.items()]
+    for module, each in sorted(lines, key=lambda line: (_natural(line[0]), _rank(line[1][0]))):
+        yield f"from {module} import {', '.join(each)}"
+
+
+def _rank(name: str) -> tuple[int, str, str]:
+    """Constants come before classes, classes before functions; numbers count as numbers."""
+    group = 0 if len(name) > 1 and name.isupper() else 1 if name[0].isupper() else 2
+    return group, _natural(name), name
+
+
+def _natural(text: str) -> str:
+    return re.sub(r"\d+", lambda number: number.group().zfill(20), text.lower())

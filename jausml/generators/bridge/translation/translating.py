@@ -1,0 +1,129 @@
+"""The translations of a bridge: the methods of its connections, and all that they use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generators.bridge.ros_classes import RosClasses
+from jausml.generators.bridge.translation.body import OWN_NAMES
+from jausml.generators.bridge.translation.maps import (
+    jaus_constants,
+    ros_constants,
+    to_jaus,
+    to_ros,
+)
+from jausml.generators.bridge.translation.surroundings import Surroundings
+from jausml.generators.python.names import Scope, names_in, snake_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import bridge, jaus
+
+# Attributes that the base class has anyway.
+_TAKEN_ATTRIBUTES = names_in(
+    """
+    accept close component connections loop now on_not_ready open publisher rate_parameter report
+    ros settings silence_parameter subscribe
+    """
+)
+
+
+@dataclass(frozen=True)
+class TranslatedJoin:
+    """A joined message as a parameter.
+
+    Attributes:
+        join: The join.
+        name: Its name in Python.
+        type_name: Name of its ROS message class in the module.
+    """
+
+    join: bridge.Join
+    name: str
+    type_name: str
+
+
+@dataclass(frozen=True)
+class Translated:
+    """The methods of one connection.
+
+    Attributes:
+        name: Name of the connection in Python.
+        ros_name: Name of its ROS message class in the module.
+        joins: The joined messages.
+        lines: The statements that make `target` from `source`.
+        safe_lines: The statements that make `target` when the source is lost; none without a safe
+            value.
+    """
+
+    name: str
+    ros_name: str
+    joins: tuple[TranslatedJoin, ...]
+    lines: tuple[str, ...]
+    safe_lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Translations:
+    """All translations of a bridge.
+
+    Attributes:
+        connections: Those of the connections, in model order.
+        uses: What they use of class and module.
+        ros_classes: Names of the ROS message classes.
+    """
+
+    connections: tuple[Translated, ...]
+    uses: Surroundings
+    ros_classes: RosClasses
+
+
+def translate(
+    element: bridge.Bridge,
+    view_of: Callable[[jaus.MessageDef], MessageView],
+    taken: Iterable[str],
+) -> Translations:
+    """Translates the connections of a bridge.
+
+    Args:
+        element: The bridge.
+        view_of: Returns the class of a JAUS message.
+        taken: Names of other classes in the module.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    ros_classes = RosClasses(taken)
+    overrides = {str(each.name): each for each in element.quantities}
+    attributes = Scope(_TAKEN_ATTRIBUTES)
+    uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
+    named = [
+        (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
+        for each in element.bridgeConnections
+    ]
+    return Translations(tuple(_translated(*each, uses) for each in named), uses, ros_classes)
+
+
+def _translated(
+    connection: bridge.Connection, name: str, ros_name: str, uses: Surroundings
+) -> Translated:
+    message = uses.view_of(connection.map.message)
+    if connection.direction.name == "jausToRos":
+        body = to_ros(connection, message, f"self.{name}", ros_name, uses)
+        safe = ros_constants(connection.map.type, ros_name, connection.safeValue)
+        joins: tuple[TranslatedJoin, ...] = ()
+    else:
+        scope = Scope(OWN_NAMES)
+        joins = tuple(
+            TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
+            for each in connection.map.joins
+        )
+        parameters = {str(each.join.name): (each.name, each.join.type) for each in joins}
+        body = to_jaus(connection, message, f"self.{name}", parameters, uses)
+        safe = jaus_constants(message, connection.safeValue)
+    safe_lines = safe.lines if connection.safeValue else ()
+    return Translated(name, ros_name, joins, body.lines, safe_lines)

@@ -1,0 +1,89 @@
+"""Rendered Python gets the import statements for what it uses, and knows all of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.generation.languages.python import (
+    Imports,
+    Origin,
+    UnknownNameError,
+    offered,
+    with_imports,
+)
+
+HEAD = "from __future__ import annotations\n"
+NAMES = {
+    **offered("nav_msgs.msg", "Odometry", "Path"),
+    "TurtlesimPose": Origin("turtlesim.msg", "Pose"),
+    **offered("jausml_runtime", "JausAddress", "set_time", "LIMIT"),
+    **offered(".messages", "ReportPose", "ReportPose10", "ReportPose9"),
+    "rclpy": Origin("rclpy"),
+}
+
+
+def imported(body: str, **options: object) -> str:
+    """Returns what stands between the first line and the body."""
+    text = with_imports(f"{HEAD}\n\n{body}", Imports(NAMES, **options))
+    assert text.startswith(HEAD)
+    assert text.endswith(f"\n\n{body}")
+    return text[len(HEAD) : -len(body)].strip("\n")
+
+
+def test_only_what_is_used_is_imported() -> None:
+    assert imported("x = Odometry()\n") == "from nav_msgs.msg import Odometry"
+    assert imported("x = 1\n") == ""
+
+
+def test_sections_and_names_are_in_order() -> None:
+    body = (
+        "x = [math.pi, rclpy, set_time, LIMIT, JausAddress, TurtlesimPose, Odometry, ReportPose10,"
+        " ReportPose9]\n"
+    )
+    assert imported(body) == (
+        "import math\n\n"
+        "import rclpy\n"
+        "from jausml_runtime import LIMIT, JausAddress, set_time\n"
+        "from nav_msgs.msg import Odometry\n"
+        "from turtlesim.msg import Pose as TurtlesimPose\n\n"
+        "from .messages import ReportPose9, ReportPose10"
+    )
+
+
+def test_names_of_annotations_alone_are_for_type_checkers() -> None:
+    body = "def f(x: Odometry, y: list[ReportPose]) -> Path | None:\n    z: JausAddress = x\n"
+    assert imported(body) == (
+        "from typing import TYPE_CHECKING\n\n"
+        "if TYPE_CHECKING:\n"
+        "    from jausml_runtime import JausAddress\n"
+        "    from nav_msgs.msg import Odometry, Path\n\n"
+        "    from .messages import ReportPose"
+    )
+
+
+def test_users_get_them_plainly() -> None:
+    body = "def f(x: Odometry) -> None:\n    pass\n"
+    assert imported(body, for_user=True) == "from nav_msgs.msg import Odometry"
+
+
+def test_what_runs_and_annotates_is_imported_once() -> None:
+    assert imported("x: Odometry = Odometry()\n") == "from nav_msgs.msg import Odometry"
+
+
+def test_what_the_module_defines_is_not_imported() -> None:
+    assert imported("class Odometry:\n    pass\n\n\nx = Odometry()\n") == ""
+
+
+def test_own_package_comes_last() -> None:
+    names = {**offered("arm.arm", "Arm"), **offered("zoo", "Bear")}
+    text = with_imports(f"{HEAD}x = Arm(Bear)\n", Imports(names, own="arm"))
+    assert text == f"{HEAD}\nfrom zoo import Bear\n\nfrom arm.arm import Arm\nx = Arm(Bear)\n"
+
+
+def test_an_unknown_name_is_an_error() -> None:
+    with pytest.raises(UnknownNameError, match="'Odometer'"):
+        imported("x = Odometer()\n")
+
+
+def test_builtins_and_names_of_modules_are_known() -> None:
+    assert imported("x = len(__name__), ValueError\n") == ""
