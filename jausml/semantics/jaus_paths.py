@@ -189,18 +189,25 @@ def _most_elements(field: jaus.List) -> int:
 
 
 def _value(part: JausPart) -> Attribute:
+    try:
+        return _number(part) if isinstance(part, jaus.SubField) else _field(part)
+    except wire.LayoutError:  # which a rule tells
+        return Attribute(NUMBER, "a number")
+
+
+def _number(part: jaus.SubField) -> Attribute:
+    low, high = part.lowBit, part.highBit
+    mask = (1 << high - low + 1) - 1 if 0 <= low <= high < _MOST_BITS else 0
+    return _integer(wire.legal_integers(part.values, 0, mask), 0, mask)
+
+
+def _field(part: jaus.Field | jaus.Alternative) -> Attribute:
     match part:
         case jaus.List():
             return Attribute(LIST, "a list")
         case jaus.Array():
             return Attribute(LIST, "an array", count=math.prod(part.dimensions))
-        case jaus.SubField(lowBit=low, highBit=high):
-            mask = (1 << high - low + 1) - 1 if 0 <= low <= high < _MOST_BITS else 0
-            return _integer(wire.legal_integers(part.values, 0, mask), 0, mask)
-    try:
-        return _leaf(part)
-    except wire.LayoutError:  # which a rule tells
-        return Attribute(NUMBER, "a number")
+    return _leaf(part)
 
 
 def _leaf(part: jaus.Field | jaus.Alternative) -> Attribute:
@@ -232,8 +239,8 @@ def _integer(legal: wire.LegalIntegers, lower: int, upper: int) -> Attribute:
         NUMBER,
         "a number",
         integral=True,
-        lower=lower,
-        upper=upper,
+        lower=lower + legal.offset,
+        upper=upper + legal.offset,
         step=1,
         values=legal.ranges if legal.is_stated else (),
         named=bool(legal.listed),

@@ -40,6 +40,7 @@ from jausml.wire.legal import (
     Ranges,
     legal_integers,
     merged,
+    offset_of,
 )
 from jausml.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.wire.resolving import (
@@ -92,6 +93,7 @@ __all__ = [
     "leaf_of",
     "legal_integers",
     "merged",
+    "offset_of",
     "resolve",
     "resolve_field",
     "target_of",

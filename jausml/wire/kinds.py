@@ -27,6 +27,11 @@ class Integer:
     units: str = ""
 
     @property
+    def reach(self) -> tuple[int, int]:
+        """Smallest and largest value that the wire can bring, legal or not."""
+        return self.type.lower + self.legal.offset, self.type.upper + self.legal.offset
+
+    @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
         return self.type.size
@@ -115,6 +120,11 @@ class Bits:
     def mask(self) -> int:
         """The bits, shifted down."""
         return (1 << self.width) - 1
+
+    @property
+    def reach(self) -> tuple[int, int]:
+        """Smallest and largest value that the wire can bring, legal or not."""
+        return self.legal.offset, self.mask + self.legal.offset
 
 
 @dataclass(frozen=True)

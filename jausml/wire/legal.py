@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
+from jausml.wire.errors import LayoutError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -72,11 +73,14 @@ class LegalIntegers:
         ranges: All of them.
         listed: Those that have a meaning, in the order of the definition.
         intervals: The ranges that the definition states.
+        offset: What is subtracted from a value to give the integer on the wire, which is 0 unless
+            the definition counts from its lower limit (AS5684, offset_to_lower_limit).
     """
 
     ranges: Ranges
     listed: tuple[Listed, ...] = ()
     intervals: tuple[Interval, ...] = ()
+    offset: int = 0
 
     @property
     def is_stated(self) -> bool:
@@ -151,12 +155,35 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
         value_set: The value set, None for a field without one.
         lower: Smallest integer that the type can say.
         upper: Largest integer that the type can say.
+
+    Raises:
+        LayoutError: Its lower limit is no integer to count from.
     """
     listed, intervals = listed_in(value_set), intervals_of(value_set)
+    offset = offset_of(value_set)
+    lower, upper = lower + offset, upper + offset
     pairs: list[tuple[float, float]] = [(each.value, each.value) for each in listed]
     pairs += [(each.first, each.last) for each in intervals if each.lower <= each.upper]
     ranges = merged((int(max(first, lower)), int(min(last, upper))) for first, last in pairs)
-    return LegalIntegers(ranges or ((lower, upper),), listed, intervals)
+    return LegalIntegers(ranges or ((lower, upper),), listed, intervals, offset)
+
+
+def offset_of(value_set: jaus.ValueSet | None) -> int:
+    """Returns what a value set subtracts from a value to give the integer on the wire.
+
+    Args:
+        value_set: The value set, None for a field without one.
+
+    Raises:
+        LayoutError: Its lower limit is no integer to count from.
+    """
+    if value_set is None or not value_set.offsetToLowerLimit:
+        return 0
+    limits = [each.value for each in listed_in(value_set)]
+    lowest = min([*limits, *(each.lower for each in intervals_of(value_set))], default=0)
+    if not float(lowest).is_integer():
+        raise LayoutError(f"values cannot count from the lower limit {lowest}")
+    return int(lowest)
 
 
 def merged(ranges: Iterable[tuple[int, int]]) -> Ranges:
@@ -184,7 +211,12 @@ def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> LegalReals:
     Args:
         value_set: The value set, None for a field without one.
         kind: The wire type, whose precision counts.
+
+    Raises:
+        LayoutError: It counts from its lower limit, which integers do.
     """
+    if value_set is not None and value_set.offsetToLowerLimit:
+        raise LayoutError(f"values of {kind.name} do not count from a lower limit")
     intervals = intervals_of(value_set)
     if value_set is None or not intervals or len(intervals) < len(value_set.values):
         return LegalReals(-kind.largest, kind.largest)

@@ -461,3 +461,24 @@ def test_a_lone_parameter_that_does_not_fit_has_a_comma() -> None:
     """A generated test of a machine with a long name once was longer than a line."""
     head, kind = "def test_" + "x" * 60, "way: tuple[tuple[str, int, str], ...]"
     assert signature(head, [kind], "None") == f"{head}(\n    {kind},\n) -> None:"
+
+
+def test_value_sets_that_count_from_their_lower_limit(kinds: ModuleType) -> None:
+    cls = kinds.Offsets
+    message = cls(
+        year=2022,
+        gear=cls.Gear.FORWARD,
+        flags=cls.Flags(low=1, level=12),
+        length=cls.Length(1, 1001),
+        years=[1901, 2000],
+    )
+    assert message.encode() == bytes.fromhex("0601 16 08 21 01 0100 01 64")
+    assert cls.decode(message.encode()) == message
+    assert cls().encode() == bytes.fromhex("0601 00 00 00 01 0000 01 01")
+    for name, value in (("year", 1999), ("year", 22), ("gear", 0), ("years", [1900, 1950])):
+        wrong = cls.decode(message.encode())
+        setattr(wrong, name, value)
+        with pytest.raises(EncodeError, match=name):
+            wrong.encode()
+    # Beyond the set, but not beyond the wire: carried on, as other values outside of sets are.
+    assert cls.decode(bytes.fromhex("0601 FF FF 31 01 FFFF 00 FF")).year == 2255

@@ -267,6 +267,12 @@ def test_nested_kinds():
     ]
 
 
+def test_integers_that_count_from_a_lower_limit_have_room_for_their_values():
+    files = {file.name: file for file in files_of(HERE / "every_kind.xmi")}
+    fields = {field.name: str(field.type) for field in files["Offsets"].sections[0].fields}
+    assert (fields["year"], fields["gear"], fields["years"]) == ("uint16", "int16", "uint16[2]")
+
+
 @pytest.mark.parametrize(
     ("function", "name", "expected"),
     [

@@ -188,3 +188,11 @@ def test_the_languages_of_old_and_new_wireshark_read_it(example, lua, whole_libr
 
     assert isinstance(load("local x = "), tuple)  # what is no Lua is told with an error
     assert not isinstance(load(artifact.text), tuple)
+
+
+def test_integers_that_count_from_a_lower_limit_show_their_value():
+    message = next(each for each in tables(HERE / "every_kind.xmi") if each.name == "Offsets")
+    year, gear, flags, *_ = message.body["fields"]
+    assert (year["type"], year["offset"]) == ("uint8", 2000)
+    assert gear["some_names"] == {-5: "reverse", 3: "forward"}
+    assert flags["parts"][1]["offset"] == 10

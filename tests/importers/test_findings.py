@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from jsidl_support import constants, good, marked, record, run, service, type_set
+from jsidl_support import MARKER, constants, good, marked, record, run, service, type_set
+
+from jausml.model.diagnostics import Severity
 
 FIELD = '<fixed_field name="F" field_type="unsigned byte" field_units="one" optional="false"/>'
 
@@ -75,12 +77,6 @@ def test_containers(text, hint):
         ),
         ('⟦JML604⟧<bit_field name="F" field_type_unsigned="unsigned byte"/>', "<sub_field>"),
         ('⟦JML604⟧<variable_field name="F"/>', "<type_and_units_field>"),
-        (
-            '<fixed_field name="F" field_type="byte" field_units="one"><value_set'
-            ' ⟦JML613⟧offset_to_lower_limit="true"><value_enum enum_index="1" enum_const="A"/>'
-            "</value_set></fixed_field>",
-            "lower limit",
-        ),
         (
             '<fixed_field name="F" field_type="byte" field_units="one">⟦JML604⟧<value_set/>'
             "</fixed_field>",
@@ -258,6 +254,24 @@ class TestMessages:
         extra = f'<{part} name="H">⟦JML613⟧{record(FIELD)}</{part}>'
         text = service().replace('<body name="Body">', extra + '<body name="Body">', 1)
         marked(text)
+
+    @pytest.mark.parametrize(
+        "header",
+        [
+            '<declared_header name="H" ⟦JML628⟧declared_type_ref="{}"/>',
+            '<header name="H"><declared_record name="R" ⟦JML628⟧declared_type_ref="{}"'
+            ' optional="false"/></header>',
+        ],
+    )
+    @pytest.mark.parametrize("path", ["Head", "nowhere.Head"])
+    def test_a_header_that_is_not_there_is_the_one_that_all_messages_have(self, header, path):
+        text = service().replace(
+            '<body name="Body">', header.format(path) + '<body name="Body">', 1
+        )
+        (found,) = marked(text)
+        assert found.severity is Severity.WARNING
+        (service_set,) = run(MARKER.sub("", text)).sets
+        assert service_set.services[0].inputs[0].code == "0xD100"
 
     def test_a_second_container_is_refused(self):
         marked(service(record(FIELD) + "⟦JML602⟧" + record(FIELD)))

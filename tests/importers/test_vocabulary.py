@@ -116,6 +116,19 @@ def test_integers_of_64_bits_keep_their_last_digit():
     assert field.values.values[0].value == 2**63 - 1
 
 
+@pytest.mark.parametrize(("text", "is_offset"), [("true", True), ("false", False)])
+def test_values_may_count_from_their_lower_limit(text, is_offset):
+    (field,) = fields(
+        fixed(
+            f'<value_set offset_to_lower_limit="{text}"><value_range lower_limit="1000"'
+            ' lower_limit_type="inclusive" upper_limit="1200" upper_limit_type="inclusive"/>'
+            "</value_set>",
+            kind="unsigned byte",
+        )
+    )
+    assert field.values.offsetToLowerLimit is is_offset
+
+
 def test_bounds_that_a_count_has_anyway_are_left_out():
     text = (
         '<variable_length_string name="S" optional="false">'

@@ -42,13 +42,13 @@ def leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
 def plain_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
     if node["kind"] == "bits":
         for part in node["parts"]:
-            yield part["filter"], value[part["name"]]
+            yield part["filter"], value[part["name"]] - part.get("offset", 0)
     elif node["kind"] == "bytes":
         yield node["filter"], value["hex"]
         if "format" in value:
             yield f"{node['filter']}.format", value["format"]
     else:
-        yield node["filter"], value
+        yield node["filter"], float(value) if "offset" in node else value
 
 
 def record_leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:

@@ -291,3 +291,22 @@ def test_octets_that_are_no_hex(catalogue, value):
     }
     with pytest.raises(EncodeError, match=r"EventRec\.ReportMessage\.hex: .* is not"):
         catalogue.encode(message)
+
+
+def test_value_sets_that_count_from_their_lower_limit(kinds):
+    fields = {
+        "OffsetsRec": {
+            "Year": 2022,
+            "Gear": -5,
+            "Flags": {"Low": 1, "Level": 12},
+            "Length": {"index": 1, "value": 50000},
+            "Years": [1901, 2000],
+        }
+    }
+    entry = kinds.message("Offsets")
+    payload = bytes.fromhex("0601 16 00 21 01 68BF 01 64")
+    assert entry.encode(fields) == payload
+    assert entry.decode(payload) == fields
+    fields["OffsetsRec"]["Year"] = 22
+    with pytest.raises(EncodeError, match=r"2000 \.\. 2200"):
+        entry.encode(fields)

@@ -163,10 +163,10 @@ class _Fields:
     def _bits(self, field: wire.BitField) -> None:
         for part in field.groups:
             name = self._fields.claim(field_name(part.name))
-            kind = next(each for each in wire.UNSIGNED.values() if each.bits >= part.width)
+            kind = _holding(part.reach)
             self._named(name, kind, part.legal.listed)
             noun = "bit" if part.width == 1 else "bits"
-            self._put(name, FieldType(kind.name), f"{part.width} {noun}.")
+            self._put(name, FieldType(kind), f"{part.width} {noun}.")
 
     def _alternatives(self, field: wire.VariableNumber) -> None:
         choice = self._fields.claim("choice")
@@ -195,15 +195,16 @@ class _Fields:
 
     def _number(self, name: str, number: wire.Number, documentation: str) -> None:
         if isinstance(number, wire.Integer):
-            self._named(name, number.type, number.legal.listed)
+            self._named(name, _numeric(number), number.legal.listed)
         units = "" if number.units in ("one", "1") else number.units
         comment = described(documentation, units, _limits(number))
         self._put(name, FieldType(_numeric(number)), comment)
 
-    def _named(self, field: str, kind: wire.IntegerType, listed: Iterable[wire.Listed]) -> None:
+    def _named(self, field: str, kind: str, listed: Iterable[wire.Listed]) -> None:
+        limits = wire.INTEGERS[kind]
         for each in listed:
-            if kind.lower <= each.value <= kind.upper:
-                self._constant(field, each.name, kind.name, each.value, each.documentation)
+            if limits.lower <= each.value <= limits.upper:
+                self._constant(field, each.name, kind, each.value, each.documentation)
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))
@@ -211,7 +212,17 @@ class _Fields:
 
 
 def _numeric(number: wire.Number) -> str:
+    if isinstance(number, wire.Integer) and number.legal.offset:
+        return _holding(number.reach)
     return "float64" if isinstance(number, wire.Scaled) else number.type.name
+
+
+def _holding(reach: tuple[int, int]) -> str:
+    """Returns the smallest type that holds what the wire can bring, or the largest of its sign."""
+    lower, upper = reach
+    kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
+    fitting = (name for name, each in kinds.items() if each.lower <= lower and upper <= each.upper)
+    return next(fitting, "uint64" if lower >= 0 else "int64")
 
 
 def _limits(number: wire.Number) -> str:

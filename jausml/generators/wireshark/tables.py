@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import wire
 from jausml.generation.literals import printable
-from jausml.generators.python import names
+from jausml.generators.python.names import Scope
 from jausml.model import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 Table = dict[Any, Any]
 
@@ -56,7 +56,7 @@ class TableBuilder:
         """Returns the table of what stands alone; a record passes the filter around it on."""
         if isinstance(field.kind, wire.Record):
             return self._field(field, path)
-        word = names.Scope(_TAKEN).claim(filter_word(field.name))
+        word = Scope(_TAKEN).claim(filter_word(field.name))
         return self._field(field, f"{path}.{word}")
 
     def _field(self, field: wire.Field, path: str) -> Table:
@@ -106,7 +106,7 @@ class TableBuilder:
         return filter_type
 
     def _members(self, fields: Iterable[wire.Field], path: str) -> list[Table]:
-        scope = names.Scope(_TAKEN)
+        scope = Scope(_TAKEN)
         return [self._field(f, f"{path}.{scope.claim(filter_word(f.name))}") for f in fields]
 
     # -- values ----------------------------------------------------------------------------------
@@ -115,21 +115,31 @@ class TableBuilder:
         table: Table = {"kind": "number", "type": kind.type.name}
         if isinstance(kind, wire.Scaled):
             table["scale"] = [kind.lower, kind.upper]
+        if isinstance(kind, wire.Integer) and kind.legal.offset:
+            table["offset"] = kind.legal.offset
+        is_raw = "scale" in table or "offset" in table
+        if is_raw:
             self._typed(f"{path}.raw", kind.type.name)
-        self._typed(path, "double" if isinstance(kind, wire.Scaled) else kind.type.name)
+        self._typed(path, "double" if is_raw else kind.type.name)
         if kind.units:
             table["units"] = label(kind.units)
-        return {**table, **_names(kind.legal)} if isinstance(kind, wire.Integer) else table
+        if isinstance(kind, wire.Integer):
+            table.update(_names(kind.legal, kind.legal.names, as_table=is_raw))
+        return table
 
     def _bits(self, kind: wire.BitField, path: str) -> Table:
         self._typed(path, kind.type.name)
-        scope = names.Scope(_TAKEN)
+        scope = Scope(_TAKEN)
         parts = []
         for each in kind.groups:
             word = f"{path}.{scope.claim(filter_word(each.name))}"
             self._typed(word, kind.type.name)
             place = {"low": each.low, "high": each.high}
-            parts.append({"name": label(each.name), "filter": word, **place, **_names(each.legal)})
+            head = {"name": label(each.name), "filter": word, **place}
+            offset = each.legal.offset
+            on_wire = {value - offset: name for value, name in each.legal.names.items()}
+            counted = {"offset": offset} if offset else {}
+            parts.append({**head, **counted, **_names(each.legal, on_wire)})
         return {"kind": "bits", "type": kind.type.name, "parts": parts}
 
     def _bytes(self, kind: wire.Octets, path: str) -> Table:
@@ -148,7 +158,7 @@ class TableBuilder:
     def _choice(self, kind: wire.VariableNumber, path: str) -> Table:
         self._typed(path, "none")
         self._typed(f"{path}.index", "uint8")
-        scope = names.Scope(_TAKEN)
+        scope = Scope(_TAKEN)
         options: Table = {}
         for each in sorted(kind.alternatives, key=lambda each: each.index):
             word = f"{path}.{scope.claim(filter_word(each.name))}"
@@ -164,9 +174,20 @@ class TableBuilder:
         return {**table, "fields": self._members(kind.members, path)}
 
 
-def _names(legal: wire.LegalIntegers) -> Table:
-    """Returns the named integers of a value set; `some_names` when others are legal too."""
-    named = {each: label(name) for each, name in legal.names.items() if abs(each) < _EXACT}
+def _names(legal: wire.LegalIntegers, names: Mapping[int, str], *, as_table: bool = False) -> Table:
+    """Returns the named integers of a value set.
+
+    Args:
+        legal: The value set.
+        names: The names of the integers that the dissector looks up.
+        as_table: Whether the display filter cannot hold the names.
+
+    Returns:
+        The `names` that the display filter holds, which is when no others are legal; else
+        `some_names`.
+    """
+    named = {each: label(name) for each, name in names.items() if abs(each) < _EXACT}
     if not named:
         return {}
-    return {"names" if legal.is_closed else "some_names": dict(sorted(named.items()))}
+    key = "names" if legal.is_closed and not as_table else "some_names"
+    return {key: dict(sorted(named.items()))}

@@ -106,8 +106,16 @@ class FieldBuilder:
         if target is not None and target.place.node.tag in self._kinds:
             self.field(scope, place)
 
-    def resolve(self, declaration: Declaration) -> Declaration | None:
-        """Follows declared_... references to what they stand for; None after a report."""
+    def resolve(self, declaration: Declaration, missing: str = "JML608") -> Declaration | None:
+        """Follows declared_... references to what they stand for.
+
+        Args:
+            declaration: The reference, or what is none.
+            missing: The rule of a reference that leads to nothing.
+
+        Returns:
+            What it stands for; None after a report.
+        """
         passed: list[Place] = []
         while declaration.place.node.tag.startswith(_DECLARED):
             place = declaration.place
@@ -123,7 +131,7 @@ class FieldBuilder:
                 found = self._scopes.find(declaration.scope, path)
             except MissingError as error:
                 if not error.is_known:
-                    self._findings.report("JML608", at, str(error), error.hint)
+                    self._findings.report(missing, at, str(error), error.hint)
                 return None
             wanted = place.node.tag.removeprefix(_DECLARED)
             actual = found.place.node.tag.removeprefix(_DECLARED)
@@ -221,14 +229,14 @@ class FieldBuilder:
         )
 
     def _value_set(self, scope: Scope, place: Place) -> jaus.ValueSet | None:
-        if self._values.flag(place, "offset_to_lower_limit"):
-            message = "the integers of this value set count from its lower limit on the wire"
-            self._findings.report("JML613", place.at("offset_to_lower_limit"), message)
+        is_offset = self._values.flag(place, "offset_to_lower_limit")
         values = [self._value(scope, Place(place.document, child)) for child in place.node.children]
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
-        return self._builder.new(jaus.ValueSet, place, values=values)
+        return self._builder.new(
+            jaus.ValueSet, place, values=values, offsetToLowerLimit=is_offset or None
+        )
 
     def _value(self, scope: Scope, place: Place) -> jaus.Value:
         said = documentation(place.node)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from jausml.importers.jsidl.building import Builder
     from jausml.importers.jsidl.fields import FieldBuilder
 
+_HEADER_NOT_FOUND = "JML628"
 _CODE = re.compile("(?:0[xX])?([0-9A-Fa-f]{1,4})")
 _CONTAINERS = frozenset([*CONTAINERS, *(f"declared_{name}" for name in CONTAINERS)])
 
@@ -98,7 +99,7 @@ class MessageBuilder:
             self._findings.report("JML605", place.at("message_id"), message, hint)
         return None
 
-    def _part(self, target: Declaration, tag: str) -> Declaration | None:
+    def _part(self, target: Declaration, tag: str, missing: str = "JML608") -> Declaration | None:
         """Returns header, body or footer of a message with what a reference stands for."""
         tags = (tag, f"declared_{tag}")
         found = [child for child in target.place.node.children if child.tag in tags]
@@ -108,7 +109,7 @@ class MessageBuilder:
         if not found:
             return None
         place = Place(target.place.document, found[0])
-        return self._fields.resolve(Declaration(target.scope, place))
+        return self._fields.resolve(Declaration(target.scope, place), missing)
 
     def _container(self, part: Declaration) -> Place | None:
         document = part.place.document
@@ -127,12 +128,15 @@ class MessageBuilder:
         return (self._fields.field(body.scope, container) if container else None), said
 
     def _check_header(self, target: Declaration) -> None:
-        """Sees that the header is the message code alone, which is what codecs write."""
-        header = self._part(target, "header")
+        """Sees that the header is the message code alone, which is what codecs write.
+
+        Published sets refer to headers that they do not declare: each would be the same.
+        """
+        header = self._part(target, "header", _HEADER_NOT_FOUND)
         container = self._container(header) if header else None
         if header is None or container is None:
             return
-        record = self._fields.resolve(Declaration(header.scope, container))
+        record = self._fields.resolve(Declaration(header.scope, container), _HEADER_NOT_FOUND)
         if record is None:
             return
         fields = [c for c in record.place.node.children if c.tag != "presence_vector"]
@@ -143,7 +147,7 @@ class MessageBuilder:
         )
         if is_code:
             place = Place(record.place.document, fields[0])
-            field = self._fields.resolve(Declaration(record.scope, place))
+            field = self._fields.resolve(Declaration(record.scope, place), _HEADER_NOT_FOUND)
             if field is None:
                 return
             is_code = folded(field.place.node.get("field_type")) == "unsigned short integer"

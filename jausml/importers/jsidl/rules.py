@@ -71,7 +71,7 @@ _RULES = {
     "JML613": RuleInfo(
         "wire format that cannot be expressed",
         "The file asks for bytes on the wire that a model cannot say: a header or footer with "
-        "fields of its own, or integers that count from the lower limit.",
+        "fields of its own, a tag that does not count from 0, or bytes that are always none.",
     ),
     "JML614": RuleInfo("no service", "The files declare types or constants, but no service."),
     "JML620": RuleInfo(
@@ -118,6 +118,12 @@ _RULES = {
         "file passed over",
         "A file in a folder that was given is no JSIDL. A file that is named itself has to be.",
         Severity.INFO,
+    ),
+    "JML628": RuleInfo(
+        "header not found",
+        "The header of a message refers to a declaration that is not there. The header of every "
+        "message is its code alone (AS5669A), so the message is taken as if it said so.",
+        Severity.WARNING,
     ),
 }
 

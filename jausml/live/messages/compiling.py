@@ -105,7 +105,8 @@ def _number(kind: wire.Number) -> Scalar:
     struct_format = kind.type.format
     match kind:
         case wire.Integer():
-            return Integer(struct_format, kind.legal.ranges, kind.legal.names, kind.units)
+            legal = kind.legal
+            return Integer(struct_format, legal.ranges, legal.names, kind.units, legal.offset)
         case wire.Real():
             return Real(struct_format, kind.legal.lower, kind.legal.upper, kind.units)
         case wire.Scaled():
@@ -115,7 +116,8 @@ def _number(kind: wire.Number) -> Scalar:
 def _bit_field(kind: wire.BitField) -> BitField:
     _check_distinct((each.name for each in kind.groups), "")
     groups = [
-        Bits(each.name, each.low, each.mask, each.legal.ranges, each.legal.names)
+        Bits(each.name, each.low, each.mask, legal.ranges, legal.names, legal.offset)
         for each in kind.groups
+        for legal in [each.legal]
     ]
     return BitField(kind.type.format, groups)

@@ -25,9 +25,10 @@ class Integer(Scalar):
         ranges: Smallest and largest legal integer of each range.
         names: Names of listed values.
         units: Unit of the value, empty without one.
+        offset: What the value is more than the integer on the wire.
     """
 
-    __slots__ = ("names", "ranges", "units")
+    __slots__ = ("names", "offset", "ranges", "units")
 
     def __init__(
         self,
@@ -35,15 +36,22 @@ class Integer(Scalar):
         ranges: Ranges,
         names: Mapping[int, str] | None = None,
         units: str = "",
+        offset: int = 0,
     ) -> None:
         super().__init__(struct_format)
         self.ranges = ranges
         self.names = dict(names or {})
         self.units = units
+        self.offset = offset
+
+    def from_wire(self, item: Any) -> int:
+        """Returns the value of an integer on the wire."""
+        value: int = item + self.offset
+        return value
 
     def to_wire(self, value: Any) -> int:
         """Returns the wire item of an integer; a real without a fraction is one."""
-        return legal_integer(value, self.ranges)
+        return legal_integer(value, self.ranges) - self.offset
 
 
 def legal_integer(value: Any, ranges: Ranges) -> int:
@@ -155,6 +163,7 @@ class Bits:
         mask: Its bits, shifted down.
         ranges: Smallest and largest legal integer of each range.
         names: Names of listed values.
+        offset: What the value is more than the bits.
     """
 
     name: str
@@ -162,6 +171,7 @@ class Bits:
     mask: int
     ranges: Ranges
     names: Mapping[int, str]
+    offset: int = 0
 
 
 class BitField(Scalar):
@@ -180,7 +190,7 @@ class BitField(Scalar):
 
     def from_wire(self, item: Any) -> dict[str, int]:
         """Returns the integers of the groups."""
-        return {group.name: item >> group.low & group.mask for group in self.groups}
+        return {each.name: (item >> each.low & each.mask) + each.offset for each in self.groups}
 
     def to_wire(self, value: Any) -> int:
         """Returns the integer that the groups make."""
@@ -189,9 +199,10 @@ class BitField(Scalar):
         whole = 0
         for group in self.groups:
             try:
-                whole |= legal_integer(fields[group.name], group.ranges) << group.low
+                value = legal_integer(fields[group.name], group.ranges)
             except EncodeError as error:
                 raise error.inside(group.name) from None
+            whole |= value - group.offset << group.low
         return whole
 
 

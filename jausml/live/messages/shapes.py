@@ -46,13 +46,15 @@ def _leaf(codec: Codec) -> tuple[Any, ...]:
         indices = tuple((index, codec.holds_message(index)) for index in codec.formats)
         return ("formatted", _counted(codec.counted), indices)
     if isinstance(codec, Integer):
-        return ("integer", codec.format, codec.ranges)
+        return ("integer", codec.format, codec.ranges, codec.offset)
     if isinstance(codec, Real):
         return ("real", codec.format, codec.lower, codec.upper)
     if isinstance(codec, Scaled):
         return ("scaled", codec.format, codec.lower, codec.upper, codec.rounding)
     if isinstance(codec, BitField):
-        groups = tuple((each.name, each.low, each.mask, each.ranges) for each in codec.groups)
+        groups = tuple(
+            (each.name, each.low, each.mask, each.ranges, each.offset) for each in codec.groups
+        )
         return ("bits", codec.format, groups)
     return (type(codec).__name__, getattr(codec, "format", ""))
 

@@ -413,6 +413,14 @@ class ValueSet(EObject):
     values: abc.Sequence[Value]
     """Enumerated values and ranges."""
 
+    offsetToLowerLimit: bool
+    """True when the integer on the wire is the value less the lower limit of the set, so that
+    1000..1200 fits a uint8 as 0..200.
+
+    The lower limit is the smallest listed value or limit of a range, and an integer (AS5684
+    offset_to_lower_limit).
+    """
+
     def eContainer(self) -> FixedField | Alternative | SubField | None:
         """Returns the element that owns this one, None for a root."""
 
@@ -436,7 +444,7 @@ class EnumeratedValue(Value):
     """Meaning of the value."""
 
     value: int
-    """The integer on the wire."""
+    """The integer; on the wire too, unless the set counts from its lower limit."""
 
 class ValueRange(Value):
     """A range of legal values."""

@@ -215,7 +215,7 @@ def _value(before: str, parts: Sequence[Part], after: str, indent: str) -> list[
     wrapped = [f"{indent}{before}(", *inner, f"{indent}){after}"]
     operators = _precedence(parts)
     if not operators:
-        can_wrap = len(inner) == 1 and len(inner[0]) <= LINE_WIDTH and len(parts) > 0
+        can_wrap = len(parts) > 0 and (_fit(inner) if len(inner) == 1 else bool(before))
         first_fits = len(broken) > 1 and len(broken[0]) <= LINE_WIDTH
         return wrapped if can_wrap and not first_fits and len(wrapped[0]) <= LINE_WIDTH else broken
     last = parts[-1]

@@ -9,14 +9,10 @@ from __future__ import annotations
 import re
 import struct
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from jausml import wire
 from jausml.generation.literals import python_literal
-from jausml.generators.python.layout import Call
-
-if TYPE_CHECKING:
-    from jausml.generators.python.layout import Expression
 
 _SCALED = {"round": "scaled", "floor": "scaled_down", "ceiling": "scaled_up"}
 _TYPES: tuple[wire.IntegerType | wire.RealType, ...] = (
@@ -61,6 +57,7 @@ class Fixed:
         range_text: Its legal values in words.
         scale: Lower and upper limit of a scaled field.
         listed: Names and values of single legal integers, as the model has them.
+        offset: What the value of an integer is more than the integer on the wire.
     """
 
     kind: ClassVar[str] = "fixed"
@@ -74,6 +71,7 @@ class Fixed:
     range_text: str = ""
     scale: tuple[float, float] | None = None
     listed: tuple[tuple[str, int], ...] = ()
+    offset: int = 0
 
     @property
     def size(self) -> int:
@@ -95,32 +93,33 @@ class Fixed:
         """Whether the wire item is the value."""
         return self.back == "{}" and not self.reader
 
-    def pack(self, value: str, field: str) -> Call:
+    def pack(self, value: str, field: str) -> str:
         """Returns the expression that makes the wire item.
 
         Args:
             value: The value, as Python text.
             field: Attribute that an error names.
         """
-        return Call(self.check, (value, *self.limits, f'"{field}"'))
+        call = f'{self.check}({value}, {", ".join(self.limits)}, "{field}")'
+        return f"{call}{_plus(-self.offset)}"
 
-    def unpack(self, raw: str) -> Expression:
+    def unpack(self, raw: str) -> str:
         """Returns the expression that makes the value.
 
         Args:
             raw: The wire item, as Python text.
         """
-        return Call(self.reader, (raw,)) if self.reader else self.back.format(raw)
+        return f"{self.reader}({raw})" if self.reader else self.back.format(raw)
 
 
 @dataclass(frozen=True)
 class Bits(Fixed):
     """A bit field: an integer on the wire, an instance of a nested class in Python."""
 
-    def pack(self, value: str, field: str) -> Call:
+    def pack(self, value: str, field: str) -> str:
         """Returns the expression that makes the wire item."""
         del field
-        return Call(f"{value}.to_integer", ())
+        return f"{value}.to_integer()"
 
 
 @dataclass(frozen=True)
@@ -178,15 +177,14 @@ class Blob:
         """Fewest bytes on the wire."""
         return self.count_size
 
-    def taken(self, field: str) -> Call:
+    def taken(self, field: str) -> str:
         """Returns the expression that reads the bytes after the count, which is in `size`."""
-        at = f"offset + {self.count_size}"
-        limits = (str(self.upper), f'"{field}"')
-        return Call("take_text" if self.is_text else "take", ("buffer", at, "size", *limits))
+        take = "take_text" if self.is_text else "take"
+        return f'{take}(buffer, offset + {self.count_size}, size, {self.upper}, "{field}")'
 
-    def sized(self, value: str, field: str) -> Call:
+    def sized(self, value: str, field: str) -> str:
         """Returns the expression for the checked length of a value."""
-        return Call("sized", (value, str(self.lower), str(self.upper), f'"{field}"'))
+        return f'sized({value}, {self.lower}, {self.upper}, "{field}")'
 
 
 def as_real(value: Fixed) -> Fixed:
@@ -209,12 +207,31 @@ def number(kind: wire.Number) -> Fixed:
     """
     match kind:
         case wire.Integer():
-            listed = tuple((each.name, each.value) for each in kind.legal.listed)
-            return replace(integer(kind.type.format, kind.legal.ranges), listed=listed)
+            return legal_integer(kind.type.format, kind.legal)
         case wire.Real():
             return _real(kind)
         case wire.Scaled():
             return _scaled(kind)
+
+
+def legal_integer(struct_format: str, legal: wire.LegalIntegers) -> Fixed:
+    """Describes an integer with the meanings of its values.
+
+    Args:
+        struct_format: Its struct format.
+        legal: Its legal values.
+    """
+    return replace(
+        integer(struct_format, legal.ranges),
+        listed=tuple((each.name, each.value) for each in legal.listed),
+        offset=legal.offset,
+        back=f"{{}}{_plus(legal.offset)}",
+    )
+
+
+def _plus(offset: int) -> str:
+    """Returns what adds an offset to an integer, nothing for 0."""
+    return f" {'+' if offset > 0 else '-'} {abs(offset)}" if offset else ""
 
 
 def integer(struct_format: str, ranges: wire.Ranges) -> Fixed:

@@ -376,10 +376,13 @@ class _Walk:
 
 
 def _brought(end: object, value: Fixed) -> Limits:
-    if isinstance(end, SubField):
-        return 0, end.mask
     bits = 8 * value.size
-    return (0, 2**bits - 1) if value.format.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    lower, upper = 0, 2**bits - 1
+    if isinstance(end, SubField):
+        upper = end.mask
+    elif not value.format.isupper():
+        lower, upper = -(2 ** (bits - 1)), 2 ** (bits - 1) - 1
+    return lower + value.offset, upper + value.offset
 
 
 def _limits(value: Fixed, kind: str, brought: Limits | None) -> Limits:

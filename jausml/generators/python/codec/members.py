@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from jausml.generation import docstrings as docs
-from jausml.generators.python import layout
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.fields import Blob, Fixed
     from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
-    from jausml.generators.python.layout import Call
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class Member:
     jaus_name: str
     attribute: str
     value: Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
-    default: Call | str
+    default: str
     item: str = ""
     bit: int = 0
     units: str = ""
@@ -51,29 +49,22 @@ class Member:
         return f"{self.value.python_type} | None" if self.is_optional else self.value.python_type
 
     @property
-    def result(self) -> Call | str:
+    def result(self) -> str:
         """The value, as Python text, when its bytes were read into a local of its name."""
         if self.value.kind == "fixed" and not self.is_optional:
             return self.value.unpack(self.attribute)  # type: ignore[union-attr]
         return self.attribute
 
-    def start(self, column: int) -> str:
-        """Returns the assignment of an empty list to a local of its name.
+    @property
+    def start(self) -> str:
+        """The assignment of an empty list to a local of its name."""
+        annotation = "" if self.is_optional else f": {self.value.python_type}"
+        return f"{self.attribute}{annotation} = []"
 
-        Args:
-            column: Column at which it will stand.
-        """
-        if self.is_optional:
-            return f"{self.attribute} = []"
-        return layout.annotated(self.attribute, self.value.python_type, "[]", column)
-
-    def line(self, column: int) -> str:
-        """Returns its line in the class, or several when it is long.
-
-        Args:
-            column: Column at which it will stand.
-        """
-        return layout.annotated(self.attribute, self.annotation, self.default, column)
+    @property
+    def line(self) -> str:
+        """Its line in the class, or as a local."""
+        return f"{self.attribute}: {self.annotation} = {self.default}"
 
     @property
     def description(self) -> str:
@@ -107,7 +98,7 @@ class Run:
     size: int
 
     @property
-    def packed(self) -> tuple[Call | str, ...]:
+    def packed(self) -> tuple[str, ...]:
         """Arguments of the struct's pack."""
         calls = tuple(
             member.value.pack(f"self.{member.attribute}", member.attribute)  # type: ignore[union-attr]
@@ -117,10 +108,11 @@ class Run:
         return ("0", *calls) if self.has_presence else calls
 
     @property
-    def targets(self) -> tuple[str, ...]:
-        """Names that the struct's unpack assigns."""
-        names = tuple(member.attribute for member in self.members)
-        return ("presence", *names) if self.has_presence else names
+    def targets(self) -> str:
+        """What the struct's unpack is assigned to."""
+        names = [member.attribute for member in self.members]
+        names = ["presence", *names] if self.has_presence else names
+        return f"({names[0]},)" if len(names) == 1 else ", ".join(names)
 
 
 @dataclass(frozen=True)

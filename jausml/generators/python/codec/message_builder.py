@@ -21,7 +21,6 @@ from jausml.generators.python.codec.nested import (
 )
 from jausml.generators.python.codec.nesting import Nest
 from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
-from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -337,22 +336,22 @@ class MessageBuilder:
         self._nest.classes.append(VariantAlias(alias, classes))
         return VariantValue("", self._nest.path(alias), tag_format, options)
 
-    def _default(self, value: Value, path: str) -> Call | str:
+    def _default(self, value: Value, path: str) -> str:
         if isinstance(value, ListValue):
-            return Call("field", ("default_factory=list",))
+            return "field(default_factory=list)"
         if isinstance(value, ArrayValue):
-            return Call("field", (f"default_factory=lambda: {self._elements(value)}",))
+            return f"field(default_factory=lambda: {self._elements(value)})"
         if isinstance(value, VariantValue):
             return self._factory(value.options[0].python_type, path)
         if isinstance(value, PartValue | fields.Bits):
             return self._factory(value.python_type, path)
         return value.default
 
-    def _factory(self, class_path: str, path: str) -> Call:
+    def _factory(self, class_path: str, path: str) -> str:
         # A class inside a class is not in sight of its neighbours until the outer one is made.
         if path == self._class_name:
-            return Call("field", (f"default_factory={class_path.rpartition('.')[2]}",))
-        return Call("field", (f"default_factory=lambda: {class_path}()",))
+            return f"field(default_factory={class_path.rpartition('.')[2]})"
+        return f"field(default_factory=lambda: {class_path}())"
 
     def _elements(self, array: ArrayValue) -> str:
         element = array.element

@@ -67,7 +67,7 @@ class _Examples:
             return b"x".ljust(value.size, b"\0")
         if isinstance(value, Bits):
             subs = self._bits[value.python_type].sub_fields
-            bits = sum(int(sub.value.default) << sub.low for sub in subs)
+            bits = sum(int(sub.value.default) - sub.value.offset << sub.low for sub in subs)
             return bits.to_bytes(value.size, "little")
         if value.scale is not None:
             # A third of the range is a whole number of steps for every width.
@@ -75,4 +75,4 @@ class _Examples:
         number = float(value.default)
         if value.format in "fd":
             return struct.pack(f"<{value.format}", number)
-        return struct.pack(f"<{value.format}", int(number))
+        return struct.pack(f"<{value.format}", int(number) - value.offset)

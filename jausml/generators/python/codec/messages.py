@@ -8,16 +8,17 @@ class, a list is a list, a variant a union of the classes of its options.
 from __future__ import annotations
 
 import re
+import textwrap
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generators.python import imports, layout
+from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.generators.python import imports
 from jausml.generators.python.codec.members import Member
 from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import ModuleType
 
     from jausml import wire
     from jausml.generators.python.codec.nested import (
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     )
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
+
+
+# Behind eight blanks in a line of its own.
+_LONGEST_NAME = LINE_WIDTH - 8
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,16 @@ class MessageView:
     def code_text(self) -> str:
         """Message code as the standard writes it, e.g. `0x4404`."""
         return f"0x{self.code:04X}"
+
+    @property
+    def name_text(self) -> str:
+        """Name in the model as Python text, in pieces when no line holds it."""
+        whole = python_string(self.jaus_name)
+        if len(whole) <= _LONGEST_NAME:
+            return whole
+        width = _LONGEST_NAME - 8 if self.jaus_name.isascii() else _LONGEST_NAME // 2
+        pieces = textwrap.wrap(self.jaus_name, width, drop_whitespace=False, break_on_hyphens=False)
+        return " ".join(python_string(piece) for piece in pieces)
 
     def find(self, path: str) -> tuple[Member | SubField, ...]:
         """Returns the members along a path of JAUS names, empty when there is none.
@@ -115,9 +130,10 @@ class MessagesModule:
         return tuple(sorted(found, key=lambda pair: (len(pair[1]), pair[0])))
 
     @property
-    def layout(self) -> ModuleType:
-        """How statements are laid out."""
-        return layout
+    def is_complex(self) -> bool:
+        """Whether a method has more branches than the style allows."""
+        classes = [item for each in self.messages for item in (each.body, *each.nested)]
+        return any(getattr(item, "is_complex", False) for item in classes)
 
     def has_late_names(self, body: str) -> bool:
         """Whether a default is made by a lambda that only calls a class.

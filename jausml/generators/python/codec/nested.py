@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from jausml.generation import docstrings as docs
 from jausml.generators.python.codec.values import MAXIMUM_COMPLEXITY, VariantValue
-from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.fields import Fixed
@@ -61,19 +60,16 @@ class SubField:
     enumeration: str = ""
 
     @property
-    def shift(self) -> str:
-        """What moves the value to its place in the integer."""
-        return f" << {self.low}" if self.low else ""
-
-    @property
-    def packed(self) -> Call:
-        """The checked value."""
-        return self.value.pack(f"self.{self.attribute}", self.attribute)
+    def packed(self) -> str:
+        """The checked value, moved to its place in the integer."""
+        value = self.value.pack(f"self.{self.attribute}", self.attribute)
+        return f"{value} << {self.low}" if self.low else value
 
     @property
     def extracted(self) -> str:
         """The value out of the integer `bits`."""
-        return f"bits >> {self.low} & 0x{self.mask:X}" if self.low else f"bits & 0x{self.mask:X}"
+        bits = f"bits >> {self.low} & 0x{self.mask:X}" if self.low else f"bits & 0x{self.mask:X}"
+        return bits if self.value.is_plain else self.value.unpack(f"({bits})")
 
     @property
     def description(self) -> str:
@@ -188,13 +184,8 @@ class VariableFieldClass:
         return (("index", f"Which type and unit: {choices}."), ("value", "The number."))
 
     @property
-    def refusal(self) -> Call:
-        """The error for an index that names no type."""
-        return Call("DecodeError", (f'"{self.path}"', 'f"index {index} names no type"'))
-
-    @property
     def is_complex(self) -> bool:
-        """Whether its methods have more branches than the style allows without a word."""
+        """Whether its methods have more branches than the style allows."""
         return len(self.alternatives) + 1 > MAXIMUM_COMPLEXITY
 
 
@@ -266,7 +257,7 @@ class ContainerClass:
         return tuple((member.attribute, member.description) for member in self.members)
 
     @property
-    def arguments(self) -> tuple[Call | str, ...]:
+    def arguments(self) -> tuple[str, ...]:
         """Arguments of the constructor after reading."""
         return tuple(member.result for member in self.members)
 
@@ -277,13 +268,8 @@ class ContainerClass:
         return tuple(value for value in values if isinstance(value, VariantValue))
 
     @property
-    def presence_check(self) -> Call:
-        """The statement that refuses unknown bits of the presence vector."""
-        return Call("check_presence", ("presence", f"0x{self.presence_mask:X}", f'"{self.path}"'))
-
-    @property
     def is_complex(self) -> bool:
-        """Whether its methods have more branches than the style allows without a word."""
+        """Whether its methods have more branches than the style allows."""
         branches = [member for member in self.members if member.is_optional]
         branches += [member for member in self.members if member.item]
         return len(branches) + 1 > MAXIMUM_COMPLEXITY

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import docstrings as docs
@@ -76,13 +75,12 @@ class Nest:
         return found
 
     def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:
-        listed = tuple((each.name, each.value) for each in bits.legal.listed)
         return SubField(
             jaus_name=bits.name,
             attribute=scope.claim(names.snake_case(bits.name)),
             low=bits.low,
             mask=bits.mask,
-            value=replace(fields.integer("", bits.legal.ranges), listed=listed),
+            value=fields.legal_integer("", bits.legal),
             documentation=docs.clean(bits.documentation),
             enumeration=self.enumeration(bits.name, bits.legal.listed),
         )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from jausml.generators.python.codec.fields import struct_name
-from jausml.generators.python.layout import Call
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.fields import Blob, Fixed
@@ -73,11 +72,6 @@ class VariantValue:
         return self.tag_size + min(o.min_size for o in self.options)
 
     @property
-    def refusal(self) -> Call:
-        """The error for a tag that names no option."""
-        return Call("DecodeError", (f'"{self.python_type}"', 'f"tag {tag} names no option"'))
-
-    @property
     def tag_struct(self) -> str:
         """Name of the constant for the tag."""
         return struct_name(self.tag_format)
@@ -89,7 +83,7 @@ class VariantValue:
 
     @property
     def is_complex(self) -> bool:
-        """Whether the reader has more branches than the style allows without a word."""
+        """Whether the reader has more branches than the style allows."""
         return len(self.options) + 1 > MAXIMUM_COMPLEXITY
 
 
@@ -120,14 +114,14 @@ class ListValue:
         """Name of the constant for the count."""
         return struct_name(self.count_format)
 
-    def sized(self, value: str, field: str) -> Call:
+    def sized(self, value: str, field: str) -> str:
         """Returns the expression for the checked length of a value."""
-        return Call("sized", (value, "0", str(self.upper), f'"{field}"'))
+        return f'sized({value}, 0, {self.upper}, "{field}")'
 
-    def checked(self, field: str) -> Call:
+    def checked(self, field: str) -> str:
         """Returns the expression that checks a count on the wire, which is in `size`."""
-        limits = ("size", str(self.upper), "len(buffer) - offset")
-        return Call("check_count", (*limits, str(self.element_size), f'"{field}"'))
+        room = "len(buffer) - offset"
+        return f'check_count(size, {self.upper}, {room}, {self.element_size}, "{field}")'
 
     @property
     def count_size(self) -> int:
@@ -166,9 +160,9 @@ class ArrayValue:
     dimensions: tuple[int, ...]
     struct: str = ""
 
-    def checked(self, value: str, field: str) -> Call:
+    def checked(self, value: str, field: str) -> str:
         """Returns the expression for the elements of a value that has as many as it must."""
-        return Call("exactly", (value, str(self.count), f'"{field}"'))
+        return f'exactly({value}, {self.count}, "{field}")'
 
     @property
     def count(self) -> int:

@@ -222,7 +222,9 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 def value_sets(subject: Subject) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
 
-    A range of an integer field holds an integer: what is above 1 and below 2 is nothing.
+    A range of an integer field holds an integer: what is above 1 and below 2 is nothing. A set that
+    counts from its lower limit is one of integers, and so is the limit (AS5684,
+    offset_to_lower_limit).
 
     Bad: `<values xsi:type="jaus:EnumeratedValue" name="BIG" value="256"/>` in a uint8
 
@@ -232,10 +234,14 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
         field = value_set.eContainer()
         if field is None or subject.is_broken(field):
             continue
+        values = [value for value in value_set.values if not subject.is_broken(value)]
         limits = _limits(field)
-        for value in value_set.values:
-            if subject.is_broken(value):
-                continue
+        if value_set.offsetToLowerLimit and len(values) == len(value_set.values):
+            fault, limits = _counted_limits(value_set, limits)
+            if fault:
+                message = f"the values of '{field.name}' cannot count from their lower limit"
+                yield Finding(value_set, f"{message}: {fault}", "offsetToLowerLimit")
+        for value in values:
             yield from _value_findings(value, field, limits)
 
 
@@ -335,6 +341,19 @@ def _limits(field: WithValues) -> tuple[int, int] | None:
         return (0, 2 ** (field.highBit - field.lowBit + 1) - 1) if _is_sane(field) else None
     kind = wire.INTEGERS.get(field.type.name)
     return (kind.lower, kind.upper) if kind else None
+
+
+def _counted_limits(
+    value_set: jaus.ValueSet, limits: tuple[int, int] | None
+) -> tuple[str, tuple[int, int] | None]:
+    """Returns why a set cannot count from its lower limit, and the limits of what it can say."""
+    if limits is None:
+        return "only integers do", None
+    try:
+        offset = wire.offset_of(value_set)
+    except wire.LayoutError:
+        return "it is no integer", limits
+    return "", (limits[0] + offset, limits[1] + offset)
 
 
 def _is_sane(part: jaus.SubField) -> bool:
