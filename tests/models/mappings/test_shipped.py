@@ -99,7 +99,8 @@ def test_the_list_has_each_map_and_no_other() -> None:
 def test_the_vectors_of_each_file_hold(workspace: Path) -> None:
     """The tests that come with the generated bridges check them."""
     packages = [workspace / f"{stem}_bridge" for stem in ready_maps()]
-    paths = [*packages_of(workspace), Path(__file__).parent]
+    beside = [Path(__file__).parent, ROOT / "tests" / "support"]
+    paths = [*packages_of(workspace), *beside]
     tests = [str(package / "test") for package in packages]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "--assert=plain", "-p", "mapping_stand_in", *tests],

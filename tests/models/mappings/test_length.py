@@ -1,0 +1,45 @@
+"""Translations of ready maps and shipped models stay short enough to be read."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING
+
+import pytest
+from mapping_support import ROOT, generate, read
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SHIPPED = (
+    "catvehicle/catvehicle.xmi",
+    "examples/catvehicle/catvehicle.ros2jaus",
+    "examples/waypoints/waypoints.ros2jaus",
+    "examples/winch/winch.xmi",
+    "minimal/minimal.xmi",
+)
+MOST = 40
+# Six axes, each from two fields that may be absent.
+LONGER = {"translate_wrench_effort_to_ros"}
+
+
+def too_long(folder: Path) -> dict[str, int]:
+    """Returns the translations of bridges with more statements than one reads at once."""
+    found = {}
+    for path in folder.rglob("*_base.py"):
+        for each in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(each, ast.FunctionDef) and each.name.startswith("translate_"):
+                count = sum(isinstance(part, ast.stmt) for part in ast.walk(each)) - 1
+                if count > MOST:
+                    found[each.name] = count
+    return found
+
+
+def test_translations_of_ready_maps_are_short(workspace: Path) -> None:
+    assert set(too_long(workspace)) == LONGER
+
+
+@pytest.mark.parametrize("model", SHIPPED)
+def test_translations_of_shipped_models_are_short(model: str, tmp_path: Path) -> None:
+    generate(read(ROOT / "models" / model), tmp_path)
+    assert too_long(tmp_path) == {}
