@@ -10,16 +10,10 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    ServiceIdentity,
-    Status,
-)
 from jausml.runtime.services.completion import Completion
 from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority

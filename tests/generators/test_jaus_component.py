@@ -18,7 +18,7 @@ from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
-from jausml.runtime.component.component import JausComponent
+from jausml.runtime import JausComponent
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"

@@ -16,15 +16,9 @@ from jausml.cli import conformance, main, ocu
 from jausml.live.messages import load_catalogue
 from jausml.live.peers.entry_messages import message_class
 from jausml.live.peers.network import make_network
+from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    Scope,
-    ServiceIdentity,
-)
 from jausml.runtime.component.process import running_transport
 
 TARGET = JausAddress(100, 1, 1)

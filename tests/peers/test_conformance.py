@@ -14,8 +14,8 @@ from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.conformance.verdicts import Verdict
 from jausml.live.peers.describing import describe
 from jausml.live.peers.network import make_network
+from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import JausComponent, ServiceIdentity
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports

@@ -8,7 +8,7 @@ from jausml.live.messages import MessageError
 from jausml.live.peers.entry_messages import find_exchange, message_class
 from jausml.live.peers.samples import full_query, plain_query
 from jausml.live.peers.values import shown_fields
-from jausml.runtime.component.component import ServiceIdentity
+from jausml.runtime import ServiceIdentity
 from jausml.runtime.wire.message import DecodeError, EncodeError
 
 

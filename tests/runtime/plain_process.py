@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import JausComponent, ServiceIdentity
 from jausml.runtime.component.process import run_component
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")

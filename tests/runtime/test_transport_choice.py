@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from jausml.runtime import ComponentSettings, ControlState, JausComponent
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
-from jausml.runtime.component.component import ComponentSettings, ControlState, JausComponent
 from jausml.runtime.messages import QueryStatus, ReportStatus
 from jausml.runtime.transports import port_holder
 from jausml.runtime.transports.node_manager.transport import NodeManagerTransport

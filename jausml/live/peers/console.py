@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.operator import Operator
-    from jausml.runtime.component.component import EventSubscription
+    from jausml.runtime import EventSubscription
 
 DEFAULT_AUTHORITY = 205
 """Authority of an operator control unit, as other stacks choose it."""

@@ -19,7 +19,7 @@ from jausml.runtime.services.discovery_messages import query_all_services
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.runtime.component.component import JausComponent
+    from jausml.runtime import JausComponent
     from jausml.runtime.services.definitions import ServiceIdentity
 
 ROUND = 0.5

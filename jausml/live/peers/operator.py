@@ -12,7 +12,7 @@ from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import Survey
 from jausml.live.peers.entry_messages import find_exchange, find_message, message_class
 from jausml.live.peers.samples import full_query
-from jausml.runtime.component.component import ComponentSettings, ControlState, JausComponent, Scope
+from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
     QueryControl,
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.network import Network
+    from jausml.runtime import ControlSession, EventSubscription
     from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.component.component import ControlSession, EventSubscription
     from jausml.runtime.wire.message import Message
 
 OCU_TYPE = 20001

@@ -12,9 +12,9 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from ..component.component import Guard, JausComponent
+from ..component.component import JausComponent
 from ..conversions import Time
-from ..services.definitions import MAX_EVENT_RATE
+from ..services.definitions import MAX_EVENT_RATE, Guard
 from .ends import ReportHolder
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop
-    from ..component.component import Guard, JausComponent
+    from ..component.component import JausComponent
     from ..conversions import Time
+    from ..services.definitions import Guard
     from ..wire import Message
     from .diagnostics import ConnectionStatus
     from .settings import BridgeSettings

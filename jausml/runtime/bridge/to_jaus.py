@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..component.component import ControlState, Guard
+from ..clients.control_session import ControlState
+from ..services.definitions import Guard
 from ..transports.packets.packet import Priority
 from .connection import NOT_READY, Connection
 from .joins import JoinedTopic
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ..base.address import JausAddress
-    from ..component.component import ControlSession
+    from ..clients.control_session import ControlSession
     from ..wire.message import Message
     from .ends import Ends, ReportHolder
     from .joins import Join

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..component.component import Guard
+from ..services.definitions import Guard
 from .connection import Connection
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..base.address import JausAddress
-    from ..component.component import EventSubscription
+    from ..clients.event_subscription import EventSubscription
     from ..wire.message import Message
     from .ends import Ends
     from .topics import Topic

@@ -4,45 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from ..clients.command_client import PendingCommand
-from ..clients.control_session import ControlSession, ControlState
-from ..clients.discovery_client import FoundComponent
-from ..clients.event_subscription import EventSubscription
-from ..clients.list_client import ListRequest
-from ..clients.query import PendingQuery
 from ..messages import ClearEmergency, SetEmergency
-from ..services.completion import Completion
-from ..services.definitions import ComponentSettings, Guard, Scope, ServiceIdentity, Status
-from ..services.element_list import ElementList, ListElement, chain
 from ..transports.packets.packet import Priority
 from ..wire.message import Message
-from .base import COMPONENT_TYPE, ComponentBase
+from .base import ComponentBase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ..base.address import JausAddress
-
-__all__ = [
-    "COMPONENT_TYPE",
-    "Completion",
-    "ComponentSettings",
-    "ControlSession",
-    "ControlState",
-    "ElementList",
-    "EventSubscription",
-    "FoundComponent",
-    "Guard",
-    "JausComponent",
-    "ListElement",
-    "ListRequest",
-    "PendingCommand",
-    "PendingQuery",
-    "Scope",
-    "ServiceIdentity",
-    "Status",
-    "chain",
-]
+    from ..clients.command_client import PendingCommand
+    from ..clients.control_session import ControlSession, ControlState
+    from ..clients.discovery_client import FoundComponent
+    from ..clients.event_subscription import EventSubscription
+    from ..clients.list_client import ListRequest
+    from ..clients.query import PendingQuery
+    from ..services.element_list import ListElement
 
 R = TypeVar("R", bound=Message)
 

@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING
 from ..base.address import JausAddress
 from ..base.loop import Loop
 from ..base.settings import TransportSettings, add_arguments, from_arguments
+from ..services.definitions import ComponentSettings, Scope
 from ..transports.selecting import create_transport
-from .component import ComponentSettings, JausComponent, Scope
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import FrameType
 
     from ..transports.transport import Transport
+    from .component import JausComponent
 
     Factory = Callable[[Transport, JausAddress, ComponentSettings], JausComponent]
 

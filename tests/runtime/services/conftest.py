@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.component.component import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message

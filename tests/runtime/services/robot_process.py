@@ -4,14 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    Scope,
-    ServiceIdentity,
-)
 from jausml.runtime.component.process import run_component
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 

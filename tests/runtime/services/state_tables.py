@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from jausml.runtime.component.component import ServiceIdentity
+from jausml.runtime import ServiceIdentity
 from jausml.runtime.messages import RequestControl, Resume
 from jausml.runtime.wire.message import Message
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.errors import AbsentFieldError, OutOfRangeError
@@ -14,12 +15,6 @@ from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
 from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from jausml.runtime.bridge.topics import Topic
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    ServiceIdentity,
-)
 from jausml.runtime.conversions import ConversionError, Time
 from jausml.runtime.messages import (
     Event,

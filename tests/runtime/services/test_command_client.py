@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime import Completion, Guard, JausComponent, Status
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.component.component import Completion, Guard, JausComponent, Status
 from jausml.runtime.messages import (
     CancelEvent,
     CommandEvent,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime import ControlState, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import ControlState, ServiceIdentity, Status
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,

@@ -6,8 +6,7 @@ import threading
 
 import pytest
 
-from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import (
+from jausml.runtime import (
     Completion,
     ComponentSettings,
     ControlState,
@@ -17,6 +16,7 @@ from jausml.runtime.component.component import (
     Status,
     chain,
 )
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import QueryTime, ReportTime, SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services

@@ -8,13 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    Guard,
-    JausComponent,
-    ServiceIdentity,
-)
 from jausml.runtime.messages import SetAuthority
 
 from .state_tables import CORE_NAMES, V1_1, core_services

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import MAX_FOUND
-from jausml.runtime.component.component import Scope, ServiceIdentity
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.component.component import JausComponent, ServiceIdentity
+from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.messages import (
     CancelEvent,
     ConfirmEventRequest,

@@ -8,14 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.runtime import ElementList, JausComponent, ServiceIdentity, Status, chain
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.component.component import (
-    ElementList,
-    JausComponent,
-    ServiceIdentity,
-    Status,
-    chain,
-)
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime import Guard
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.component.component import Guard
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,
     QueryStatus,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.component.component import Guard, Status
+from jausml.runtime import Guard, Status
 from jausml.runtime.component.modelled import CORE_STATES, ModelledComponent
 from jausml.runtime.component.state_machine import Kind, On, State
 from jausml.runtime.messages import (

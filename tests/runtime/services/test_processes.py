@@ -11,16 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from jausml.runtime import ComponentSettings, ControlState, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component import process
-from jausml.runtime.component.component import (
-    ComponentSettings,
-    ControlState,
-    JausComponent,
-    ServiceIdentity,
-    Status,
-)
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,
     QueryStatus,

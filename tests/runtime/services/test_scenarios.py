@@ -4,14 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from jausml.runtime import Completion, ControlState, Guard, JausComponent, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import (
-    Completion,
-    ControlState,
-    Guard,
-    JausComponent,
-    Status,
-)
 from jausml.runtime.messages import (
     ClearEmergency,
     RequestControl,

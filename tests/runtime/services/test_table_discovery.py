@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import pytest
 
+from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.component.component import Scope, ServiceIdentity
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
+from jausml.runtime import Guard, JausComponent, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import Guard, JausComponent, Status
 from jausml.runtime.messages import QueryAuthority, ReportAuthority, Resume, SetAuthority
 
 from .state_tables import Row, after, controlled, play, ready, rows, unavailable

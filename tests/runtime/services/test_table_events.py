@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.component.component import Completion, Guard, JausComponent
+from jausml.runtime import Completion, Guard, JausComponent
 from jausml.runtime.messages import (
     CancelEvent,
     CommandEvent,

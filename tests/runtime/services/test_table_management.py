@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.runtime.component.component import JausComponent, Status
+from jausml.runtime import JausComponent, Status
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,

@@ -6,14 +6,8 @@ from datetime import datetime, timedelta, timezone
 
 import pytest
 
+from jausml.runtime import JausComponent, ListElement, Scope, ServiceIdentity, chain
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import (
-    JausComponent,
-    ListElement,
-    Scope,
-    ServiceIdentity,
-    chain,
-)
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,

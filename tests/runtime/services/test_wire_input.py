@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from jausml.runtime import Scope, ServiceIdentity, chain
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.component import Scope, ServiceIdentity, chain
 from jausml.runtime.messages import (
     CreateCommandEvent,
     DeleteElement,
