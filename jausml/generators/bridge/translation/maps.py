@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.generators.bridge.translation.body import OWN_NAMES, Body
+from jausml.generators.bridge.translation.lists import add_list
+from jausml.generators.bridge.translation.messages import add_message
 from jausml.generators.bridge.translation.ros_fields import RosStart, full_name
 from jausml.generators.bridge.translation.sources import JausSource, RosSource
 from jausml.generators.bridge.translation.surroundings import NestedTranslation
@@ -127,6 +129,16 @@ def _body(owner: str, policy: str, *parameters: str) -> Body:
     return Body(owner, policy, local_names=Scope(OWN_NAMES | frozenset(parameters)))
 
 
+class _MapTranslation(Translation):
+    """A translation with lists and messages inside messages, which translate by it in turn."""
+
+    def add_list(self, assignment: bridge.ListAssignment) -> None:
+        add_list(self, assignment)
+
+    def add_message(self, assignment: bridge.MessageAssignment) -> None:
+        add_message(self, assignment)
+
+
 def _map_to_ros(
     body: Body,
     attribute_map: bridge.AttributeMap,
@@ -139,7 +151,7 @@ def _map_to_ros(
     target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
     name = body.owner.removeprefix("self.")
     source = JausSource(message, JausStart("source", names=body.name_of))
-    translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
+    translation = _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
     translation.require(attribute_map.toRos)
     body.store(f"{class_name}()", "target")
     translation.add(attribute_map.toRos)
@@ -155,7 +167,7 @@ def _map_to_jaus(
     source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
     name = body.owner.removeprefix("self.")
     target = JausTarget(message)
-    translation = Translation(body, around, attribute_map, source, target, name, _nested_method)
+    translation = _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
     translation.require(attribute_map.toJaus)
     body.store(f"{message.class_name}()", "target")
     translation.add(attribute_map.toJaus)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from jausml.generators.bridge.translation import lists, messages
 from jausml.generators.bridge.translation.conversions import Chain
 from jausml.generators.bridge.translation.values import (
     NO_LIMIT,
@@ -40,7 +40,7 @@ def paths_of(text: str) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Translation:
+class Translation(ABC):
     """Assignments of one map in one direction, or of one list in it.
 
     Attributes:
@@ -91,9 +91,17 @@ class Translation:
                 case bridge.ClockAssignment():
                     self._clock(assignment)
                 case bridge.ListAssignment():
-                    lists.add_list(self, assignment)
+                    self.add_list(assignment)
                 case bridge.MessageAssignment():
-                    messages.add_message(self, assignment)
+                    self.add_message(assignment)
+
+    @abstractmethod
+    def add_list(self, assignment: bridge.ListAssignment) -> None:
+        """Adds the statements that fill a list of the target."""
+
+    @abstractmethod
+    def add_message(self, assignment: bridge.MessageAssignment) -> None:
+        """Adds the statements that translate a message inside a message."""
 
     # -- constants and the clock -----------------------------------------------------------------
 
