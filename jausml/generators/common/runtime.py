@@ -1,4 +1,4 @@
-"""The modules of the runtime that generated code imports names from."""
+"""Modules of the runtime that generated code imports names from."""
 
 from __future__ import annotations
 

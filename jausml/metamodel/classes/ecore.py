@@ -1,4 +1,4 @@
-"""What all elements of models have in common: pyecore's own classes."""
+"""Common part of all elements of models: pyecore's own classes."""
 
 from pyecore.ecore import EClass, EEnumLiteral, EObject, EPackage, EStructuralFeature
 

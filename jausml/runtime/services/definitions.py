@@ -74,7 +74,7 @@ class ComponentSettings:
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
         event_rate_max: Fastest periodic event in Hz; faster requests get this rate.
         max_events: Events that the component serves at a time, 0 to 255.
-        heartbeat_rate: Rate in Hz of heartbeats that nobody has asked for, up to 100; 0 means
+        heartbeat_rate: Rate in Hz of unrequested heartbeats, up to 100; 0 means
             never. None means 1 Hz if the component provides the service UnsolicitedHeartbeat of
             the IOP, and never if it does not.
         heartbeat_scope: Whom these reach: SUBSYSTEM or SYSTEM.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .host import Host
 
 UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
-"""Service of the IOP that promises a heartbeat nobody has asked for."""
+"""Service of the IOP that promises an unrequested heartbeat."""
 
 UNSOLICITED_RATE = 1.0
 """Rate in Hz of a component that provides it; the IOP leaves the rate open."""
@@ -41,7 +41,7 @@ class LivenessService:
         self._component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
 
     def start(self) -> None:
-        """Begin to send heartbeats nobody has asked for, if any are wanted."""
+        """Begins to send unrequested heartbeats, if any are wanted."""
         if self._rate > 0:
             self._beat()
 

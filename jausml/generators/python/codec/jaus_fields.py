@@ -1,4 +1,4 @@
-"""Paths into JAUS message bodies: what stands at the end of `Velocity_X` or `TimeStamp.Day`.
+"""Paths into JAUS messages: what stands at the end of `Velocity_X` or `TimeStamp.Day`.
 
 A path starts at the flattened body of a message or at an element of a list. It goes on by the names
 of members, of the options of variants and of the alternatives of variable fields; `[2]` behind a

@@ -1,4 +1,4 @@
-"""How packets leave: what the message layer needs of a network."""
+"""Carrier of packets: what the message layer needs of a network."""
 
 from __future__ import annotations
 
