@@ -95,8 +95,6 @@ def test_each_function_of_the_runtime_has_its_class():
 
 # These words mean something else too, such as a feature or a policy.
 AMBIGUOUS = {"scale", "clamp", "square", "expression", "user", "linear"}
-# What a bridge does by itself, without a conversion of the model.
-BY_ITSELF = {"jausml/generators/bridge/translation/translation.py": {"time_to_timestamp"}}
 
 
 def test_no_other_file_lists_names_of_conversions():
@@ -109,7 +107,7 @@ def test_no_other_file_lists_names_of_conversions():
         texts = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
         if named := texts & (set(CONVERSIONS) - AMBIGUOUS):
             found[place.as_posix()] = named
-    assert found == BY_ITSELF
+    assert found == {}
 
 
 # ------------------------------------------------------------ the same by two computations

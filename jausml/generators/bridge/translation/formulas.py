@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 # Characters of an expression that is read at a glance.
 _LONG = 72
 # Characters of a part that needs no name of its own.
-_SHORT = 16
+_SHORT = 48
 
 
 @dataclass(frozen=True)
