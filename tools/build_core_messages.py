@@ -40,7 +40,14 @@ def tasks(model: Model) -> list[Task]:
         source=SOURCE.name,
         element_id="core_messages",
     )
-    return [FileTask("messages.py.j2", [module], lambda _: OUTPUT.name)]
+    return [
+        FileTask(
+            "messages.py.j2",
+            [module],
+            lambda _: OUTPUT.name,
+            imports=lambda each: each.imports,
+        )
+    ]
 
 
 TARGET = Target(

@@ -144,6 +144,18 @@ def test_a_comma_at_the_end_asks_for_a_line_for_each_item() -> None:
     assert layout("x = [\n    a, b,\n]\n") == "x = [\n    a,\n    b,\n]\n"
 
 
+def test_a_lone_parameter_that_does_not_fit_has_a_comma() -> None:
+    """A generated test of a machine with a long name once was longer than a line."""
+    head, kind = "def test_" + "x" * 60, "way: tuple[tuple[str, int, str], ...]"
+    laid = layout(f"{head}({kind}) -> None:\n    pass\n")
+    assert laid == f"{head}(\n    {kind},\n) -> None:\n    pass\n"
+
+
+def test_strings_that_follow_each_other_become_one_where_there_is_room() -> None:
+    text = f'x = f(a={"a" * 50}, b=("one " "two"), c={"c" * 40})\n'
+    assert layout(text) == formatted(text)
+
+
 def test_a_broken_statement_that_fits_becomes_a_line() -> None:
     assert layout("x = f(\n    a,\n    b\n)\n") == "x = f(a, b)\n"
 

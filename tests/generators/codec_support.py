@@ -44,7 +44,9 @@ LIBRARY_FILES = {
 def render(messages: tuple[MessageView, ...], summary: str = "Messages of a test.") -> str:
     """Returns the text of a module with the codecs."""
     view = MessagesModule(summary, "jausml.runtime", messages, "test.xmi", "test")
-    task = FileTask("messages.py.j2", [view], lambda _: "messages.py")
+    task = FileTask(
+        "messages.py.j2", [view], lambda _: "messages.py", imports=lambda each: each.imports
+    )
     target = Target("messages", "", lambda _: [task], template_folders=(TEMPLATES,))
     (artifact,) = render_targets(None, [target])
     return artifact.text

@@ -11,7 +11,6 @@ from codec_support import library, load, read_messages, render
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generators.python.layout import signature
 from jausml.runtime import messages as core
 from jausml.runtime.wire.codec import scaled
 from jausml.runtime.wire.message import DecodeError, EncodeError, read_code
@@ -455,12 +454,6 @@ def test_steps_next_to_the_ends_and_the_middle_come_back(
     step = (upper - lower) / largest
     for raw in (0, 1, largest // 2, largest // 2 + 1, largest - 1, largest):
         assert scaled(raw * step + lower, lower, step, largest, "") == raw
-
-
-def test_a_lone_parameter_that_does_not_fit_has_a_comma() -> None:
-    """A generated test of a machine with a long name once was longer than a line."""
-    head, kind = "def test_" + "x" * 60, "way: tuple[tuple[str, int, str], ...]"
-    assert signature(head, [kind], "None") == f"{head}(\n    {kind},\n) -> None:"
 
 
 def test_value_sets_that_count_from_their_lower_limit(kinds: ModuleType) -> None:

@@ -32,7 +32,12 @@ def tasks(model: Model) -> list[Task]:
     )
     return [
         *package_tasks([package]),
-        FileTask("messages.py.j2", messages.modules, messages.path),
+        FileTask(
+            "messages.py.j2",
+            messages.modules,
+            messages.path,
+            imports=lambda module: module.imports,
+        ),
     ]
 
 

@@ -12,8 +12,8 @@ import textwrap
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
-from jausml.generators.python import imports
 from jausml.generators.python.codec.members import Member
 from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
 
@@ -105,6 +105,12 @@ class MessageView:
                     yield from item.members
 
 
+_WIRE = """
+    DecodeError EncodeError Message check_count check_presence exactly integer latin1 one_of padded
+    real scaled scaled_down scaled_up sized take take_text unpadded whole whole_of
+"""
+
+
 @dataclass(frozen=True)
 class MessagesModule:
     """A module of messages.
@@ -143,10 +149,7 @@ class MessagesModule:
         """
         return re.search(r"=lambda: [\w.]+\(\)", body) is not None
 
-    def head(self, body: str) -> str:
-        """Returns the import statements of the module.
-
-        Args:
-            body: The text below them, which says what is needed.
-        """
-        return imports.statements(body, imports.codec_names(self.runtime))
+    @property
+    def imports(self) -> Imports:
+        """What the module may import."""
+        return Imports(offered(f"{self.runtime}.wire", *_WIRE.split()))
