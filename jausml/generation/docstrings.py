@@ -90,13 +90,22 @@ def _ended(text: str) -> str:
 
 
 def _summary(text: str, width: int) -> tuple[str, tuple[str, ...]]:
-    """Returns a first line that fits, and the text as a paragraph when it is not all of it."""
+    """Returns a first line that fits, and what follows as a paragraph.
+
+    The line ends with a sentence or a clause; only where it ends at a comma, or amid words, the
+    paragraph says all again.
+    """
     if len(text) <= width:
         return text, ()
-    head, stop, _ = text.partition(". ")
+    head, stop, rest = text.partition(". ")
     if stop and len(head) < width:
-        return f"{head}.", (text[len(head) + 2 :],)
-    return textwrap.shorten(text, width, placeholder=" ..."), (text,)
+        return f"{head}.", (rest,)
+    for mark in ("; ", ": "):
+        head = text[:width].rpartition(mark)[0]
+        if head:
+            return f"{head}.", (sentence(text[len(head) + len(mark) :]),)
+    head = text[:width].rpartition(", ")[0] or text[:width].rpartition(" ")[0] or text[: width - 1]
+    return f"{head}.", (text,)
 
 
 def _wrap(text: str, width: int, continued: str = "") -> list[str]:
