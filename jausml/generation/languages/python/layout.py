@@ -198,7 +198,7 @@ def _assignment(parts: Sequence[Part], words: Sequence[str], at: int, indent: st
 
 def _value(before: str, parts: Sequence[Part], after: str, indent: str) -> list[str]:
     """Lays out an expression that gets parentheses where it has no brackets to break at."""
-    parts = _joined(_without_parentheses(parts), LINE_WIDTH - len(indent + before + after))
+    parts = _without_parentheses(parts)
     line = f"{indent}{before}{flat(parts)}{after}"
     if len(line) <= LINE_WIDTH and can_be_flat(parts):
         return [line]
@@ -237,15 +237,6 @@ def _without_parentheses(parts: Sequence[Part]) -> Sequence[Part]:
         if bracket.inside and plain:
             return _without_parentheses(bracket.inside)
     return parts
-
-
-def _joined(parts: Sequence[Part], room: int) -> Sequence[Part]:
-    """Returns strings that follow each other as one, where there is room for it."""
-    texts = [part.text for part in parts if _is_string(part) and isinstance(part, Token)]
-    if len(texts) < len(parts) or not all(text.startswith('"') for text in texts):
-        return parts
-    whole = Token('"' + "".join(text[1:-1] for text in texts) + '"', is_string=True)
-    return [whole] if len(whole.text) <= room else parts
 
 
 def _has_content(part: Part) -> bool:
@@ -310,7 +301,6 @@ def _loosest(parts: Sequence[Part]) -> list[int]:
 
 def _inside(parts: Sequence[Part], indent: str, after: str = "", before: str = "") -> list[str]:
     """Lays out an expression that stands in brackets, on lines of its own."""
-    parts = _joined(parts, LINE_WIDTH - len(indent + before + after))
     line = f"{indent}{before}{flat(parts)}{after}"
     if len(line) <= LINE_WIDTH and can_be_flat(parts):
         return [line]

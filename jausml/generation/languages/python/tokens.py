@@ -91,8 +91,16 @@ class Statement:
 
 
 def flat(parts: Sequence[Part]) -> str:
-    """Returns parts on one line, without a space at the start."""
-    return "".join(_pieces(parts)).lstrip(" ")
+    """Returns parts on one line, without a space at the start; strings side by side are one."""
+    text, ends_string = "", False
+    for part in parts:
+        is_string = isinstance(part, Token) and part.is_string and part.text[0] == '"'
+        if isinstance(part, Token) and is_string and ends_string:
+            text = text[:-1] + part.text[1:]
+        else:
+            text += " " * part.spaced + _text(part)
+        ends_string = is_string
+    return text.lstrip(" ")
 
 
 def can_be_flat(parts: Sequence[Part]) -> bool:
@@ -123,15 +131,11 @@ def read(text: str) -> Statement | None:
     return Statement(tuple(parts), comment)
 
 
-def _pieces(parts: Sequence[Part]) -> Iterator[str]:
-    for part in parts:
-        if part.spaced:
-            yield " "
-        if isinstance(part, Token):
-            yield part.text
-        else:
-            comma = "," if part.is_lone_tuple else ""
-            yield f"{part.opening}{flat(part.inside)}{comma}{part.closing}"
+def _text(part: Part) -> str:
+    if isinstance(part, Token):
+        return part.text
+    comma = "," if part.is_lone_tuple else ""
+    return f"{part.opening}{flat(part.inside)}{comma}{part.closing}"
 
 
 def is_comprehension(parts: Sequence[Part]) -> bool:
