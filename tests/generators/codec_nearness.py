@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
-from jausml.generators.python.codec.fields import Bits, Fixed
-from jausml.generators.python.codec.nested import ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.classes import ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.scalars import Bits, Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

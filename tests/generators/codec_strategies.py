@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from hypothesis import strategies as st
 
-from jausml.generators.python.codec.fields import Bits, Fixed
-from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.scalars import Bits, Fixed
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView

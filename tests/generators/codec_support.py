@@ -15,10 +15,10 @@ from lxml import etree
 from jausml import wire
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
-from jausml.generators.python.codec.fields import Tag
+from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.messages import MessagesModule, MessageView
-from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
+from jausml.generators.python.codec.scalars import Tag
 from jausml.metamodel.classes import jaus
 from jausml.model import read_models
 

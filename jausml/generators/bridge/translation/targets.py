@@ -23,6 +23,7 @@ from jausml.generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
+from jausml.generators.python.codec.compounds import PartValue, VariantValue
 from jausml.generators.python.codec.jaus_fields import (
     BITS,
     FORMAT,
@@ -34,7 +35,6 @@ from jausml.generators.python.codec.jaus_fields import (
     JausStart,
     jaus_field,
 )
-from jausml.generators.python.codec.values import PartValue, VariantValue
 from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:

@@ -14,16 +14,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generators.bridge.translation.ros_fields import PathError
-from jausml.generators.python.codec.fields import Bits, Blob, Fixed
-from jausml.generators.python.codec.members import Member
-from jausml.generators.python.codec.nested import (
+from jausml.generators.python.codec.classes import (
     Alternative,
     BitFieldClass,
     ContainerClass,
     SubField,
     VariableFieldClass,
 )
-from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.members import Member
+from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING, ClassVar
 from jausml.generation import docstrings as docs
 
 if TYPE_CHECKING:
-    from jausml.generators.python.codec.fields import Blob, Fixed
-    from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
+    from jausml.generators.python.codec.compounds import (
+        ArrayValue,
+        ListValue,
+        PartValue,
+        VariantValue,
+    )
+    from jausml.generators.python.codec.scalars import Blob, Fixed
 
 
 @dataclass(frozen=True)

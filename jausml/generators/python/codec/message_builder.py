@@ -10,24 +10,24 @@ from jausml import wire
 from jausml.generation import docstrings as docs
 from jausml.generation.errors import GenerationError
 from jausml.generators.python import names
-from jausml.generators.python.codec import fields
-from jausml.generators.python.codec.members import Member, Run, Single
-from jausml.generators.python.codec.messages import MessageView
-from jausml.generators.python.codec.nested import (
+from jausml.generators.python.codec import scalars
+from jausml.generators.python.codec.classes import (
     Alternative,
     ContainerClass,
     VariableFieldClass,
     VariantAlias,
 )
-from jausml.generators.python.codec.nesting import Nest
-from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.members import Member, Run, Single
+from jausml.generators.python.codec.message_scope import MessageScope
+from jausml.generators.python.codec.messages import MessageView
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.metamodel.classes import jaus
 
-Element = fields.Fixed | fields.Blob | PartValue | VariantValue
+Element = scalars.Fixed | scalars.Blob | PartValue | VariantValue
 Value = Element | ListValue | ArrayValue
 
 
@@ -95,7 +95,7 @@ class MessageBuilder:
     def __init__(self, layout: wire.Message, class_name: str) -> None:
         self._layout = layout
         self._class_name = class_name
-        self._nest = Nest(class_name, layout.name)
+        self._scope = MessageScope(class_name, layout.name)
 
     def build(self) -> MessageView:
         """Returns the view."""
@@ -109,8 +109,8 @@ class MessageBuilder:
             code=layout.code,
             is_command=layout.is_command,
             body=container,
-            nested=tuple(self._nest.classes),
-            structs=tuple(sorted(self._nest.structs.items())),
+            nested=tuple(self._scope.classes),
+            structs=tuple(sorted(self._scope.structs.items())),
             layout=layout,
         )
 
@@ -125,7 +125,7 @@ class MessageBuilder:
         tag: int | None = None,
     ) -> ContainerClass:
         """Builds a class of members: those of a record or sequence, or the one field itself."""
-        path = self._nest.path(name)
+        path = self._scope.path(name)
         presence: wire.IntegerType | None = None
         parts: tuple[wire.Field, ...] = ()
         is_wrapper = body is not None and not isinstance(body.kind, wire.Record)
@@ -142,7 +142,7 @@ class MessageBuilder:
             paragraphs=paragraphs,
             members=members,
             segments=self._segments(members, presence_format),
-            presence_struct=self._nest.use(presence_format) if presence else "",
+            presence_struct=self._scope.use(presence_format) if presence else "",
             presence_size=presence.size if presence else 0,
             tag=tag,
             jaus_name=body.name if body else "",
@@ -168,7 +168,7 @@ class MessageBuilder:
                 item="" if not repeated else "item" if first else scope.claim(f"{attribute}_item"),
                 units=docs.clean(kind.units) if isinstance(kind, wire.Number) else "",
                 documentation=docs.clean(field.documentation),
-                enumeration=self._nest.enumeration(field.name, listed),
+                enumeration=self._scope.enumeration(field.name, listed),
             )
             members.append(member)
         return tuple(members)
@@ -198,7 +198,7 @@ class MessageBuilder:
             head = False
 
         for member in members:
-            if isinstance(member.value, fields.Fixed) and not member.is_optional:
+            if isinstance(member.value, scalars.Fixed) and not member.is_optional:
                 waiting.append(member)
             else:
                 flush()
@@ -207,27 +207,27 @@ class MessageBuilder:
         return tuple(segments)
 
     def _run(self, members: Sequence[Member], presence_format: str) -> Run:
-        formats = [m.value.format for m in members if isinstance(m.value, fields.Fixed)]
+        formats = [m.value.format for m in members if isinstance(m.value, scalars.Fixed)]
         items = [presence_format, *formats] if presence_format else formats
         size = struct.calcsize("<" + "".join(items))
-        name = self._nest.use("".join(items))
+        name = self._scope.use("".join(items))
         return Run(name, tuple(members), bool(presence_format), size)
 
     def _class(self, field: wire.Field, tag: int | None = None) -> PartValue:
         """Returns the class of a field as a part; each option of a variant has its own."""
         key = (field.kind, field.name, tag)
-        if tag is not None or key not in self._nest.known:
-            name = self._nest.scope.claim(names.class_name(field.name))
+        if tag is not None or key not in self._scope.known:
+            name = self._scope.scope.claim(names.class_name(field.name))
             part = self._class_named(name, field, tag)
-            self._nest.classes.append(part)
-            self._nest.known[key] = PartValue(part, part.path)
-        part_value: PartValue = self._nest.known[key]
+            self._scope.classes.append(part)
+            self._scope.known[key] = PartValue(part, part.path)
+        part_value: PartValue = self._scope.known[key]
         return part_value
 
     def _class_named(
         self, name: str, field: wire.Field, tag: int | None
     ) -> ContainerClass | VariableFieldClass:
-        summary = self._nest.summary(field)
+        summary = self._scope.summary(field)
         match field.kind:
             case wire.VariableNumber():
                 return self._variable(field.name, field.kind, name, summary)
@@ -238,16 +238,16 @@ class MessageBuilder:
     def _variable(
         self, jaus_name: str, kind: wire.VariableNumber, name: str, summary: str
     ) -> VariableFieldClass:
-        numbers = [fields.number(each.number) for each in kind.alternatives]
+        numbers = [scalars.number(each.number) for each in kind.alternatives]
         python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
         alternatives = []
         for each, value in zip(kind.alternatives, numbers, strict=True):
-            self._nest.use(value.format)
-            number = fields.as_real(value) if python_type == "float" else value
+            self._scope.use(value.format)
+            number = scalars.as_real(value) if python_type == "float" else value
             units = docs.clean(each.number.units)
             alternatives.append(Alternative(each.index, number, each.name, units))
-        self._nest.use("B")
-        path = self._nest.path(name)
+        self._scope.use("B")
+        path = self._scope.path(name)
         return VariableFieldClass(name, path, summary, python_type, tuple(alternatives), jaus_name)
 
     def _formatted(
@@ -255,19 +255,19 @@ class MessageBuilder:
     ) -> ContainerClass:
         """Builds the class of bytes with a format: the index of the format, and the bytes."""
         indices = [(each.index, each.name) for each in kind.formats]
-        enumeration = self._nest.listed(f"{name}Format", docs.clean(jaus_name), indices)
+        enumeration = self._scope.listed(f"{name}Format", docs.clean(jaus_name), indices)
         ranges = wire.merged((index, index) for index, _ in indices)
         index = Member(
             "format",
             "format_index",
-            fields.integer("B", ranges),
+            scalars.integer("B", ranges),
             str(min(indices)[0]),
             enumeration=enumeration,
         )
         blob = self._counted(kind.count, "format", is_text=False)
         members = (index, Member("hex", "data", blob, blob.default))
         segments = self._segments(members, "")
-        path = self._nest.path(name)
+        path = self._scope.path(name)
         return ContainerClass(
             name, path, summary, (), members, segments, jaus_name=jaus_name, is_format=True
         )
@@ -277,14 +277,14 @@ class MessageBuilder:
     def _value(self, field: wire.Field) -> Value:
         match field.kind:
             case wire.Integer() | wire.Real() | wire.Scaled():
-                return self._fixed(fields.number(field.kind))
+                return self._fixed(scalars.number(field.kind))
             case wire.BitField():
-                name = self._nest.bit_field(field, field.kind).path
+                name = self._scope.bit_field(field, field.kind).path
                 struct_format = field.kind.type.format
                 reader = f"{name}.from_integer"
-                return self._fixed(fields.Bits(struct_format, name, "", "", (), reader=reader))
+                return self._fixed(scalars.Bits(struct_format, name, "", "", (), reader=reader))
             case wire.FixedText():
-                return self._fixed(fields.fixed_text(field.kind.length))
+                return self._fixed(scalars.fixed_text(field.kind.length))
             case wire.Text():
                 return self._counted(field.kind.count, "text", is_text=True)
             case wire.Octets():
@@ -299,23 +299,23 @@ class MessageBuilder:
             case wire.VariableNumber() | wire.FormattedOctets() | wire.Record():
                 return self._class(field)
 
-    def _fixed(self, value: fields.Fixed) -> fields.Fixed:
-        self._nest.use(value.format)
+    def _fixed(self, value: scalars.Fixed) -> scalars.Fixed:
+        self._scope.use(value.format)
         return value
 
-    def _counted(self, count: wire.Count, content: str, *, is_text: bool) -> fields.Blob:
-        count_format = self._nest.used(count.type.format)
-        return fields.Blob(count_format, count.lower, count.upper, is_text, content)
+    def _counted(self, count: wire.Count, content: str, *, is_text: bool) -> scalars.Blob:
+        count_format = self._scope.used(count.type.format)
+        return scalars.Blob(count_format, count.lower, count.upper, is_text, content)
 
     def _list(self, kind: wire.List) -> ListValue:
-        count_format = self._nest.used(kind.count.type.format)
+        count_format = self._scope.used(kind.count.type.format)
         return ListValue(self._item(kind.element), count_format, kind.stated, kind.count.upper)
 
     def _array(self, kind: wire.Array) -> ArrayValue:
         item = self._item(kind.element)
         array = ArrayValue(item, kind.dimensions)
-        if isinstance(item, fields.Fixed) and not item.format.endswith("s"):
-            return replace(array, struct=self._nest.use(f"{array.count}{item.format}"))
+        if isinstance(item, scalars.Fixed) and not item.format.endswith("s"):
+            return replace(array, struct=self._scope.use(f"{array.count}{item.format}"))
         return array
 
     def _item(self, field: wire.Field) -> Element:
@@ -323,18 +323,18 @@ class MessageBuilder:
         value = self._value(field)
         return self._class(field) if isinstance(value, ListValue | ArrayValue) else value
 
-    def _variant(self, name: str, kind: wire.Variant) -> fields.Fixed | VariantValue:
-        tag_format = self._nest.used(kind.tag.format)
+    def _variant(self, name: str, kind: wire.Variant) -> scalars.Fixed | VariantValue:
+        tag_format = self._scope.used(kind.tag.format)
         if not kind.options:
-            return fields.Tag(tag_format, "int", "0", "integer", ("0", "0"))
+            return scalars.Tag(tag_format, "int", "0", "integer", ("0", "0"))
         if len(kind.options) == 1:
             only = self._class(kind.options[0], 0)
             return VariantValue("", only.python_type, tag_format, (only,))
-        alias = self._nest.scope.claim(names.class_name(name))
+        alias = self._scope.scope.claim(names.class_name(name))
         options = tuple(self._class(option, tag) for tag, option in enumerate(kind.options))
         classes = tuple(option.part.name for option in options)
-        self._nest.classes.append(VariantAlias(alias, classes))
-        return VariantValue("", self._nest.path(alias), tag_format, options)
+        self._scope.classes.append(VariantAlias(alias, classes))
+        return VariantValue("", self._scope.path(alias), tag_format, options)
 
     def _default(self, value: Value, path: str) -> str:
         if isinstance(value, ListValue):
@@ -343,7 +343,7 @@ class MessageBuilder:
             return f"field(default_factory=lambda: {self._elements(value)})"
         if isinstance(value, VariantValue):
             return self._factory(value.options[0].python_type, path)
-        if isinstance(value, PartValue | fields.Bits):
+        if isinstance(value, PartValue | scalars.Bits):
             return self._factory(value.python_type, path)
         return value.default
 
@@ -355,7 +355,9 @@ class MessageBuilder:
 
     def _elements(self, array: ArrayValue) -> str:
         element = array.element
-        if isinstance(element, fields.Fixed | fields.Blob) and not isinstance(element, fields.Bits):
+        if isinstance(element, scalars.Fixed | scalars.Blob) and not isinstance(
+            element, scalars.Bits
+        ):
             return f"[{element.default}] * {array.count}"
         first = element.options[0] if isinstance(element, VariantValue) else element
         return f"[{first.python_type}() for _ in range({array.count})]"

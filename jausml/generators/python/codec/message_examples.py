@@ -9,9 +9,9 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING
 
-from jausml.generators.python.codec.fields import Bits, Blob, Fixed
-from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass, VariableFieldClass
-from jausml.generators.python.codec.values import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
+from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 
 if TYPE_CHECKING:
     from jausml.generators.python.codec.messages import MessageView

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import LINE_WIDTH, python_string
+from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml.generators.python.codec.members import Member
-from jausml.generators.python.codec.nested import BitFieldClass, ContainerClass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml import wire
-    from jausml.generators.python.codec.nested import (
+    from jausml.generators.python.codec.classes import (
         Enumeration,
         SubField,
         VariableFieldClass,

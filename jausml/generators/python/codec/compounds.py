@@ -6,10 +6,10 @@ import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from jausml.generators.python.codec.fields import struct_name
+from jausml.generators.python.codec.scalars import struct_name
 
 if TYPE_CHECKING:
-    from jausml.generators.python.codec.fields import Blob, Fixed
+    from jausml.generators.python.codec.scalars import Blob, Fixed
 
 MAXIMUM_COMPLEXITY = 10
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from jausml.generation import docstrings as docs
-from jausml.generators.python.codec.values import MAXIMUM_COMPLEXITY, VariantValue
+from jausml.generators.python.codec.compounds import MAXIMUM_COMPLEXITY, VariantValue
 
 if TYPE_CHECKING:
-    from jausml.generators.python.codec.fields import Fixed
     from jausml.generators.python.codec.members import Member, Run, Single
+    from jausml.generators.python.codec.scalars import Fixed
 
 
 @dataclass(frozen=True)

@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation import docstrings as docs
 from jausml.generators.python import names
-from jausml.generators.python.codec import fields
-from jausml.generators.python.codec.nested import BitFieldClass, Enumeration, SubField
+from jausml.generators.python.codec import scalars
+from jausml.generators.python.codec.classes import BitFieldClass, Enumeration, SubField
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml import wire
-    from jausml.generators.python.codec.nested import (
+    from jausml.generators.python.codec.classes import (
         ContainerClass,
         VariableFieldClass,
         VariantAlias,
     )
 
 
-class Nest:
+class MessageScope:
     """The inside of one message class while it is built.
 
     Attributes:
@@ -53,7 +53,7 @@ class Nest:
 
     def use(self, struct_format: str) -> str:
         """Returns the name of the shared constant for one wire item, which the module then has."""
-        name = fields.struct_name(struct_format)
+        name = scalars.struct_name(struct_format)
         self.structs[name] = f"<{struct_format}"
         return name
 
@@ -80,7 +80,7 @@ class Nest:
             attribute=scope.claim(names.snake_case(bits.name)),
             low=bits.low,
             mask=bits.mask,
-            value=fields.legal_integer("", bits.legal),
+            value=scalars.legal_integer("", bits.legal),
             documentation=docs.clean(bits.documentation),
             enumeration=self.enumeration(bits.name, bits.legal.listed),
         )
