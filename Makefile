@@ -15,6 +15,8 @@ help:  ## this list
 $(READY): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable ".[ros,demo,editor,dev]"
+	# What pip builds from; left here it would hide the installed entry points from `python -m`.
+	rm -rf jausml.egg-info
 	touch $@
 
 demo: $(READY)  ## generate the example system, drive it through a turn, draw the result

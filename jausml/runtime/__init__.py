@@ -21,7 +21,7 @@ from .bridge.bridge import Bridge
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.joins import Join
-from .bridge.process import run_bridge
+from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
 from .bridge.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
@@ -35,7 +35,7 @@ from .clients.list_client import ListRequest
 from .clients.query import PendingQuery
 from .component.component import JausComponent
 from .component.modelled import ModelledComponent
-from .component.process import run_component, running_transport
+from .component.process import ComponentProgram, run_component, running_transport
 from .component.state_machine import (
     Action,
     Condition,
@@ -63,6 +63,7 @@ __all__ = [
     "Bridge",
     "BridgeSettings",
     "Completion",
+    "ComponentProgram",
     "ComponentSettings",
     "Condition",
     "ControlSession",
@@ -114,6 +115,7 @@ __all__ = [
     "require_api",
     "run_bridge",
     "run_component",
+    "run_node",
     "running_transport",
     "set_quaternion",
     "set_time",

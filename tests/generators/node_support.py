@@ -10,6 +10,7 @@ from pathlib import Path
 from jausml import generation as gen
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -23,7 +24,7 @@ def model_of(path):
     return result.model
 
 
-def write(case, out, targets=(ROS_NODE, BRINGUP)):
+def write(case, out, targets=(ROS_NODE, BRINGUP, RUNTIME)):
     """Generates into a folder as the command line does; returns the plan."""
     model = model_of(CASES / f"{case}.xmi")
     return gen.generate(model, targets, out).plan

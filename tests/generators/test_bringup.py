@@ -9,7 +9,6 @@ import yaml
 
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.bringup.views import SETTINGS
-from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.metamodel.classes import ros
 from jausml.runtime.base.settings import TransportSettings
 
@@ -260,7 +259,7 @@ rclpy.shutdown()
 @pytest.mark.parametrize("name", ["everything", "Odometry"])
 def test_rclpy_accepts_the_parameter_file(name, tmp_path):
     pytest.importorskip("rclpy")
-    write("features", tmp_path, (ROS_NODE, BRINGUP))
+    write("features", tmp_path)
     file = tmp_path / "features_bringup" / "config" / f"{name}.yaml"
     # Other values than the defaults of the code, so that they can only come from the file.
     text = file.read_text().replace("1.0e-07", "2.0e-07").replace('"no context"', '"a context"')

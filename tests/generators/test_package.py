@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import configparser
 import importlib.util
+import os
 import re
 import subprocess
 import sys
@@ -27,9 +28,11 @@ from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run
 ORDER = ("name", "version", "description", "maintainer", "license", "exec_depend", "test_depend")
 ONCE = ("name", "version", "description", "export")
 DEPENDENCIES = {
-    "everything": ["geometry_msgs", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"],
-    "odometry": ["nav_msgs", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"],
-    "idle": ["rclpy"],
+    "everything": [
+        *("geometry_msgs", "jausml_runtime", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"),
+    ],
+    "odometry": ["jausml_runtime", "nav_msgs", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"],
+    "idle": ["jausml_runtime", "rclpy"],
     "features_bringup": [
         *("ament_index_python", "everything", "idle", "launch", "launch_ros", "odometry"),
     ],
@@ -179,7 +182,8 @@ def test_the_installed_script_starts_and_ends_by_a_signal(workspace, tmp_path):
     pytest.importorskip("rclpy")
     files = install_as_colcon_does(workspace / "talker", tmp_path)
     (library,) = {name.split("/talker/")[0] for name in files if name.endswith("talker/main.py")}
-    environment = ros_environment(PYTHONPATH=str(tmp_path / library))
+    found = os.pathsep.join(map(str, (tmp_path / library, workspace / "jausml_runtime")))
+    environment = ros_environment(PYTHONPATH=found)
     script = [sys.executable, str(tmp_path / "lib" / "talker" / "talker")]
     with subprocess.Popen(script, env=environment, stderr=subprocess.PIPE, text=True) as process:
         try:

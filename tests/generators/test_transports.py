@@ -40,7 +40,7 @@ MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 """
 ASK = """
 import queue
-from desk.main import TRANSPORT
+from desk.desk_base import TRANSPORT
 from jausml_runtime import JausAddress
 from jausml_runtime import JausComponent
 from jausml_runtime.messages import QueryIdentification, ReportIdentification
@@ -96,7 +96,7 @@ def environment(folder: Path) -> dict[str, str]:
 )
 def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
     generate(tmp_path, transport)
-    code = "from desk.main import TRANSPORT as t; print(t.transport, len(t.address_book))"
+    code = "from desk.desk_base import TRANSPORT as t; print(t.transport, len(t.address_book))"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=environment(tmp_path),

@@ -6,6 +6,7 @@ import json
 import sys
 
 from jausml_runtime import (
+    ComponentProgram,
     ComponentSettings,
     ControlState,
     JausAddress,
@@ -52,9 +53,11 @@ if __name__ == "__main__":
     raise SystemExit(
         run_component(
             Operator,
-            name="operator",
-            description="Operator of the live tests.",
-            address=JausAddress(20, 1, 1),
-            settings=ComponentSettings(register_services=False),
+            ComponentProgram(
+                name="operator",
+                description="Operator of the live tests.",
+                address=JausAddress(20, 1, 1),
+                settings=ComponentSettings(register_services=False),
+            ),
         )
     )

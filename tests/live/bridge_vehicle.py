@@ -11,6 +11,7 @@ import sys
 import threading
 
 from jausml_runtime import (
+    ComponentProgram,
     ComponentSettings,
     Guard,
     JausAddress,
@@ -73,11 +74,13 @@ def main() -> int:
     settings = ComponentSettings(control_timeout=2, register_services=False, event_rate_max=1000.0)
     return run_component(
         Vehicle,
+        ComponentProgram(
+            name="vehicle",
+            description="Vehicle of the live tests.",
+            address=JausAddress.parse(own.address),
+            settings=settings,
+        ),
         rest,
-        name="vehicle",
-        description="Vehicle of the live tests.",
-        address=JausAddress.parse(own.address),
-        settings=settings,
     )
 
 

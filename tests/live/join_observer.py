@@ -6,6 +6,7 @@ import json
 import sys
 
 from jausml_runtime import (
+    ComponentProgram,
     ComponentSettings,
     JausAddress,
     JausComponent,
@@ -39,9 +40,11 @@ if __name__ == "__main__":
     raise SystemExit(
         run_component(
             Observer,
-            name="observer",
-            description="Observer of the live test of joined topics.",
-            address=JausAddress(20, 1, 1),
-            settings=ComponentSettings(register_services=False),
+            ComponentProgram(
+                name="observer",
+                description="Observer of the live test of joined topics.",
+                address=JausAddress(20, 1, 1),
+                settings=ComponentSettings(register_services=False),
+            ),
         )
     )

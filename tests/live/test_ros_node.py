@@ -13,12 +13,14 @@ import time
 from pathlib import Path
 
 import pytest
+from workspaces import python_path
 
 pytest.importorskip("rclpy")
 
 from jausml import generation as gen
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
+from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 
 pytestmark = pytest.mark.live
@@ -69,7 +71,7 @@ class Process:
     def __init__(self, workspace, name, *arguments):
         environment = {
             **os.environ,
-            "PYTHONPATH": str(workspace / name),
+            "PYTHONPATH": python_path(workspace),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
         }
@@ -157,7 +159,7 @@ def start(workspace):
 
 
 def generate(out):
-    gen.generate(read_models([MODEL]).model, [ROS_NODE, BRINGUP], out)
+    gen.generate(read_models([MODEL]).model, [ROS_NODE, BRINGUP, RUNTIME], out)
     return out
 
 
@@ -258,7 +260,7 @@ main()
 def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     environment = {
         **os.environ,
-        "PYTHONPATH": str(workspace / "listener"),
+        "PYTHONPATH": python_path(workspace),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
     }

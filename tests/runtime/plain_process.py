@@ -6,7 +6,7 @@ import sys
 
 from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.process import run_component
+from jausml.runtime.component.process import ComponentProgram, run_component
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 
@@ -24,6 +24,4 @@ class Plain(JausComponent):
 
 
 if __name__ == "__main__":
-    sys.exit(
-        run_component(Plain, name="plain", description="For tests.", address=JausAddress(1, 1, 1))
-    )
+    sys.exit(run_component(Plain, ComponentProgram("plain", "For tests.", JausAddress(1, 1, 1))))

@@ -48,7 +48,7 @@ def tasks(model: Model) -> list[Task]:
             [messages.used_by(bridge) for bridge in bridges],
             lambda used: used.path,
         ),
-        *program_tasks(bridges, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
+        *program_tasks(bridges, base="base.py.j2", skeleton="skeleton.py.j2"),
         FileTask(
             "test_translations.py.j2",
             tests,

@@ -23,7 +23,7 @@ from jausml.generators.common.components import (
 )
 from jausml.generators.python.codec.message_builder import build_message, build_message_map
 from jausml.generators.python.names import class_name, package_name
-from jausml.generators.python.package import laid_out
+from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.paths import source_paths
@@ -178,11 +178,6 @@ class BridgeView:
         """What the skeleton may import."""
         return self.base_imports.and_also(offered(f".{self.package}_base", self.base_name))
 
-    @property
-    def main_imports(self) -> Imports:
-        """What the entry point may import."""
-        return self.base_imports.and_also(offered(f".{self.package}", self.class_name))
-
     @functools.cached_property
     def module(self) -> BaseModule:
         """What stands in the module of the base besides the connections."""
@@ -196,6 +191,16 @@ class BridgeView:
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
         return tuple(sorted(packages))
+
+    @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+        return EntryPoint(
+            title=self.title,
+            runner="run_bridge",
+            arguments=f"{self.class_name}(), arguments",
+            end="SIGINT, SIGTERM or a JAUS Shutdown",
+        )
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""

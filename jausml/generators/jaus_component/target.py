@@ -51,7 +51,6 @@ def tasks(model: Model) -> list[Task]:
             views,
             base="component_base.py.j2",
             skeleton="component.py.j2",
-            main="component_main.py.j2",
         ),
         FileTask(
             "test_component.py.j2",

@@ -27,6 +27,7 @@ from jausml.generators.python import names
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.message_examples import example_bytes
 from jausml.generators.python.guards import condition, guard_of, may_set_limits
+from jausml.generators.python.package import EntryPoint
 from jausml.generators.python.statements import call, long_string
 from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
 
@@ -361,6 +362,16 @@ class ComponentView:
         return components.transport_settings(self.system, self.component)
 
     @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+        return EntryPoint(
+            title=f"component {self.name}",
+            runner="run_component",
+            arguments=f"{self.class_name}, PROGRAM, arguments",
+            end="SIGINT, SIGTERM or a JAUS Shutdown",
+        )
+
+    @property
     def base_imports(self) -> Imports:
         """What the base may import."""
         core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
@@ -376,11 +387,6 @@ class ComponentView:
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
         return replace(self._outer_imports, for_user=True)
-
-    @property
-    def main_imports(self) -> Imports:
-        """What the entry point may import."""
-        return self._outer_imports.and_also(offered(f".{self.package}", self.class_name))
 
     @property
     def _outer_imports(self) -> Imports:

@@ -77,8 +77,8 @@ RESERVED_ATTRIBUTES = names_in(
 # Imports of the modules that use generated messages.
 RESERVED_CLASSES = names_in(
     """
-    Callable ClassVar ComponentSettings DecodeError EncodeError Guard IntEnum JausAddress
-    Kind ModelledComponent On State
+    Callable ClassVar ComponentProgram ComponentSettings DecodeError EncodeError Guard IntEnum
+    JausAddress Kind ModelledComponent On State
     JausComponent Message Sequence ServiceIdentity Scope Struct Transport TransportKind
     TransportSettings
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import layout
+from jausml.generation.languages.python import Imports, layout, offered
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml.generators.common import runtime
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml.generation.artifact import SkeletonContract
-    from jausml.generation.languages.python import Imports
     from jausml.metamodel.classes import jaus, ros
     from jausml.metamodel.classes.system import System
 
@@ -118,6 +117,23 @@ def package_tasks(packages: Sequence[PackageView]) -> list[Task]:
     ]
 
 
+@dataclass(frozen=True)
+class EntryPoint:
+    """How the module `main` of a package runs the user's class.
+
+    Attributes:
+        title: What it runs, e.g. `component vehicle`.
+        runner: Function of the runtime.
+        arguments: Its arguments.
+        end: What ends it.
+    """
+
+    title: str
+    runner: str
+    arguments: str
+    end: str
+
+
 class ProgramView(Protocol):
     """A component, bridge or node whose package holds a base, a skeleton and an entry point."""
 
@@ -133,6 +149,14 @@ class ProgramView(Protocol):
     def package(self) -> str:
         """Package name, which is also the name of the skeleton's module."""
 
+    @property
+    def class_name(self) -> str:
+        """The user's class."""
+
+    @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""
 
@@ -144,26 +168,19 @@ class ProgramView(Protocol):
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
 
-    @property
-    def main_imports(self) -> Imports:
-        """What the entry point may import."""
-
 
 def module_path(view: ProgramView, name: str) -> str:
     """Returns the path of a module of a package."""
     return f"{view.package}/{view.package}/{name}.py"
 
 
-def program_tasks(
-    views: Sequence[ProgramView], *, base: str, skeleton: str, main: str
-) -> list[Task]:
+def program_tasks(views: Sequence[ProgramView], *, base: str, skeleton: str) -> list[Task]:
     """Returns the tasks for what runs: the base, the user's skeleton and the entry point.
 
     Args:
         views: The components, bridges or nodes.
         base: Template of the base, which is always rewritten.
         skeleton: Template of the skeleton, which is written once.
-        main: Template of the entry point.
     """
     return [
         FileTask(
@@ -181,10 +198,10 @@ def program_tasks(
             imports=lambda view: view.skeleton_imports,
         ),
         FileTask(
-            main,
+            "main.py.j2",
             views,
             lambda view: module_path(view, "main"),
-            imports=lambda view: view.main_imports,
+            imports=_main_imports,
         ),
     ]
 
@@ -196,6 +213,16 @@ def laid_out(stub: str) -> str:
         stub: The method, indented for a class.
     """
     return layout(f"class _:\n{stub}").partition("\n")[2]
+
+
+def _main_imports(view: ProgramView) -> Imports:
+    return Imports(
+        {
+            **offered(runtime.FACE, view.entry_point.runner),
+            **offered(f".{view.package}", view.class_name),
+            **offered(f".{view.package}_base", "PROGRAM"),
+        }
+    )
 
 
 def _text(package: PackageView, path: str) -> TextFile:

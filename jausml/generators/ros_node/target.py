@@ -38,7 +38,7 @@ def tasks(model: Model) -> list[Task]:
     ]
     return [
         *package_tasks(packages),
-        *program_tasks(nodes, base="base.py.j2", skeleton="skeleton.py.j2", main="main.py.j2"),
+        *program_tasks(nodes, base="base.py.j2", skeleton="skeleton.py.j2"),
         FileTask(
             "test_node.py.j2",
             nodes,

@@ -19,8 +19,9 @@ from jausml.generators.common.ros import (
     qos,
     ros_type,
 )
+from jausml.generators.common.runtime import FACE
 from jausml.generators.python.names import Scope, class_name, package_name, snake_case
-from jausml.generators.python.package import laid_out
+from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import long_string
 
 if TYPE_CHECKING:
@@ -41,17 +42,11 @@ _OWN_PARAMETERS = frozenset({"start_type_description_service", "use_sim_time"})
 _RCLPY = {
     "rclpy": Origin("rclpy"),
     **offered("rcl_interfaces.msg", "FloatingPointRange", "IntegerRange", "ParameterDescriptor"),
-    **offered("rclpy.clock", "Clock"),
-    **offered("rclpy.clock_type", "ClockType"),
     **offered("rclpy.duration", "Duration"),
-    **offered("rclpy.executors", "ExternalShutdownException"),
     **offered("rclpy.node", "Node"),
     **offered("rclpy.qos", "DurabilityPolicy", "HistoryPolicy", "LivelinessPolicy", "QoSProfile"),
     **offered("rclpy.qos", "ReliabilityPolicy"),
     **offered("rclpy.qos_overriding_options", "QoSOverridingOptions"),
-    **offered("rclpy.utilities", "ok", "try_shutdown"),
-    "signal": Origin("signal"),
-    **offered("contextlib", "suppress"),
 }
 """What modules of a node may import besides messages, which hide none of these names."""
 
@@ -264,11 +259,6 @@ class NodeView:
         return replace(self.base_imports.and_also(base), for_user=True)
 
     @property
-    def main_imports(self) -> Imports:
-        """What the entry point may import."""
-        return self.base_imports.and_also(offered(f".{self.package}", self.class_name))
-
-    @property
     def test_imports(self) -> Imports:
         """What the tests may import."""
         own = offered(f"{self.package}.{self.package}", self.class_name)
@@ -281,11 +271,21 @@ class NodeView:
 
     @property
     def dependencies(self) -> tuple[str, ...]:
-        """ROS packages that the package needs at run time, sorted."""
-        names = {"rclpy", *(endpoint.type.package for endpoint in self._endpoints)}
+        """Packages that the package needs at run time, sorted."""
+        names = {FACE, "rclpy", *(endpoint.type.package for endpoint in self._endpoints)}
         if self.declared_parameters:
             names.add("rcl_interfaces")
         return tuple(sorted(names))
+
+    @property
+    def entry_point(self) -> EntryPoint:
+        """How its process runs."""
+        return EntryPoint(
+            title=f"ROS 2 node {self.name}",
+            runner="run_node",
+            arguments=f"{self.class_name}, arguments",
+            end="SIGINT or SIGTERM",
+        )
 
     def contract(self) -> SkeletonContract:
         """Returns what the base expects of the user's class."""

@@ -21,7 +21,7 @@ from ..component.process import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from ..base.settings import TransportSettings
     from .bridge import Bridge
@@ -61,6 +61,23 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     except Exception:
         LOGGER.exception("%s failed", bridge.settings.name)
         return EXIT_FAILED
+    return EXIT_OK
+
+
+def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = None) -> int:
+    """Spins a ROS 2 node until SIGINT or SIGTERM.
+
+    Args:
+        factory: Makes the node, after ROS has begun; the class itself, as a rule.
+        arguments: Command line without the program's name, with --ros-args; that of the process
+            when None.
+
+    Returns:
+        The exit code 0.
+    """
+    from . import ros  # noqa: PLC0415
+
+    ros.spin(factory, arguments)
     return EXIT_OK
 
 

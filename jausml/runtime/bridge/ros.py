@@ -10,12 +10,16 @@ subscription takes its messages and who waits for them stays in here.
 from __future__ import annotations
 
 import logging
+import signal
 import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -28,7 +32,7 @@ from rclpy.qos import (
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args, try_shutdown
+from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..base.counters import LOGGER
 from ..conversions import Time
@@ -38,6 +42,9 @@ if TYPE_CHECKING:
 
     from .diagnostics import ConnectionStatus
     from .topics import Topic
+
+WAKE_UP_PERIOD = 1.0
+"""Longest time in seconds until a node that spins notices a shutdown."""
 
 _LEVELS = {
     "ok": DiagnosticStatus.OK,
@@ -160,6 +167,32 @@ class RosNode:
             self._executor.spin()
         except ExternalShutdownException:
             return
+
+
+def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
+    """Spins a node until SIGINT or SIGTERM.
+
+    Args:
+        factory: Makes the node, after ROS has begun.
+        arguments: Command line without the program's name; that of the process when None.
+    """
+    # ROS itself ends on SIGINT; Python's KeyboardInterrupt would strike anywhere, even in clean-up.
+    signal.signal(signal.SIGINT, lambda *_: None)
+    rclpy.init(args=None if arguments is None else list(arguments))
+    try:
+        node = factory()
+        # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
+        with suppress(ExternalShutdownException):
+            rclpy.spin(node)
+        node.destroy_node()
+    except RuntimeError:
+        # A signal shuts ROS down in the midst of anything, which rclpy may report like this.
+        if ok():
+            raise
+    finally:
+        try_shutdown()
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:

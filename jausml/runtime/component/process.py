@@ -6,7 +6,7 @@ import argparse
 import logging
 import signal
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
@@ -35,26 +35,34 @@ EXIT_OK = 0
 EXIT_FAILED = 1
 
 
+@dataclass(frozen=True)
+class ComponentProgram:
+    """What the model says of a component's process; options override it.
+
+    Attributes:
+        name: Name of the program.
+        description: What it does, for ``--help``.
+        address: Address of the component.
+        transport: Settings of the transport.
+        settings: Behaviour of the component.
+    """
+
+    name: str
+    description: str
+    address: JausAddress
+    transport: TransportSettings | None = None
+    settings: ComponentSettings | None = None
+
+
 def run_component(
-    factory: Factory,
-    argv: Sequence[str] | None = None,
-    *,
-    name: str,
-    description: str,
-    address: JausAddress,
-    transport: TransportSettings | None = None,
-    settings: ComponentSettings | None = None,
+    factory: Factory, program: ComponentProgram, argv: Sequence[str] | None = None
 ) -> int:
     """Run one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
         factory: Makes the component; the class itself, as a rule.
+        program: What the model says of its process.
         argv: Command line without the program's name; the process's own when None.
-        name: Name of the program.
-        description: What it does, for ``--help``.
-        address: Modelled address, which ``--jaus-id`` overrides.
-        transport: Modelled transport settings, which options override.
-        settings: Modelled behaviour of the component.
 
     Returns:
         The exit code: 0 after a clean shutdown, 1 when the component could not start.
@@ -62,14 +70,15 @@ def run_component(
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
-    parser = argparse.ArgumentParser(prog=name, description=description)
-    add_component_arguments(parser, address)
-    add_arguments(parser, transport)
+    name = program.name
+    parser = argparse.ArgumentParser(prog=name, description=program.description)
+    add_component_arguments(parser, program.address)
+    add_arguments(parser, program.transport)
     arguments = parser.parse_args(argv)
     configure_log(arguments.log_level)
-    behaviour = component_settings(arguments, settings)
+    behaviour = component_settings(arguments, program.settings)
     try:
-        transport_settings = from_arguments(arguments, transport)
+        transport_settings = from_arguments(arguments, program.transport)
     except ValueError as error:
         parser.error(str(error))
     stop = StopRequest()

@@ -6,8 +6,8 @@ import sys
 import threading
 
 from jausml_runtime import JausAddress, JausComponent, ServiceIdentity, running_transport
-from winch.main import TRANSPORT
 from winch.messages import QueryWinchState, ReportWinchState, SetWinchCommand
+from winch.winch_base import TRANSPORT
 
 WINCH = JausAddress(120, 1, 1)
 CORE = "urn:jaus:jss:core:"

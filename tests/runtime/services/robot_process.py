@@ -6,7 +6,7 @@ import sys
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.process import run_component
+from jausml.runtime.component.process import ComponentProgram, run_component
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
@@ -55,9 +55,11 @@ if __name__ == "__main__":
     sys.exit(
         run_component(
             Robot,
-            name="robot",
-            description="A robot for tests.",
-            address=JausAddress(1, 1, 1),
-            settings=ComponentSettings(discovery_scope=Scope.SUBSYSTEM),
+            ComponentProgram(
+                name="robot",
+                description="A robot for tests.",
+                address=JausAddress(1, 1, 1),
+                settings=ComponentSettings(discovery_scope=Scope.SUBSYSTEM),
+            ),
         )
     )

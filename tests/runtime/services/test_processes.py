@@ -258,11 +258,13 @@ class TestEnd:
 
         code = process.run_component(
             broken,
+            process.ComponentProgram(
+                name="broken",
+                description="",
+                address=ROBOT,
+                transport=TransportSettings(port=free_port),
+            ),
             [],
-            name="broken",
-            description="",
-            address=ROBOT,
-            transport=TransportSettings(port=free_port),
         )
         assert code == 1
         assert "user code" in caplog.text
