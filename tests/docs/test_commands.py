@@ -69,7 +69,7 @@ def test_readme_shows_a_system_that_generates(tmp_path: Path) -> None:
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert result.returncode == 0, result.stderr
     base = (tmp_path / "src" / "front" / "front" / "front_base.py").read_text(encoding="utf-8")
-    assert "target.twist.twist.linear.y = negate(source.velocity_y)" in base
+    assert "target.twist.twist.linear.y = conversions.negate(source.velocity_y)" in base
 
 
 def test_reference_is_what_the_tool_says() -> None:
