@@ -48,7 +48,9 @@ def codecs(module: str, views: tuple[MessageView, ...]) -> Target[None]:
         views: The messages.
     """
     view = MessagesModule("Messages of the library.", "jausml.runtime", views)
-    task = FileTask("messages.py.j2", [view], lambda _: f"{module}.py")
+    task = FileTask(
+        "messages.py.j2", [view], lambda _: f"{module}.py", imports=lambda each: each.imports
+    )
     return Target(
         name="codecs",
         description="Codecs of a service set of the library.",
