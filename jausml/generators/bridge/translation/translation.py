@@ -18,7 +18,7 @@ from jausml.generators.bridge.translation.values import (
 )
 from jausml.generators.python.codec.jaus_fields import BITS, joined
 from jausml.generators.python.names import snake_case
-from jausml.generators.python.statements import Assign, If, call
+from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import UnitEffect, conversion_of
 from jausml.semantics.paths import place
@@ -175,8 +175,8 @@ class Translation(ABC):
         text, place = assignment.defaultValue or "", assignment.target
         default = constant(value.kind, text, UNLIMITED, place, value.listed)
         test = " and ".join(each.holds for each in value.conditions)
-        name = self.body.local(snake_case(value.code.rpartition(".")[2]), default)
-        self.body.add(If(test, (Assign(name, value.code),)))
+        either = f"{value.code} if {test} else {default}"
+        name = self.body.local(snake_case(value.code.rpartition(".")[2]), either)
         return replace(value, code=name, conditions=(), kind=value.kind)
 
     def _field_with_memory(
