@@ -51,7 +51,9 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     shutil.copytree(EXAMPLE / "src", workspace, ignore=shutil.ignore_patterns("__pycache__"))
     command = [sys.executable, "-m", "jausml", "generate", str(EXAMPLE / "catvehicle.xmi")]
     subprocess.run([*command, "-o", str(workspace)], check=True, capture_output=True, timeout=60)
-    return [str(workspace / name) for name in ("steering_controller", "catvehicle")]
+    return [
+        str(workspace / name) for name in ("jausml_runtime", "steering_controller", "catvehicle")
+    ]
 
 
 @pytest.mark.parametrize(
