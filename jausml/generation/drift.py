@@ -13,8 +13,16 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
 from jausml.generation.folder import inspect
+from jausml.generation.offers import Offers
 from jausml.generation.paths import path_problem
-from jausml.generation.source import Definition, Function, SourceClass, SourceProblem, read_classes
+from jausml.generation.source import (
+    Definition,
+    Function,
+    SourceClass,
+    SourceProblem,
+    read_classes,
+    read_imports,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -34,6 +42,7 @@ class FindingKind(Enum):
     RENAMED = "renamed-method"
     NO_CLASS = "missing-class"
     NO_BASE = "missing-base"
+    IMPORT = "lost-import"
     SYNTAX = "syntax-error"
 
 
@@ -76,6 +85,7 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
         The findings by path and line.
     """
     findings: list[Finding] = []
+    offers = Offers(artifacts)
     for artifact in artifacts:
         if artifact.kind is not Kind.SKELETON or path_problem(artifact.path) is not None:
             continue
@@ -83,6 +93,7 @@ def drift(artifacts: Sequence[Artifact], out: Path, manifest: Manifest) -> list[
             entry = manifest.files.get(artifact.path)
             known = entry.methods if entry else {}
             findings += _compare_file(out, artifact.path, artifact.contract, known)
+            findings += _lost_imports(out, artifact.path, offers, manifest)
     return sorted(findings, key=lambda f: (f.path, f.line, f.kind.value, f.message))
 
 
@@ -103,6 +114,25 @@ def _compare_file(
         message = f"class {user.name} does not derive from {contract.base_name}"
         findings.append(Finding(FindingKind.NO_BASE, path, user.line, message))
     return findings
+
+
+def _lost_imports(out: Path, path: str, offers: Offers, manifest: Manifest) -> Iterator[Finding]:
+    """Yields imports from generated modules that this run no longer writes."""
+    try:
+        imports = read_imports((out / path).read_bytes())
+    except (SourceProblem, OSError):
+        return  # told by the comparison of classes
+    for each in imports:
+        message = offers.lost(each)
+        if message and not _is_users(each.module, out, manifest):
+            yield Finding(FindingKind.IMPORT, path, each.line, message)
+
+
+def _is_users(module: str, out: Path, manifest: Manifest) -> bool:
+    """Tells whether a module of a generated package is a file that the user put there."""
+    place = "/".join((module.partition(".")[0], *module.split(".")))
+    found = [each for each in (f"{place}.py", f"{place}/__init__.py") if (out / each).is_file()]
+    return any(each not in manifest.files for each in found)
 
 
 def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, SourceClass]) -> Finding:

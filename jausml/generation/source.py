@@ -57,6 +57,37 @@ class SourceClass:
     ancestors: frozenset[str]
 
 
+@dataclass(frozen=True)
+class SourceImport:
+    """An import of names from a module, `from module import name`.
+
+    Attributes:
+        module: The module, with its whole path.
+        names: The names.
+        line: Where, from 1.
+    """
+
+    module: str
+    names: tuple[str, ...]
+    line: int
+
+
+def read_imports(data: bytes) -> list[SourceImport]:
+    """Returns what a Python file imports by name; relative imports are left out.
+
+    Args:
+        data: The file's bytes, in any encoding that it declares.
+
+    Raises:
+        SourceProblem: It is not Python.
+    """
+    return [
+        SourceImport(node.module, tuple(alias.name for alias in node.names), node.lineno)
+        for node in ast.walk(_tree(data))
+        if isinstance(node, ast.ImportFrom) and node.module and not node.level
+    ]
+
+
 def read_classes(data: bytes) -> dict[str, SourceClass]:
     """Returns the top-level classes of a Python file by name.
 
@@ -66,15 +97,7 @@ def read_classes(data: bytes) -> dict[str, SourceClass]:
     Raises:
         SourceProblem: It is not Python.
     """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an invalid escape of the user is not our subject
-            tree = ast.parse(data)
-    except SyntaxError as error:
-        raise SourceProblem(f"syntax error: {error.msg}", error.lineno or 1) from error
-    except (ValueError, RecursionError, MemoryError) as error:
-        raise SourceProblem(f"cannot be parsed: {error}", 1) from error
-    statements = list(_flat(tree.body))
+    statements = list(_flat(_tree(data).body))
     aliases = {
         alias.asname: alias.name
         for statement in statements
@@ -87,6 +110,17 @@ def read_classes(data: bytes) -> dict[str, SourceClass]:
         if isinstance(statement, ast.ClassDef):
             classes[statement.name] = _read_class(statement, aliases, classes)
     return classes
+
+
+def _tree(data: bytes) -> ast.Module:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an invalid escape of the user is not our subject
+            return ast.parse(data)
+    except SyntaxError as error:
+        raise SourceProblem(f"syntax error: {error.msg}", error.lineno or 1) from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise SourceProblem(f"cannot be parsed: {error}", 1) from error
 
 
 def _read_class(

@@ -225,3 +225,79 @@ def test_paths_outside_are_not_read(workspace):
     workspace.out.mkdir()
 
     assert gen.drift([artifact], workspace.out, gen.Manifest()) == []
+
+
+FACE = '__all__ = ["Guard", "Scope"]\n\nfrom .component.base import Guard, Scope\n'
+MODULES = {"__init__": FACE, "component/__init__": "", "component/base": "class Guard: ...\n"}
+
+
+@pytest.fixture
+def told_of_import(workspace, vehicle):
+    """Returns what is said of a line in a skeleton, beside a runtime of three modules."""
+    workspace.write([vehicle])
+    runtime = [
+        gen.Artifact(
+            f"jausml_runtime/jausml_runtime/{name}.py",
+            text,
+            gen.Kind.GENERATED,
+            element_id="runtime",
+            source="runtime",
+            target="runtime",
+        )
+        for name, text in MODULES.items()
+    ]
+
+    def run(line):
+        workspace.path(SKELETON).write_text(f"{line}\n{HEAD}{SPEED}{POSE}", encoding="utf-8")
+        artifacts = [*workspace.render([vehicle]), *runtime]
+        return gen.drift(artifacts, workspace.out, gen.read_manifest(workspace.out))
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            "from jausml_runtime.process import Guard, Scope",
+            "there is no module jausml_runtime.process any more; "
+            "write `from jausml_runtime import Guard, Scope`",
+        ),
+        (
+            "from jausml_runtime.component import Guard",
+            "jausml_runtime.component has no Guard any more; "
+            "write `from jausml_runtime import Guard`",
+        ),
+        (
+            "from jausml_runtime.process import Hidden",
+            "there is no module jausml_runtime.process any more",
+        ),
+    ],
+)
+def test_an_import_of_what_is_gone_says_where_it_went(told_of_import, line, message):
+    (found,) = told_of_import(line)
+
+    assert (found.kind, found.line, found.severity) == (F.IMPORT, 1, "warning")
+    assert found.message == message
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from jausml_runtime import Guard",
+        "from jausml_runtime.component import base",
+        "from jausml_runtime.component.base import Guard",
+        "from os.path import join",
+        "from .component import Guard",
+        "from jausml_runtime_tools.component import Guard",
+    ],
+)
+def test_imports_of_what_is_there_are_no_finding(told_of_import, line):
+    assert told_of_import(line) == []
+
+
+def test_a_file_that_the_user_put_into_a_generated_package_is_theirs(told_of_import, workspace):
+    workspace.path("jausml_runtime/jausml_runtime").mkdir(parents=True)
+    workspace.path("jausml_runtime/jausml_runtime/own.py").write_text("X = 1\n")
+
+    assert told_of_import("from jausml_runtime.own import X") == []
