@@ -51,7 +51,7 @@ SETTINGS = ComponentSettings(
 CODECS = {
     each.CODE: each
     for each in vars(core).values()
-    if isinstance(each, type) and issubclass(each, Message) and each is not Message
+    if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
 }
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
 FAILURES = (

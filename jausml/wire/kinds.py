@@ -90,7 +90,14 @@ class Scaled:
 
 Number: TypeAlias = Integer | Real | Scaled
 
-_TIME_STAMP = ((0, 9), (10, 15), (16, 21), (22, 26), (27, 31))
+# Name, lowest and highest bit, smallest and largest value of each group.
+_TIME_STAMP = (
+    ("Milliseconds", 0, 9, 0, 999),
+    ("Seconds", 10, 15, 0, 59),
+    ("Minutes", 16, 21, 0, 59),
+    ("Hour", 22, 26, 0, 23),
+    ("Day", 27, 31, 1, 31),
+)
 
 
 @dataclass(frozen=True)
@@ -127,6 +134,13 @@ class Bits:
         return self.legal.offset, self.mask + self.legal.offset
 
 
+def _limits(bits: Bits) -> tuple[int, ...]:
+    """Returns the smallest and largest value of bits; nothing when more than a range is said."""
+    legal = bits.legal
+    is_range = len(legal.ranges) == 1 and not legal.listed and not legal.offset
+    return legal.ranges[0] if is_range else ()
+
+
 @dataclass(frozen=True)
 class BitField:
     """An unsigned integer divided into groups of bits (AS5684 bit_field).
@@ -142,8 +156,15 @@ class BitField:
     @property
     def is_time_stamp(self) -> bool:
         """Whether it is a TimeStamp (AS5710): milliseconds up to the day of the month."""
-        places = tuple(sorted((each.low, each.high) for each in self.groups))
-        return self.type.name == "uint32" and places == _TIME_STAMP
+        places = sorted((each.low, each.high) for each in self.groups)
+        expected = [(low, high) for _, low, high, *_ in _TIME_STAMP]
+        return self.type.name == "uint32" and places == expected
+
+    @property
+    def is_published_time_stamp(self) -> bool:
+        """Whether it is a TimeStamp to the letter (AS5710): names, order and limits too."""
+        groups = tuple((each.name, each.low, each.high, *_limits(each)) for each in self.groups)
+        return self.type.name == "uint32" and groups == _TIME_STAMP
 
     @property
     def minimum_size(self) -> int:

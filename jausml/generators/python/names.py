@@ -79,8 +79,8 @@ RESERVED_CLASSES = names_in(
     """
     Callable ClassVar ComponentProgram ComponentSettings DecodeError EncodeError Guard IntEnum
     JausAddress Kind ModelledComponent On State
-    JausComponent Message Sequence ServiceIdentity Scope Struct Transport TransportKind
-    TransportSettings
+    JausComponent Message Sequence ServiceIdentity Scope StampedMessage Struct Transport
+    TransportKind TransportSettings
     """
 )
 

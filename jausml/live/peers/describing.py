@@ -47,7 +47,7 @@ def core_classes() -> Mapping[int, type[Message]]:
     return {
         each.CODE: each
         for each in found
-        if isinstance(each, type) and issubclass(each, Message) and each is not Message
+        if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
     }
 
 

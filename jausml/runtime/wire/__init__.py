@@ -20,11 +20,15 @@ from .codec import (
     whole_of,
 )
 from .message import DecodeError, EncodeError, Message
+from .stamped_message import StampedMessage
+from .time_stamp import TimeStamp
 
 __all__ = [
     "DecodeError",
     "EncodeError",
     "Message",
+    "StampedMessage",
+    "TimeStamp",
     "check_count",
     "check_presence",
     "exactly",

@@ -35,7 +35,7 @@ CORE_SERVICES = tuple(
 CLASSES = {
     each.CODE: each
     for each in vars(core_messages).values()
-    if isinstance(each, type) and issubclass(each, Message) and each is not Message
+    if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import docstrings as docs
 from jausml.generators.python.codec.compounds import MAXIMUM_COMPLEXITY, VariantValue
@@ -88,6 +88,7 @@ class BitFieldClass:
         path: Full name.
         summary: First line of the docstring.
         sub_fields: The groups of bits.
+        is_inherited: Whether the base of the message, StampedMessage, brings it.
     """
 
     kind: ClassVar[str] = "bit_field"
@@ -95,6 +96,7 @@ class BitFieldClass:
     path: str
     summary: str
     sub_fields: tuple[SubField, ...]
+    is_inherited: bool = False
 
     def docstring(self, column: int) -> str:
         """Returns the docstring of the class.
@@ -287,3 +289,9 @@ class VariantAlias:
     kind: ClassVar[str] = "alias"
     name: str
     options: tuple[str, ...]
+
+
+NestedClass: TypeAlias = (
+    Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
+)
+"""What may stand inside the class of a message."""

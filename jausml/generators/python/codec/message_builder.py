@@ -348,8 +348,9 @@ class MessageBuilder:
         return value.default
 
     def _factory(self, class_path: str, path: str) -> str:
-        # A class inside a class is not in sight of its neighbours until the outer one is made.
-        if path == self._class_name:
+        # A class inside a class is not in sight of its neighbours until the outer one is made, and
+        # one of the base never is.
+        if path == self._class_name and not self._scope.is_inherited(class_path):
             return f"field(default_factory={class_path.rpartition('.')[2]})"
         return f"field(default_factory=lambda: {class_path}())"
 

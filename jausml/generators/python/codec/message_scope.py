@@ -13,11 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from jausml import wire
-    from jausml.generators.python.codec.classes import (
-        ContainerClass,
-        VariableFieldClass,
-        VariantAlias,
-    )
+    from jausml.generators.python.codec.classes import NestedClass
 
 
 class MessageScope:
@@ -36,9 +32,7 @@ class MessageScope:
         self.scope = names.Scope(
             names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"}, separator=""
         )
-        self.classes: list[
-            Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
-        ] = []
+        self.classes: list[NestedClass] = []
         self.structs: dict[str, str] = {}
         self.known: dict[object, Any] = {}
 
@@ -69,10 +63,22 @@ class MessageScope:
         key = (field.name, subs)
         if key not in self.known:
             name = self.scope.claim(names.class_name(field.name))
-            self.known[key] = BitFieldClass(name, self.path(name), self.summary(field), subs)
+            is_inherited = kind.is_published_time_stamp and name == "TimeStamp"
+            self.known[key] = BitFieldClass(
+                name, self.path(name), self.summary(field), subs, is_inherited
+            )
             self.classes.append(self.known[key])
         found: BitFieldClass = self.known[key]
         return found
+
+    def is_inherited(self, path: str) -> bool:
+        """Returns whether the base of the message brings a class.
+
+        Args:
+            path: Full name of the class.
+        """
+        bit_fields = (each for each in self.classes if isinstance(each, BitFieldClass))
+        return any(each.is_inherited and each.path == path for each in bit_fields)
 
     def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:
         return SubField(

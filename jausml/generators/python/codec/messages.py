@@ -21,12 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml import wire
-    from jausml.generators.python.codec.classes import (
-        Enumeration,
-        SubField,
-        VariableFieldClass,
-        VariantAlias,
-    )
+    from jausml.generators.python.codec.classes import NestedClass, SubField
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
 
@@ -53,9 +48,7 @@ class MessageView:
     code: int
     is_command: bool
     body: ContainerClass
-    nested: tuple[
-        Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias, ...
-    ]
+    nested: tuple[NestedClass, ...]
     structs: tuple[tuple[str, str], ...]
     # Services may define one message with other words: the class counts.
     layout: wire.Message = field(compare=False)
@@ -64,6 +57,17 @@ class MessageView:
     def class_name(self) -> str:
         """Name of the class."""
         return self.body.name
+
+    @property
+    def base(self) -> str:
+        """Name of the class of the runtime that it is derived from."""
+        is_stamped = any(getattr(item, "is_inherited", False) for item in self.nested)
+        return "StampedMessage" if is_stamped else "Message"
+
+    @property
+    def written(self) -> tuple[NestedClass, ...]:
+        """What is inside the class, without what its base brings."""
+        return tuple(item for item in self.nested if not getattr(item, "is_inherited", False))
 
     @property
     def code_text(self) -> str:
@@ -106,8 +110,8 @@ class MessageView:
 
 
 _WIRE = """
-    DecodeError EncodeError Message check_count check_presence exactly integer latin1 one_of padded
-    real scaled scaled_down scaled_up sized take take_text unpadded whole whole_of
+    DecodeError EncodeError Message StampedMessage check_count check_presence exactly integer latin1
+    one_of padded real scaled scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
 
 

@@ -1,0 +1,139 @@
+"""One class for the time stamp of AS5710, and one of its own for every other layout."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from codec_support import ROOT, definitions, library, load, render, shipped_sets
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml import generation as gen
+from jausml.generators.bridge.target import TARGET as BRIDGES
+from jausml.generators.jaus_component.target import TARGET as COMPONENTS
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.generators.python.codec.classes import BitFieldClass
+from jausml.generators.python.codec.message_builder import MessageBuilder
+from jausml.generators.ros_node.target import TARGET as NODES
+from jausml.model import read_models
+from jausml.runtime.messages import ReportTime, SetTime
+from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
+
+LAYOUT = definitions("core-v1.1")["Time.SetTime"].layout
+STAMP = next(each for each in LAYOUT.body.kind.members if each.name == "TimeStamp")
+SYSTEMS = (
+    "models/catvehicle/catvehicle.xmi",
+    "models/examples/winch/winch.xmi",
+    "models/minimal/minimal.xmi",
+)
+PARTS = ("milliseconds", "seconds", "minutes", "hour", "day")
+
+
+def with_stamp(**changes: Any) -> Any:
+    """The layout of SetTime with another TimeStamp."""
+    record = LAYOUT.body.kind
+    members = tuple(replace(each, **changes) if each is STAMP else each for each in record.members)
+    return replace(LAYOUT, body=replace(LAYOUT.body, kind=replace(record, members=members)))
+
+
+def with_group(index: int, **changes: Any) -> Any:
+    """The layout of SetTime with another group of bits in its TimeStamp."""
+    groups = list(STAMP.kind.groups)
+    groups[index] = replace(groups[index], **changes)
+    return with_stamp(kind=replace(STAMP.kind, groups=tuple(groups)))
+
+
+def generated_anew() -> Any:
+    """The class that is generated for the layout when the runtime is not asked."""
+    view = MessageBuilder(LAYOUT, "SetTime").build()
+    nested = tuple(
+        replace(each, is_inherited=False) if isinstance(each, BitFieldClass) else each
+        for each in view.nested
+    )
+    return load(render((replace(view, nested=nested),)), "time_stamp_anew").SetTime.TimeStamp
+
+
+ANEW = generated_anew()
+
+
+def packed(cls: Any, parts: tuple[Any, ...]) -> int | str:
+    """The integer of a stamp, or why there is none."""
+    try:
+        integer: int = cls(*parts).to_integer()
+    except EncodeError as error:
+        return str(error)
+    return integer
+
+
+def test_messages_share_the_class_and_offer_it() -> None:
+    assert SetTime.TimeStamp is ReportTime.TimeStamp is TimeStamp
+    assert ANEW is not TimeStamp
+    stamp = ReportTime.TimeStamp(milliseconds=1, day=2)
+    assert SetTime(time_stamp=stamp) == SetTime(time_stamp=TimeStamp(1, 0, 0, 0, 2))
+    assert SetTime.decode(SetTime(time_stamp=stamp).encode()).time_stamp == stamp
+    assert repr(stamp) == "TimeStamp(milliseconds=1, seconds=0, minutes=0, hour=0, day=2)"
+
+
+def test_the_class_has_the_attributes_and_defaults_of_a_generated_one() -> None:
+    assert TimeStamp.__slots__ == ANEW.__slots__ == PARTS
+    assert repr(ANEW()) == f"SetTime.{TimeStamp()!r}"
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_it_reads_the_bits_as_a_generated_one_does(bits: int) -> None:
+    ours, theirs = TimeStamp.from_integer(bits), ANEW.from_integer(bits)
+    values = tuple(getattr(ours, part) for part in PARTS)
+    assert values == tuple(getattr(theirs, part) for part in PARTS)
+    assert packed(TimeStamp, values) == packed(ANEW, values)
+
+
+@pytest.mark.parametrize("index", range(5))
+@pytest.mark.parametrize("value", [-1, 0, 1, 23, 24, 31, 32, 59, 60, 999, 1000, None, "x"])
+def test_it_refuses_what_a_generated_one_refuses(index: int, value: Any) -> None:
+    parts: list[Any] = [1] * 5
+    parts[index] = value
+    assert packed(TimeStamp, tuple(parts)) == packed(ANEW, tuple(parts))
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        with_group(0, name="Millis"),
+        with_group(1, low=10, high=14),
+        with_group(2, legal=replace(STAMP.kind.groups[2].legal, ranges=((0, 60),))),
+        with_group(3, legal=replace(STAMP.kind.groups[3].legal, ranges=((0, 11), (13, 23)))),
+        with_group(4, legal=replace(STAMP.kind.groups[4].legal, offset=1)),
+        with_stamp(kind=replace(STAMP.kind, groups=STAMP.kind.groups[::-1])),
+        with_stamp(name="Moment"),
+    ],
+)
+def test_another_layout_has_a_class_of_its_own(layout: Any) -> None:
+    view = MessageBuilder(layout, "SetTime").build()
+    cls: Any = load(render((view,)), "time_stamp_of_another_layout").SetTime
+    assert cls.__base__ is Message
+    nested = cls.Moment if hasattr(cls, "Moment") else cls.TimeStamp
+    assert nested is not TimeStamp
+    assert nested.__qualname__.startswith("SetTime.")
+
+
+def test_a_stamp_that_is_always_there_is_made_with_its_message() -> None:
+    view = MessageBuilder(with_stamp(bit=0), "SetTime").build()
+    cls: Any = load(render((view,)), "time_stamp_always").SetTime
+    assert cls().time_stamp == TimeStamp()
+    assert issubclass(cls, StampedMessage)
+
+
+@pytest.mark.parametrize("set_name", shipped_sets())
+def test_no_message_of_the_library_has_a_class_of_its_own(set_name: str) -> None:
+    assert "class TimeStamp" not in library(set_name)[1]
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system: str) -> None:
+    model = read_models([ROOT / system]).model
+    artifacts = gen.render(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
+    texts = [each.text for each in artifacts if each.path.endswith(".py")]
+    assert texts
+    assert not [text for text in texts if "class TimeStamp" in text]
