@@ -106,10 +106,10 @@ class Peer:
         """
         import rclpy
         from geometry_msgs.msg import TwistStamped
+        from jausml_runtime import ComponentSettings, JausComponent
         from jausml_runtime.base.address import JausAddress
         from jausml_runtime.base.loop import Loop
         from jausml_runtime.base.settings import TransportSettings
-        from jausml_runtime.component.component import ComponentSettings, JausComponent
         from jausml_runtime.transports.udp.judp import JudpTransport
         from measured_bridge.messages import SetVelocityCommand
         from rclpy.executors import SingleThreadedExecutor

@@ -26,14 +26,11 @@ from jausml.cli.messages import (
 )
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.messages import text as message_text
-from jausml.live.traffic import text as traffic_text
 from jausml.live.traffic.captures import is_capture, read_frames
 from jausml.live.traffic.errors import TrafficError
 from jausml.live.traffic.frames import Datagram, UdpReader
 from jausml.live.traffic.hexlines import parse_hex
 from jausml.live.traffic.listening import MulticastListener
-from jausml.live.traffic.observing import Observer
-from jausml.runtime.base.settings import TransportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -197,7 +194,9 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        for line in traffic_text.lines(observation):
+        from jausml.live.traffic import text  # noqa: PLC0415 - bodies need no runtime
+
+        for line in text.lines(observation):
             write(line)
 
     def problem(self, place: str, reason: str) -> None:
@@ -265,6 +264,8 @@ class _Reading:
         self._observe((place, Datagram(data)) for place, data in lines)
 
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
+        from jausml.live.traffic.observing import Observer  # noqa: PLC0415 - see above
+
         observer = Observer(self._catalogue, *self._meaning)
         for place, datagram in datagrams:
             for observation in observer.observe(datagram):
@@ -301,6 +302,8 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
+        from jausml.runtime import TransportSettings  # noqa: PLC0415 - see above
+
         try:
             settings = TransportSettings(
                 interface=interface, port=port, multicast_group=multicast_group
