@@ -302,7 +302,7 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
-        from jausml.runtime import TransportSettings  # noqa: PLC0415 - see above
+        from jausml.runtime.base.settings import TransportSettings  # noqa: PLC0415 - see above
 
         try:
             settings = TransportSettings(
