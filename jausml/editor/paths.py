@@ -68,15 +68,6 @@ def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
     return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context)), context)
 
 
-def message_at_end(
-    bench: Workbench, path: Path, context: Context, *, is_jaus: bool
-) -> jaus.MessageDef | ros.MessageType | None:
-    """Returns the message at one end of the map around a place, None when it is not known."""
-    if is_jaus:
-        return _at_end(bench, path, context, jaus.MessageDef)
-    return _at_end(bench, path, context, ros.MessageType)
-
-
 def _at_end(
     bench: Workbench, path: Path, context: Context, kind: type[MessageT]
 ) -> MessageT | None:

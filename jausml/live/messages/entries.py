@@ -6,9 +6,10 @@ import struct
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from jausml import wire
 from jausml.live.messages.compiling import compile_message
 from jausml.live.messages.errors import DecodeError, EncodeError
-from jausml.live.messages.shapes import may_hold, shape
+from jausml.live.messages.nesting import may_hold
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import jaus
 
 _CODE = struct.Struct("<H")
+# Two definitions that differ in these alone decode and encode the same.
+_BESIDE_BYTES = frozenset({"documentation", "units", "listed", "intervals"})
 
 
 def read_code(payload: bytes) -> int:
@@ -161,7 +164,8 @@ class MessageEntry:
         Raises:
             DefinitionError: The definition gives no codec.
         """
-        return (self.name, self.code, shape(self.codec))
+        body = wire.resolve(self.definition).body if self.codec.members else None
+        return (self.name, self.code, wire.comparable(body, _BESIDE_BYTES))
 
     def decode(self, payload: bytes) -> dict[str, Any]:
         """Returns the fields of the body.

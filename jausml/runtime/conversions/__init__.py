@@ -5,6 +5,7 @@ Each literal of `ConversionKind` in bridge.ecore has the function of the same na
 writes. The positional parameters are the inputs and then the arguments of the conversion.
 """
 
+# ruff: noqa: F403 - each module names what it offers in its own __all__
 from . import grids, numbers, orientations, times, types
 from .grids import *
 from .numbers import *
