@@ -214,13 +214,16 @@ class BridgeView:
             )
             for view in self.connections
         )
-        hook = MethodContract("on_not_ready", (), "hook:on_not_ready", "", optional=True)
+        hooks = tuple(
+            MethodContract(name, (), f"hook:{name}", "", optional=True)
+            for name in ("on_not_ready", "on_control_lost")
+        )
         conversions = tuple(
             MethodContract(each.name, names_of(each), f"conversion:{each.model_name}", stub(each))
             for each in self.module.methods
         )
         return SkeletonContract(
-            self.class_name, self.base_name, (*translations, hook, *conversions)
+            self.class_name, self.base_name, (*translations, *hooks, *conversions)
         )
 
     def _requested(self, message: jaus.MessageDef) -> frozenset[str]:

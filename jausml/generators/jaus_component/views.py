@@ -45,6 +45,7 @@ _HOOKS = {
     "on_initialize": (),
     "on_ready": (),
     "on_not_ready": (),
+    "on_control_lost": (),
     "on_controller_changed": ("controller",),
     "on_emergency": ("active",),
     "on_set_time": ("time",),

@@ -95,9 +95,14 @@ class Bridge:
         self._is_open = False
 
     def on_not_ready(self) -> None:
-        """The bridge's own controller or Ready was lost: topics fed by commands become safe."""
+        """The bridge left Ready: topics fed by commands become safe."""
         for connection in self.connections:
             connection.on_not_ready()
+
+    def on_control_lost(self) -> None:
+        """Another controls the bridge, or nobody: what its controller commanded must not stand."""
+        for connection in self.connections:
+            connection.on_control_lost()
 
     # ------------------------------------------------------------------ for translations
 
@@ -207,6 +212,9 @@ class _BridgeComponent(JausComponent):
 
     def on_not_ready(self) -> None:
         self._bridge.on_not_ready()
+
+    def on_control_lost(self) -> None:
+        self._bridge.on_control_lost()
 
 
 def _each(takers: Sequence[Callable[..., None]], *arguments: object) -> None:

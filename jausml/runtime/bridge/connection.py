@@ -230,7 +230,10 @@ class Connection(Generic[SourceT, TargetT]):
             self._failed(error)
 
     def on_not_ready(self) -> None:
-        """The bridge lost its controller or Ready; matters to connections fed by commands."""
+        """The bridge left Ready; matters to connections fed by commands."""
+
+    def on_control_lost(self) -> None:
+        """The bridge's controller is another or none; matters to connections fed by commands."""
 
     # ------------------------------------------------------------------ diagnostics
 

@@ -232,6 +232,11 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         if is_command and not self.is_silent:
             self.fall_silent()
 
+    def on_control_lost(self) -> None:
+        """Who commanded may not any more: the topics get the safe value at once, in Ready too."""
+        if self._when is not Guard.ANY and not self.is_silent:
+            self.fall_silent()
+
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""
         return super().describe_peers() or [("peer", "any")]

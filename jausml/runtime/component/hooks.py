@@ -21,6 +21,14 @@ class ComponentHooks:
     def on_not_ready(self) -> None:
         """The component left Ready, for whatever reason: stop all motion."""
 
+    def on_control_lost(self) -> None:
+        """The controller is the controller no more: what it commanded must not stand.
+
+        It released control or let it lapse, a higher authority took over, or the component gave
+        control up. The component may still be in Ready, for its new controller; where it was left,
+        ``on_not_ready`` ran before. ``on_controller_changed`` follows.
+        """
+
     def on_controller_changed(self, controller: JausAddress | None) -> None:
         """Another component controls this one, or none does (None)."""
 

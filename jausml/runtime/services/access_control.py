@@ -86,6 +86,7 @@ class AccessControlService:
         self.controller = None
         self.authority = self._default
         self.on_lost()
+        self._component.call(self._component.on_control_lost)
         self._component.send(RejectControl(response_code=reason), former)
         self._controller_changed()
 
@@ -115,6 +116,7 @@ class AccessControlService:
         raised, self.authority = self.authority != code, code
         self._restart_timer()
         if former is not None and former != sender:
+            self._component.call(self._component.on_control_lost)
             self._component.send(RejectControl(response_code=Reject.CONTROL_RELEASED), former)
         self._confirm(sender, Confirm.CONTROL_ACCEPTED)
         if former != sender:

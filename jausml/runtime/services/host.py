@@ -138,6 +138,9 @@ class Host(Protocol):
     def on_not_ready(self) -> None:
         """Stop all motion: Ready was left."""
 
+    def on_control_lost(self) -> None:
+        """Let nothing stand that the former controller commanded."""
+
     def on_controller_changed(self, controller: JausAddress | None) -> None:
         """Learn who controls the component."""
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity
+from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.errors import AbsentFieldError, OutOfRangeError
@@ -321,6 +321,46 @@ def test_losing_control_is_safe_without_a_timeout_too(world, setting):
     world.settle()
     assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
     assert not connection.is_silent
+
+
+@pytest.mark.parametrize("guard", [Guard.READY, Guard.CONTROLLED, lambda _message: Guard.READY])
+@pytest.mark.parametrize("timeout", [0.0, 30.0])
+def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
+    """The bridge stays in Ready for another; the former controller's command must not stand."""
+    connection = setting.open(
+        message_connection(when=guard, silence_timeout=timeout, safe_value=lambda: Number(-1.0)),
+        services=CORE,
+        control_timeout=60,
+    )
+    former, rival = world.probe("5.1.1"), world.probe("6.1.1")
+    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
+        former.send(message, OWN)
+    world.settle()
+    rival.send(RequestControl(authority_code=200), OWN)
+    world.settle()
+    assert setting.bridge.component.status is Status.READY
+    assert setting.bridge.component.controller == rival.address
+    assert setting.ros.numbers("times") == [2.0, -1.0]
+    former.send(minutes(3), OWN)
+    rival.send(minutes(4), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [2.0, -1.0, 4.0]
+    assert not connection.is_silent
+
+
+def test_lapse_of_control_in_ready_is_safe_once(world, setting):
+    setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)),
+        services=CORE,
+        control_timeout=2,
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
+        operator.send(message, OWN)
+    world.run(1.9)
+    assert setting.ros.numbers("times") == [2.0]
+    world.run(0.2)
+    assert setting.ros.numbers("times") == [2.0, -1.0]
 
 
 def test_guard_may_depend_on_the_message(world, setting):

@@ -40,6 +40,9 @@ class Robot(JausComponent):
     def on_not_ready(self):
         self.calls.append("not ready")
 
+    def on_control_lost(self):
+        self.calls.append("control lost")
+
     def on_controller_changed(self, controller):
         self.calls.append(f"controller {controller}")
 
@@ -114,7 +117,7 @@ class TestStandby:
     def test_reset(self, standby, client):
         assert client.ask(Reset(), standby) == [RELEASED]
         assert standby.status is Status.STANDBY
-        assert standby.take() == ["controller None", "initialize"]
+        assert standby.take() == ["control lost", "controller None", "initialize"]
 
     def test_shutdown_is_ignored(self, standby, client):
         assert client.ask(Shutdown(), standby) == []
@@ -137,27 +140,27 @@ class TestReady:
     def test_shutdown(self, ready, client):
         assert client.ask(Shutdown(), ready) == [NOT_AVAILABLE]
         assert ready.status is Status.SHUTDOWN
-        assert ready.take() == ["not ready", "controller None", "shutdown"]
+        assert ready.take() == ["not ready", "control lost", "controller None", "shutdown"]
 
     def test_reset(self, ready, client):
         assert client.ask(Reset(), ready) == [RELEASED]
         assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "controller None", "initialize"]
+        assert ready.take() == ["not ready", "control lost", "controller None", "initialize"]
 
     def test_release_drops_to_standby(self, ready, client):
         assert client.ask(ReleaseControl(), ready) == [RELEASED]
         assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "controller None"]
+        assert ready.take() == ["not ready", "control lost", "controller None"]
 
     def test_timeout_drops_to_standby(self, world, ready):
         world.run(5.1)
         assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "controller None"]
+        assert ready.take() == ["not ready", "control lost", "controller None"]
 
     def test_preemption_keeps_ready(self, ready, other):
         other.ask(RequestControl(authority_code=101), ready)
         assert ready.status is Status.READY
-        assert ready.take() == ["controller 3.1.1"]
+        assert ready.take() == ["control lost", "controller 3.1.1"]
 
 
 class TestEmergency:
@@ -167,7 +170,7 @@ class TestEmergency:
         assert client.take() == [NOT_AVAILABLE]
         assert ready.status is Status.EMERGENCY
         assert ready.controller is None
-        assert ready.take() == ["not ready", "controller None", "emergency True"]
+        assert ready.take() == ["not ready", "control lost", "controller None", "emergency True"]
 
     def test_unknown_code_is_ignored(self, world, ready, other):
         other.send_bytes(bytes([6, 0, 2, 0]), ready)
@@ -237,7 +240,7 @@ def test_failure_from_ready(ready, client):
     ready.fail("broken")
     assert client.take() == [RELEASED]
     assert ready.status is Status.FAILURE
-    assert ready.take() == ["not ready", "controller None"]
+    assert ready.take() == ["not ready", "control lost", "controller None"]
     answer = client.ask(RequestControl(authority_code=1), ready)
     assert answer == [ConfirmControl(response_code=1)]
 

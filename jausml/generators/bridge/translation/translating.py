@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept close component connections loop now on_not_ready open publisher rate_parameter report
-    ros settings silence_parameter subscribe
+    accept close component connections loop now on_control_lost on_not_ready open publisher
+    rate_parameter report ros settings silence_parameter subscribe
     """
 )
 

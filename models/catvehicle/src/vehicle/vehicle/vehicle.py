@@ -77,6 +77,10 @@ class Vehicle(VehicleBase):
         """Stops: nobody may drive."""
         self._plant.stop()
 
+    def on_control_lost(self) -> None:
+        """Stops: who takes over begins from standstill."""
+        self._plant.stop()
+
     def report_velocity_state(
         self, query: QueryVelocityState, sender: JausAddress
     ) -> ReportVelocityState:
