@@ -1,0 +1,303 @@
+"""A component on Junior's API and the node manager below it, as peers of other makes meet them.
+
+Written from how Junior behaves on the wire, with real UDP sockets and a thread, for tests of what
+works between two jausml processes and yet not with such a peer::
+
+    with JuniorPeer(JausAddress(300, 1, 1), port) as peer:     # on 127.0.0.2, heard by multicast
+        ...                                                     # make jausml send to it
+        peer.payloads                                           # what its application received
+        peer.send(DRIVER, payload, acknowledge=True)            # blocks, as JrSend does; True is Ok
+        peer.restart()                                          # the component runs again
+
+What it has of Junior:
+
+- a receive buffer of 70,000 bytes, of which a manager takes ten datagrams in each round, with a
+  pause of a millisecond between two; a datagram above 5000 bytes is cut, and so lost;
+- an address book that learns from every datagram and never forgets, not even with ``restart``;
+- 50 loose packets kept, of all sources together; each one more pushes out the oldest;
+- of the same source and number, one packet in 3 seconds (of the latest 50), whatever its bytes; an
+  acknowledgement is sent before anything is dropped;
+- numbers that start at 1 in each process; packets of 4079 bytes, each sent after the one before was
+  acknowledged, four times at most, 100 ms apart; without acknowledgement ten in a millisecond;
+- a message for an unknown component is multicast with a request for acknowledgement.
+
+``JtsComponent`` (``jts_component.py``) answers on top of it as generated components do.
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+import time
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+from jausml.runtime.base.address import JausAddress
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+GROUP = "239.255.0.1"
+RECEIVE_BUFFER = 70_000
+LARGEST_DATAGRAM = 5000
+DATAGRAMS_IN_A_ROUND = 10
+PAUSE_S = 0.001
+PACKET_SIZE = 4079
+HISTORY = 50
+MEMORY_S = 3.0
+ACKNOWLEDGE_TIMEOUT_S = 0.1
+TRANSMISSIONS = 4
+
+_HEADER = struct.Struct("<BHBII")
+_SEQUENCE = struct.Struct("<H")
+_MESSAGE_SIZE = _HEADER.size + _SEQUENCE.size
+SINGLE, FIRST, MIDDLE, LAST = range(4)
+NONE, REQUESTED, NAK, ACK = range(4)
+GLOBAL = 2
+
+
+class Loose(NamedTuple):
+    """A packet that waits for the others of its message."""
+
+    source: int
+    sequence: int
+    place: int
+    payload: bytes
+
+
+class JuniorPeer:
+    """One component of another host that runs Junior.
+
+    Attributes:
+        address: The component.
+        endpoint: Where its node manager receives.
+        received: Source and payload of each message that reached the application.
+        thrown_away: Loose packets that had to make room.
+        alive: Whether the component runs; its node manager goes on without it.
+    """
+
+    def __init__(self, address: JausAddress, port: int, host: str = "127.0.0.2") -> None:
+        self.address = address
+        self.endpoint = (host, port)
+        self.received: list[tuple[JausAddress, bytes]] = []
+        self._group = (GROUP, port)
+        self._book: dict[int, tuple[str, int]] = {}
+        self._state = threading.Condition(threading.RLock())
+        self._start_component()
+        self._unicast = self._unicast_socket()
+        self._multicast = self._multicast_socket()
+        self._running = True
+        self._thread = threading.Thread(target=self._run, name=f"junior-{address}", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def payloads(self) -> list[bytes]:
+        """What the application received, without its sources."""
+        return [payload for _, payload in list(self.received)]
+
+    def close(self) -> None:
+        """Ends the component and its node manager."""
+        self._running = False
+        self._thread.join(10)
+        self._unicast.close()
+        self._multicast.close()
+
+    def restart(self) -> None:
+        """Ends the component and starts it again, at the number 1 and with nothing remembered."""
+        with self._state:
+            self._start_component()
+
+    def end(self) -> None:
+        """Ends the component alone: nobody acknowledges any more."""
+        self.alive = False
+
+    def send(self, destination: JausAddress, payload: bytes, *, acknowledge: bool = False) -> bool:
+        """Sends a message, and waits as long as that takes; returns whether it went well."""
+        parts = [payload[at : at + PACKET_SIZE] for at in range(0, len(payload), PACKET_SIZE)]
+        places = [FIRST, *[MIDDLE] * (len(parts) - 2), LAST] if len(parts) > 1 else [SINGLE]
+        for count, (part, place) in enumerate(zip(parts, places, strict=True), 1):
+            sequence = self._next_sequence()
+            if acknowledge:
+                if not self._send_until_acknowledged(destination.packed, part, sequence, place):
+                    return False
+            else:
+                self._transmit(destination.packed, part, sequence, place, NONE)
+                if count % DATAGRAMS_IN_A_ROUND == 0:
+                    time.sleep(PAUSE_S)
+        return True
+
+    def on_message(self, source: JausAddress, payload: bytes) -> None:
+        """Takes a whole message, on the thread of the peer; a bare application does nothing."""
+
+    # ---- the component ----------------------------------------------------------------------
+
+    def _start_component(self) -> None:
+        self.alive = True
+        self.thrown_away = 0
+        self._number = 1
+        self._recent: deque[tuple[float, int, int]] = deque(maxlen=HISTORY)
+        self._loose: list[Loose] = []
+        self._acknowledged: set[int] = set()
+
+    def _next_sequence(self) -> int:
+        with self._state:
+            self._number = self._number + 1 & 0xFFFF
+            return self._number - 1 & 0xFFFF
+
+    def _send_until_acknowledged(
+        self, destination: int, part: bytes, sequence: int, place: int
+    ) -> bool:
+        with self._state:
+            self._acknowledged.discard(sequence)
+            for _ in range(TRANSMISSIONS):
+                self._transmit(destination, part, sequence, place, REQUESTED)
+                if self._state.wait_for(
+                    lambda: sequence in self._acknowledged, ACKNOWLEDGE_TIMEOUT_S
+                ):
+                    return True
+        return False
+
+    def _take(self, flags: int, packet: Loose) -> None:
+        acknowledgement = flags >> 4 & 3
+        if acknowledgement == REQUESTED:
+            self._transmit(packet.source, b"", packet.sequence, SINGLE, ACK, priority=flags & 3)
+        if acknowledgement == ACK:
+            self._acknowledged.add(packet.sequence)
+            self._state.notify_all()
+        if acknowledgement >= NAK or self._is_known(packet):
+            return
+        if packet.place == SINGLE:
+            self._deliver(packet.source, packet.payload)
+            return
+        self._loose.append(packet)
+        self._assemble()
+        if len(self._loose) > HISTORY:
+            del self._loose[0]
+            self.thrown_away += 1
+
+    def _is_known(self, packet: Loose) -> bool:
+        now = time.monotonic()
+        for when, source, sequence in self._recent:
+            if (source, sequence) == packet[:2] and now - when < MEMORY_S:
+                return True
+        self._recent.append((now, packet.source, packet.sequence))
+        return False
+
+    def _assemble(self) -> None:
+        """Delivers a message that is whole: consecutive numbers from a first to a last packet."""
+        loose = {(each.source, each.sequence): each for each in self._loose}
+        for first in (each for each in self._loose if each.place == FIRST):
+            parts = [first]
+            while parts[-1].place != LAST:
+                following = loose.get((first.source, parts[-1].sequence + 1 & 0xFFFF))
+                if following is None:
+                    break
+                parts.append(following)
+            else:
+                self._loose = [each for each in self._loose if each not in parts]
+                self._deliver(first.source, b"".join(each.payload for each in parts))
+                return
+
+    def _deliver(self, source: int, payload: bytes) -> None:
+        address = JausAddress(source >> 16, source >> 8 & 0xFF, source & 0xFF)
+        self.received.append((address, payload))
+        self.on_message(address, payload)
+
+    # ---- the node manager -------------------------------------------------------------------
+
+    def _run(self) -> None:
+        while self._running:
+            time.sleep(PAUSE_S)
+            for sock in (self._unicast, self._multicast):
+                for _ in range(DATAGRAMS_IN_A_ROUND):
+                    try:
+                        data, sender = sock.recvfrom(LARGEST_DATAGRAM)
+                    except BlockingIOError:
+                        break
+                    if sender != self.endpoint:
+                        self._on_datagram(data, sender)
+
+    def _on_datagram(self, data: bytes, sender: tuple[str, int]) -> None:
+        at = 1
+        while data[:1] == b"\x02" and len(data) - at >= _MESSAGE_SIZE:
+            _, size, flags, destination, source = _HEADER.unpack_from(data, at)
+            if not _MESSAGE_SIZE <= size <= len(data) - at:
+                return
+            payload = data[at + _HEADER.size : at + size - _SEQUENCE.size]
+            (sequence,) = _SEQUENCE.unpack_from(data, at + size - _SEQUENCE.size)
+            at += size
+            with self._state:
+                self._book[source] = sender
+                if self.alive and _matches(destination, self.address.packed):
+                    self._take(flags, Loose(source, sequence, flags >> 6, payload))
+
+    def _transmit(
+        self,
+        destination: int,
+        payload: bytes,
+        sequence: int,
+        place: int,
+        acknowledge: int,
+        *,
+        priority: int = 1,
+    ) -> None:
+        endpoint = self._book.get(destination)
+        flags = priority | acknowledge << 4 | place << 6
+        if endpoint is None:
+            endpoint = self._group
+            flags |= GLOBAL << 2
+            if not _is_wildcard(destination):
+                flags |= REQUESTED << 4
+        size = _MESSAGE_SIZE + len(payload)
+        header = _HEADER.pack(0, size, flags, destination, self.address.packed)
+        datagram = b"\x02" + header + payload + _SEQUENCE.pack(sequence)
+        self._unicast.sendto(datagram, endpoint)
+
+    def _unicast_socket(self) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        interface = socket.inet_aton("127.0.0.1")
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+        sock.setblocking(False)
+        sock.bind(self.endpoint)
+        return sock
+
+    def _multicast_socket(self) -> socket.socket:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        sock.setblocking(False)
+        sock.bind(self._group)
+        member = socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1")
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        return sock
+
+
+def _parts(packed: int) -> tuple[int, int, int]:
+    return packed >> 16, packed >> 8 & 0xFF, packed & 0xFF
+
+
+_ALL = _parts(0xFFFFFFFF)
+
+
+def _is_wildcard(packed: int) -> bool:
+    return any(part == every for part, every in zip(_parts(packed), _ALL, strict=True))
+
+
+def _matches(destination: int, own: int) -> bool:
+    triples = zip(_parts(destination), _parts(own), _ALL, strict=True)
+    return all(wanted in (mine, every) for wanted, mine, every in triples)
