@@ -105,7 +105,10 @@ class Written(Protocol):
         """
 
     def check(self) -> Sequence[Fault]:
-        """Returns what is wrong with the elements; called once all references are resolved."""
+        """Settles what the document leaves open, and returns what is wrong with its elements.
+
+        It is called once, when all references are resolved.
+        """
 
 
 class Notation(Protocol):

@@ -9,7 +9,7 @@ from jausml.metamodel.classes import jaus, ros
 from jausml.model.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from jausml.metamodel.classes.ecore import EClass, EObject
     from jausml.model.model import Model
@@ -108,6 +108,18 @@ class Subject:
             Warning, or None where the rule decides.
         """
         return Severity.WARNING if self.model.is_library(element) else None
+
+    def assigned(self, element: EObject, values: Mapping[str, str]) -> str:
+        """Returns how the document of an element gives its features values, for a hint.
+
+        Args:
+            element: The element.
+            values: The values by feature.
+        """
+        document = self.model.document_of(element)
+        is_text = document is not None and document.notation is not None
+        form = "{}: {}" if is_text else '{}="{}"'
+        return " ".join(form.format(name, value) for name, value in values.items())
 
     def path(self, element: EObject) -> str:
         """Returns how messages name an element that stands elsewhere."""

@@ -92,6 +92,14 @@ _RULES = {
         "The file is not UTF-8 text, is empty where nothing could be meant, or is larger than any "
         "model. Good: save it as UTF-8.",
     ),
+    "JML715": RuleInfo(
+        "connection that may mean several things",
+        "What a bridge, its peers and the map offer mostly leaves one direction and one exchange "
+        "to a connection, which need not be stated then. Here they leave several, which differ in "
+        "what the bridge does. Bad: a bridge that provides VelocityStateSensor, with "
+        "`connection speed { map: velocity_state  peers: vehicle  topic odom }`, where vehicle "
+        "provides it too. Good: the same with `direction: jausToRos`, for what vehicle reports.",
+    ),
 }
 
 TEXT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)

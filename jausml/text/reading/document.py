@@ -12,6 +12,7 @@ from jausml.text.reading.maps import MapReader
 from jausml.text.reading.members import MemberCheck
 from jausml.text.reading.nodes import NodeMaker
 from jausml.text.reading.roots import RootReader
+from jausml.text.reading.ways import settle_connections
 from jausml.text.tree import Import
 
 if TYPE_CHECKING:
@@ -68,10 +69,11 @@ class TextDocument:
         return self._declarer.roots, self._nodes.faults[before:]
 
     def check(self) -> Sequence[Fault]:
-        """Returns what listed members say wrongly about known messages."""
+        """Settles what connections leave open; returns what is unclear about them and members."""
         ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
         check = MemberCheck(self._declarer.types)
-        return [*check.run(ends), *self._unused()]
+        unclear = settle_connections(self._nodes.classes.items())
+        return [*check.run(ends), *self._unused(), *unclear]
 
     def _unused(self) -> Iterator[Fault]:
         types = self._declarer.types

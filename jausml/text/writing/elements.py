@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
+from jausml.metamodel.classes import bridge
 from jausml.model.xmi.writer import is_written
+from jausml.semantics.ways import FEATURES, unstated
 from jausml.text.keywords import owning_features, snake_case
 from jausml.text.tree import BlockItem, Element, Feature, Name, Text, Value, is_map
 from jausml.text.writing.heads import IN_THE_HEAD, documented, head_name, needs_feature
@@ -69,9 +71,16 @@ class ElementWriter:
             without: Features that are said elsewhere, unless they are a name or documentation that
                 only a feature can hold.
         """
+        following = unstated(obj) if isinstance(obj, bridge.Connection) else None
         for feature in self._metamodels.class_of(obj).features.values():
             said_here = feature.name not in without or needs_feature(obj, feature.name)
-            if said_here and feature.kind in _VALUES and is_written(obj, feature):
+            if not said_here or feature.kind not in _VALUES:
+                continue
+            if following is not None and feature.name in FEATURES:
+                is_needed = feature.name not in following
+            else:
+                is_needed = is_written(obj, feature)
+            if is_needed:
                 yield self._feature(obj, feature)
 
     def _items(self, obj: EObject) -> list[BlockItem]:

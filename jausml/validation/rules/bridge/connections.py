@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
@@ -17,6 +18,7 @@ from jausml.semantics.services import (
     outputs,
     provides_access_control,
 )
+from jausml.semantics.ways import FEATURES, possible_ways
 from jausml.validation.rule import Finding, Note, rule
 from jausml.validation.rules.jaus.components import missing_query, rate_finding
 
@@ -45,7 +47,8 @@ def direction_assigned(subject: Subject) -> Iterator[Finding]:
             note = Note(used, f"map '{used.name}'")
             message = f"map '{used.name}' has no {feature} assignments, which"
             message += f" {connection.direction.name} needs"
-            yield Finding(connection, message, "map", related=(note,))
+            hint = _other_ways(subject, connection)
+            yield Finding(connection, message, "map", hint, (note,))
 
 
 @rule("JML422", Severity.ERROR, "no service for the message")
@@ -68,7 +71,10 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
     for connection in _sound_connections(subject):
         owner, peers = connection.eContainer(), list(connection.peers)
         if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
-            yield from _service_findings(connection, owner, peers)
+            hint = _other_ways(subject, connection)
+            for finding in _service_findings(connection, owner, peers):
+                hints = filter(None, (finding.hint, hint))
+                yield replace(finding, hint=", or ".join(hints))
 
 
 @rule("JML423", Severity.ERROR, "connection without a peer")
@@ -85,9 +91,11 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
         by_message = connection.exchange.name == "message"
         if connection.peers or by_message is _to_ros(connection):
             continue
+        if not is_known(subject, connection.eContainer()):
+            continue  # the way that a text leaves open follows from the services of the bridge
         purpose = "to send it to" if by_message else "to ask for it"
         message = f"'{connection.name}' carries {connection.map.message.name}"
-        hint = "name peers" if not by_message else "name peers, or let others ask by an event"
+        hint = ", or ".join(filter(None, ("name peers", _other_ways(subject, connection))))
         yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
@@ -223,6 +231,18 @@ def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
 
 def _to_ros(connection: bridge.Connection) -> bool:
     return connection.direction.name == "jausToRos"
+
+
+def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
+    """Returns how to state what the connection can be instead, with what it then does."""
+    present = {name: str(getattr(connection, name).name) for name in FEATURES}
+    hints = []
+    for way in possible_ways(connection):
+        wanted = {"direction": way.direction, "exchange": way.exchange}
+        other = {name: text for name, text in wanted.items() if text != present[name]}
+        if other:
+            hints.append(f"{subject.assigned(connection, other)} ({way.meaning})")
+    return f"write {', or '.join(hints)}" if hints else ""
 
 
 def _service_findings(
