@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, write_report
-from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
+from jausml.cli.messages import open_catalogue
+from jausml.cli.network import ended_by_signals, network_from, network_options
 from jausml.live.peers.conformance.formats import RENDERERS, text
 from jausml.live.peers.conformance.groups import all_groups, fixed_checks
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
@@ -104,7 +105,7 @@ def command(
             opened(
                 network,
                 address,
-                catalogue_from(models),
+                open_catalogue(models),
                 limits=limits,
                 timeout=timeout,
                 quiet=quiet_time,

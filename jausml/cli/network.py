@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from jausml.cli.common import EnvironmentFault
-from jausml.live.messages import Catalogue, MessageError, load_catalogue
+from jausml.cli.messages import model_option
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
     DEFAULT_ID,
@@ -62,19 +61,12 @@ _OPTIONS = (
         metavar="ID=HOST:PORT",
         help="Where a component is, when multicast does not reach it; may be repeated.",
     ),
-    click.option(
-        "--model",
-        "models",
-        multiple=True,
-        type=click.Path(exists=True, dir_okay=False),
-        metavar="FILE",
-        help="Model with further messages; may be repeated.",
-    ),
+    model_option,
 )
 
 
 def network_options(function: F) -> F:
-    """Adds the options that `network_from` and `catalogue_from` take."""
+    """Adds the options that `network_from` and `open_catalogue` take."""
     for option in reversed(_OPTIONS):
         function = option(function)
     return function
@@ -103,15 +95,3 @@ def network_from(
         return make_network(own_id, interface, port, multicast_group, peers)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-
-
-def catalogue_from(models: Sequence[str]) -> Catalogue:
-    """Returns all messages of the library and of the user's models.
-
-    Raises:
-        EnvironmentFault: A model cannot be read.
-    """
-    try:
-        return load_catalogue(models)
-    except MessageError as error:
-        raise EnvironmentFault(str(error)) from error

@@ -14,7 +14,8 @@ import click
 from click.core import ParameterSource
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
-from jausml.cli.network import catalogue_from, ended_by_signals, network_from, network_options
+from jausml.cli.messages import open_catalogue
+from jausml.cli.network import ended_by_signals, network_from, network_options
 from jausml.live.messages import MessageError
 from jausml.live.peers import rendering
 from jausml.live.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
@@ -59,7 +60,7 @@ class Settings:
         """
         try:
             with running_operator(
-                self.network, catalogue_from(self.models), self.timeout
+                self.network, open_catalogue(self.models), self.timeout
             ) as operator:
                 yield operator
         except NoAnswer as error:
@@ -187,7 +188,7 @@ def discover(settings: Settings, duration: float) -> None:
         for line in () if settings.as_json else rendering.subsystem_lines(found):
             click.echo(line)
         if not found:
-            raise NoAnswer(f"nobody answers; {operator.hints}")
+            raise NoAnswer(operator.nothing_heard)
 
 
 @command.command("services")
@@ -198,7 +199,7 @@ def services(settings: Settings, target: JausAddress) -> None:
     with settings.operator() as operator:
         found = operator.services(target)
         if not found:
-            raise NoAnswer(f"nobody lists the services of {target}; {operator.hints}")
+            raise operator.unanswered(target, "QueryServices", "ReportServices")
         if settings.as_json:
             click.echo(rendering.services_json(target, found))
         for line in () if settings.as_json else rendering.service_lines(found):

@@ -91,7 +91,7 @@ def test_a_tag_may_be_left_out_when_the_option_tells_it(kinds):
         ({"Numbers": {**NUMBERS, "Signed": 1.5}}, "Body.Numbers.Signed: 1.5 is not an integer"),
         (
             {"Numbers": {**NUMBERS, "Gap": 8}},
-            "Body.Numbers.Gap: 8 is not among the legal values 0, 4",
+            "Body.Numbers.Gap: 8 is not among the legal values 0 (off), 4 .. 7",
         ),
         ({"Numbers": {**NUMBERS, "Wide": 1.1}}, "Body.Numbers.Wide: 1.1 is outside 0.0 .. 1.0"),
         ({"Numbers": {**NUMBERS, "Wide": 10**400}}, "Body.Numbers.Wide: an integer of 1329 bits"),
@@ -115,6 +115,59 @@ def test_a_tag_may_be_left_out_when_the_option_tells_it(kinds):
 def test_what_cannot_be_encoded_is_refused_at_its_place(kinds, changes, error):
     with pytest.raises(EncodeError) as caught:
         encode(kinds, **changes)
+    assert error in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error"),
+    [
+        ({"Gap": "q"}, "Numbers.Gap: 'q' is no name of a legal value; they are 0 (off), 4 .. 7"),
+        ({"Gap": "Off"}, "Numbers.Gap: 'Off' is no name of a legal value; did you mean 'off'?"),
+        ({"Signed": "off"}, "Numbers.Signed: 'off' is not a number"),
+        ({"Gaps": 0}, "Numbers.Gaps: unknown field; did you mean Gap?"),
+        ({"Qqqqq": 0}, "Numbers.Qqqqq: unknown field"),
+    ],
+)
+def test_a_name_that_is_none_is_refused_with_those_there_are(kinds, changes, error):
+    with pytest.raises(EncodeError) as caught:
+        encode(kinds, Numbers={**NUMBERS, **changes})
+    assert error in str(caught.value)
+
+
+def test_the_name_of_a_value_stands_for_it(kinds, catalogue):
+    assert encode(kinds, Numbers={**NUMBERS, "Gap": "off"}) == encode(
+        kinds, Numbers={**NUMBERS, "Gap": 0}
+    )
+    status = catalogue.message("ReportStatus", "Management/1.1")
+    named = {"ReportStatusRec": {"Status": "EMERGENCY", "Reserved": 0}}
+    assert status.decode(status.encode(named))["ReportStatusRec"]["Status"] == 5
+
+
+@pytest.mark.parametrize(
+    ("message", "fields", "error"),
+    [
+        (
+            "SetVelocityCommand",
+            {"VelocityCommandRec": {}},
+            "CommandType: this field is absent, it takes 0 (Set current command), 1 (Set maximum",
+        ),
+        (
+            "SetVelocityCommand",
+            {"VelocityCommandRec": {"CommandType": "Set curent command"}},
+            "CommandType: 'Set curent command' is no name of a legal value; "
+            "did you mean 'Set current command'?",
+        ),
+        ("SetTravelSpeed", {"TravelSpeedRec": {}}, "absent, it takes 0.0 .. 327.67 meter per"),
+        (
+            "CreateEvent",
+            {},
+            "CreateEventRec: this field is absent, it takes an object of Req",
+        ),
+    ],
+)
+def test_an_absent_field_tells_what_it_takes(catalogue, message, fields, error):
+    with pytest.raises(EncodeError) as caught:
+        catalogue.encode({"message": message, "fields": fields})
     assert error in str(caught.value)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from jausml.cli import conformance, main, ocu
+from jausml.cli import main
 from jausml.live.messages import load_catalogue
 from jausml.live.peers.entry_messages import message_class
 from jausml.live.peers.network import make_network
@@ -77,14 +77,14 @@ def component(free_port):
     """Starts a component of ours on the free port; returns it."""
     with ExitStack() as stack:
 
-        def start(version=1, services=(), **settings):
+        def start(version=1, services=(), names=NAMES, **settings):
             further = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 0) for name in services]
             transport = stack.enter_context(running_transport(TransportSettings(port=free_port)))
             made = Target(
                 transport,
                 TARGET,
                 name="target",
-                services=[ServiceIdentity(CORE + name, 1, version) for name in NAMES] + further,
+                services=[ServiceIdentity(CORE + name, 1, version) for name in names] + further,
                 component_type=10001,
                 settings=ComponentSettings(
                     **{"discovery_scope": Scope.SUBSYSTEM, "control_timeout": 1, **settings}
@@ -165,10 +165,8 @@ def wait_until():
 
 
 @pytest.fixture
-def jausml(free_port, catalogue, monkeypatch):
+def jausml(free_port):
     """Runs the command line in this process, on the free port; the library is read once."""
-    for module in (ocu, conformance):
-        monkeypatch.setattr(module, "catalogue_from", lambda _: catalogue)
 
     def run(*arguments, input=None):  # noqa: A002 - click's name
         words = [*map(str, arguments), "--port", str(free_port)]

@@ -11,7 +11,8 @@ import sys
 import pytest
 from click.testing import CliRunner
 
-from jausml.cli import main, ocu
+from jausml.cli import main
+from jausml.live.peers.entry_messages import message_class
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import RequestControl
 from jausml.runtime.services.definitions import Status
@@ -19,6 +20,7 @@ from jausml.runtime.services.definitions import Status
 pytestmark = pytest.mark.ports
 
 OPERATOR = JausAddress(65000, 1, 1)
+TARGET = JausAddress(100, 1, 1)
 
 
 def test_discover_shows_subsystem_component_and_services(jausml, vehicle):
@@ -211,8 +213,8 @@ def test_what_a_session_does_not_understand(line, error, jausml, component):
     [
         (("status", "100.1.1"), "100.1.1 does not answer QueryStatus"),
         (("query", "100.1.1", "Time"), "100.1.1 does not answer QueryTime"),
-        (("watch", "100.1.1", "Time"), "100.1.1 confirms no event on QueryTime"),
-        (("services", "100.1.1"), "nobody lists the services of 100.1.1"),
+        (("watch", "100.1.1", "Time"), "100.1.1 does not answer CreateEvent"),
+        (("services", "100.1.1"), "100.1.1 does not answer QueryServices"),
         (("discover", "--duration", "0.1"), "nobody answers"),
         (("command", "100.1.1", "Resume"), "100.1.1 does not answer RequestControl"),
     ],
@@ -221,8 +223,10 @@ def test_nobody_there(arguments, error, jausml):
     result = jausml("ocu", *arguments, "--timeout", "0.15")
     assert result.exit_code == 2
     assert error in result.stderr
-    assert "--interface" in result.stderr
-    assert "firewall" in result.stderr
+    causes = result.stderr.partition("nothing at all was heard")[2]
+    places = [causes.find(each) for each in ("nothing runs", "--interface", "--peer", "firewall")]
+    assert places == sorted(places)
+    assert -1 not in places
 
 
 @pytest.mark.parametrize(
@@ -245,12 +249,84 @@ def test_wrong_usage_exits_with_2_before_anything_is_sent(arguments, error, jaus
     assert error in result.stderr
 
 
-def test_options_may_stand_before_the_command(component, free_port, catalogue, monkeypatch):
+def test_options_may_stand_before_the_command(component, free_port):
     component()
-    monkeypatch.setattr(ocu, "catalogue_from", lambda _: catalogue)
     options = ("--port", str(free_port), "--format", "json")
     result = CliRunner().invoke(main, ["ocu", *options, "status", "100.1.1"])
     assert json.loads(result.stdout)["status"] == "STANDBY", result.stderr
+
+
+MUTE = ("AccessControl", "Management", "Liveness", "Transport")
+
+
+def test_a_component_without_discovery_is_shown_as_one(jausml, component):
+    component(names=MUTE)
+    result = jausml("ocu", "discover", "--duration", "0.4")
+    assert result.exit_code == 0, result.stderr
+    assert "    100.1.1 answers, but offers no Discovery\n" in result.stdout
+    result = jausml("ocu", "services", "100.1.1", "--timeout", "0.3")
+    assert result.exit_code == 2
+    assert "100.1.1 answers (ReportStatus, ReportControl), but not QueryServices" in result.stderr
+    assert "firewall" not in result.stderr
+
+
+def test_a_component_without_the_service_is_told_from_a_silent_one(jausml, component):
+    component(services=("mobility:PrimitiveDriver",))
+    result = jausml("ocu", "query", "100.1.1", "VelocityState", "--timeout", "0.3")
+    assert result.exit_code == 2
+    assert "but not QueryVelocityState: it provides Transport, Events, " in result.stderr
+    assert "and not VelocityStateSensor" in result.stderr
+
+
+def test_a_component_without_data_is_told_from_a_silent_one(jausml, component):
+    component(services=("mobility:VelocityStateSensor",))
+    result = jausml("ocu", "query", "100.1.1", "VelocityState", "--timeout", "0.3")
+    assert "it provides VelocityStateSensor, so it has no data yet or refuses" in result.stderr
+
+
+def test_a_report_that_cannot_be_read_is_said_to_be_that(jausml, component, catalogue):
+    target = component()
+    state = message_class(catalogue.message("ReportVelocityState"))
+    payload = state({"ReportVelocityStateRec": {"Velocity_X": 1.0}}).encode() + b"\1"
+    target.handle(
+        message_class(catalogue.message("QueryVelocityState")),
+        lambda _, sender: target.transport.send(TARGET, sender, payload),
+    )
+    result = jausml("ocu", "query", "100.1.1", "VelocityState", "--timeout", "0.3")
+    assert (
+        "100.1.1 answers QueryVelocityState with a ReportVelocityState that cannot be read: "
+        "1 bytes follow the body of ReportVelocityState" in result.stderr
+    )
+
+
+def test_another_component_that_was_heard_is_named(jausml, component):
+    component()
+    result = jausml("ocu", input="discover 0.3\nstatus 100.1.2\n")
+    assert "nothing came from it, but from 100.1.1: check the id and that it runs" in result.stdout
+
+
+TEXT_MODEL = """
+winch {
+    JAUS SetWinch ( uint16 length { units: "cm" } ) { code: 0xD111  isCommand: true }
+    ROS std_msgs/UInt16
+    ROS->JAUS ( data -> length )
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "output"),
+    [
+        (("ocu", "command", "100.1.1", "SetWinch", '{"length": 7}'), "SetWinch sent to 100.1.1"),
+        (("conformance", "100.1.1", "--only", "liveness"), "0 failed"),
+    ],
+)
+def test_a_model_in_text_is_taken(arguments, output, jausml, component, tmp_path):
+    component()
+    (tmp_path / "acme.ros2jaus").write_text(TEXT_MODEL)
+    result = jausml(*arguments, "--model", tmp_path / "acme.ros2jaus")
+    assert result.exit_code == 0, result.output
+    assert output in result.output
 
 
 @pytest.mark.live

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.live.messages.codec import Codec, Scalar, as_object, shown, too_short
 from jausml.live.messages.errors import DecodeError, EncodeError
-from jausml.live.messages.scalars import check_names, latin1, legal_integer
+from jausml.live.messages.legal import integers_in_words, legal_integer
+from jausml.live.messages.scalars import check_names, latin1
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -124,6 +125,10 @@ class Text(Codec):
         """Appends a text."""
         self.counted.write(latin1(value), out)
 
+    def legal(self) -> str:
+        """Returns how long the text may be."""
+        return f"text of {self.counted.lower} .. {self.counted.upper} characters"
+
 
 class Octets(Codec):
     """Counted bytes of a known format, as `{"hex": ...}`.
@@ -156,6 +161,10 @@ class Octets(Codec):
         fields = as_object(value)
         data = octets(fields, self._encode_message if self.holds_message else None)
         self.counted.write(data, out)
+
+    def legal(self) -> str:
+        """Returns the shape of the object."""
+        return _octets_in_words(self.content, self.counted)
 
 
 class FormattedOctets(Codec):
@@ -198,14 +207,29 @@ class FormattedOctets(Codec):
     def encode(self, value: Any, out: bytearray) -> None:
         """Appends a format and bytes; without `hex` those of the embedded message."""
         fields = as_object(value)
-        check_names(fields, ("format", "hex", MESSAGE), ("format",))
+        known = ("format", "hex", MESSAGE)
+        check_names(fields, known, ("format",), lambda _: self._formats_in_words)
         try:
-            index = legal_integer(fields["format"], self._ranges)
+            index = legal_integer(fields["format"], self._ranges, self.formats)
         except EncodeError as error:
             raise error.inside("format") from None
         out.append(index)
         encode_message = self._encode_message if self.holds_message(index) else None
         self.counted.write(octets(fields, encode_message, "format"), out)
+
+    def legal(self) -> str:
+        """Returns the shape of the object and the formats."""
+        return f"an object of format and hex; format is {self._formats_in_words}"
+
+    @property
+    def _formats_in_words(self) -> str:
+        return integers_in_words(self._ranges, self.formats)
+
+
+def _octets_in_words(content: str, counted: Counted) -> str:
+    shape = "an object of message or hex" if content == JAUS_MESSAGE else "an object of hex"
+    what = f" of {content}" if content else ""
+    return f"{shape}, {counted.lower} .. {counted.upper} bytes{what}"
 
 
 def octets(fields: Mapping[str, Any], encode_message: EncodeMessage | None, *more: str) -> bytes:
@@ -276,6 +300,11 @@ class VariableNumber(Codec):
             number.encode(fields["value"], out)
         except EncodeError as error:
             raise error.inside("value") from None
+
+    def legal(self) -> str:
+        """Returns the shape of the object and the types."""
+        types = ", ".join(f"{index} ({each.legal()})" for index, each in self.alternatives.items())
+        return f"an object of index and value; index is {types}"
 
     @property
     def _known(self) -> str:

@@ -51,6 +51,10 @@ class Codec(ABC):
             EncodeError: The value has no place on the wire.
         """
 
+    @abstractmethod
+    def legal(self) -> str:
+        """Returns what may stand in the field, in words for an error message."""
+
 
 class Scalar(Codec):
     """A field of a fixed number of bytes, one item of a struct format.
@@ -97,6 +101,11 @@ class Scalar(Codec):
         Raises:
             EncodeError: The value is not legal.
         """
+
+
+def no_words(_name: str) -> str:
+    """Returns nothing, where it goes without saying what may stand in a field."""
+    return ""
 
 
 def too_short(size: int, buffer: bytes, offset: int) -> DecodeError:

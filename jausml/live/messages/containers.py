@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jausml.live.messages.codec import Codec, Scalar, as_list, as_object, shown, too_short
 from jausml.live.messages.errors import CodecError, DecodeError, EncodeError
-from jausml.live.messages.scalars import check_names, legal_integer
+from jausml.live.messages.legal import legal_integer, listed
+from jausml.live.messages.scalars import check_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -162,7 +163,7 @@ class Record(Codec):
         """Appends the members; `_pv` is made of those that are there."""
         fields = as_object(value)
         known = self._known if self.presence is None else (*self._known, PRESENCE)
-        check_names(fields, known, self._needed)
+        check_names(fields, known, self._needed, lambda name: self._known[name].codec.legal())
         vector = 0
         if self.presence is not None:
             vector = sum(self._known[name].bit for name in fields if name != PRESENCE)
@@ -181,6 +182,11 @@ class Record(Codec):
                 raise EncodeError(reason, PRESENCE) from None
         for segment in self._layout(vector):
             segment.encode(fields, out)
+
+    def legal(self) -> str:
+        """Returns the names of the members."""
+        names = [each.name for each in self.members]
+        return f"an object of {listed(names)}" if names else "an empty object"
 
     def _layout(self, vector: int) -> Layout:
         """Returns the segments of the members that a presence vector names."""
@@ -251,6 +257,10 @@ class List(Codec):
         self.counted.write_count(len(values), out, "count")
         _encode_elements(self.element, values, out)
 
+    def legal(self) -> str:
+        """Returns how many elements there may be."""
+        return f"a list of {self.counted.lower} .. {self.counted.upper} elements"
+
 
 class Array(Codec):
     """A fixed number of equal fields; a list in wire order, the first dimension slowest.
@@ -280,6 +290,10 @@ class Array(Codec):
         if len(values) != self.count:
             raise EncodeError(f"{len(values)} elements instead of {self.count}")
         _encode_elements(self.element, values, out)
+
+    def legal(self) -> str:
+        """Returns how many elements there must be."""
+        return f"a list of {self.count} elements"
 
 
 class Variant(Codec):
@@ -325,11 +339,15 @@ class Variant(Codec):
             check_names(fields, (TAG,), ())
             return
         name, codec = self.options[tag]
-        check_names(fields, (TAG, name), (name,))
+        check_names(fields, (TAG, name), (name,), lambda _: codec.legal())
         try:
             codec.encode(fields[name], out)
         except EncodeError as error:
             raise error.inside(name) from None
+
+    def legal(self) -> str:
+        """Returns the names of the options."""
+        return f"an object of one option, {self._choices}"
 
     def _tag_of(self, fields: dict[str, Any]) -> int:
         """Returns the tag, which a single known option tells when it is absent."""

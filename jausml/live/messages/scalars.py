@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.messages.codec import Scalar, as_number, as_object, shown
+from jausml.live.messages.codec import Scalar, as_number, as_object, no_words, shown
 from jausml.live.messages.errors import EncodeError, did_you_mean, similar
+from jausml.live.messages.legal import Ranges, integers_in_words, legal_integer, listed
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
-
-Ranges = tuple[tuple[int, int], ...]
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 # Part of a step by which floating point may miss an integer that was decoded before.
 _SLACK = 1e-3
@@ -50,31 +49,12 @@ class Integer(Scalar):
         return value
 
     def to_wire(self, value: Any) -> int:
-        """Returns the wire item of an integer; a real without a fraction is one."""
-        return legal_integer(value, self.ranges) - self.offset
+        """Returns the wire item of an integer, or of the name of one."""
+        return legal_integer(value, self.ranges, self.names) - self.offset
 
-
-def legal_integer(value: Any, ranges: Ranges) -> int:
-    """Returns a value that is a legal integer.
-
-    Args:
-        value: The value; a real without a fraction counts as an integer, as in JSON.
-        ranges: Smallest and largest legal integer of each range.
-
-    Raises:
-        EncodeError: It is not.
-    """
-    number = as_number(value)
-    if isinstance(number, float):
-        if not number.is_integer():
-            raise EncodeError(f"{shown(value)} is not an integer")
-        number = int(number)
-    for lower, upper in ranges:
-        if lower <= number <= upper:
-            return number
-    legal = ", ".join(str(low) if low == high else f"{low} .. {high}" for low, high in ranges[:8])
-    legal += ", ..." if len(ranges) > len(ranges[:8]) else ""
-    raise EncodeError(f"{shown(number)} is not among the legal values {legal}")
+    def legal(self) -> str:
+        """Returns the legal values with their names and unit."""
+        return with_unit(integers_in_words(self.ranges, self.names), self.units)
 
 
 class Real(Scalar):
@@ -100,6 +80,10 @@ class Real(Scalar):
         if self.lower <= number <= self.upper:
             return number
         raise EncodeError(f"{shown(number)} is outside {self.lower!r} .. {self.upper!r}")
+
+    def legal(self) -> str:
+        """Returns the range with its unit."""
+        return with_unit(f"{self.lower!r} .. {self.upper!r}", self.units)
 
 
 class Scaled(Scalar):
@@ -145,6 +129,10 @@ class Scaled(Scalar):
             raise EncodeError(f"{shown(number)} is outside {self.lower!r} .. {self.upper!r}")
         return min(max(self._rounded(position), 0), self.maximum)
 
+    def legal(self) -> str:
+        """Returns the range with its unit."""
+        return with_unit(f"{self.lower!r} .. {self.upper!r}", self.units)
+
     def _rounded(self, position: float) -> int:
         if self.rounding == "floor":
             return math.floor(position + _SLACK)
@@ -173,6 +161,10 @@ class Bits:
     names: Mapping[int, str]
     offset: int = 0
 
+    def legal(self) -> str:
+        """Returns the legal values with their names; see `Codec.legal`."""
+        return integers_in_words(self.ranges, self.names)
+
 
 class BitField(Scalar):
     """An unsigned integer divided into groups of bits, an object of integers.
@@ -181,12 +173,12 @@ class BitField(Scalar):
         groups: The groups of bits.
     """
 
-    __slots__ = ("_names", "groups")
+    __slots__ = ("_known", "groups")
 
     def __init__(self, struct_format: str, groups: Sequence[Bits]) -> None:
         super().__init__(struct_format)
         self.groups = tuple(groups)
-        self._names = tuple(group.name for group in groups)
+        self._known = {group.name: group for group in groups}
 
     def from_wire(self, item: Any) -> dict[str, int]:
         """Returns the integers of the groups."""
@@ -195,15 +187,19 @@ class BitField(Scalar):
     def to_wire(self, value: Any) -> int:
         """Returns the integer that the groups make."""
         fields = as_object(value)
-        check_names(fields, self._names, self._names)
+        check_names(fields, self._known, self._known, lambda name: self._known[name].legal())
         whole = 0
         for group in self.groups:
             try:
-                value = legal_integer(fields[group.name], group.ranges)
+                value = legal_integer(fields[group.name], group.ranges, group.names)
             except EncodeError as error:
                 raise error.inside(group.name) from None
             whole |= value - group.offset << group.low
         return whole
+
+    def legal(self) -> str:
+        """Returns the names of the groups."""
+        return f"an object of {listed([*self._known])}"
 
 
 class FixedText(Scalar):
@@ -233,6 +229,10 @@ class FixedText(Scalar):
             raise EncodeError(f"{shown(value)} has a NUL, which would end it")
         return text.ljust(self.length, b"\0")
 
+    def legal(self) -> str:
+        """Returns the longest text."""
+        return f"text of at most {self.length} characters"
+
 
 def latin1(value: Any) -> bytes:
     """Returns a text as bytes, one for each character.
@@ -251,13 +251,29 @@ def latin1(value: Any) -> bytes:
         raise EncodeError(f"{shown(value)} has characters beyond Latin-1") from None
 
 
-def check_names(fields: Mapping[str, Any], known: Collection[str], needed: Iterable[str]) -> None:
+def with_unit(text: str, units: str) -> str:
+    """Returns a number or a range with its unit, if it has one.
+
+    Args:
+        text: The number or range.
+        units: The unit as the definition says it.
+    """
+    return f"{text} {units}" if units and units != "one" else text
+
+
+def check_names(
+    fields: Mapping[str, Any],
+    known: Collection[str],
+    needed: Iterable[str],
+    legal: Callable[[str], str] = no_words,
+) -> None:
     """Refuses an object with unknown or without needed fields.
 
     Args:
         fields: The object.
         known: Names that may stand in it.
         needed: Names that must stand in it.
+        legal: Returns what may stand in a needed field, in words.
 
     Raises:
         EncodeError: A field is unknown or absent.
@@ -266,7 +282,10 @@ def check_names(fields: Mapping[str, Any], known: Collection[str], needed: Itera
         if name not in known:
             absent = [each for each in known if each not in fields]
             hint = did_you_mean(similar(str(name), absent) or similar(str(name), known))
+            if not hint and absent:
+                hint = f"; it may be {listed(absent)}"
             raise EncodeError(f"unknown field{hint}", str(name))
     for name in needed:
         if name not in fields:
-            raise EncodeError("this field is absent", name)
+            words = legal(name)
+            raise EncodeError(f"this field is absent{f', it takes {words}' * bool(words)}", name)

@@ -140,7 +140,7 @@ class Console:
         for line in subsystem_lines(found):
             self._emit(line)
         if not found:
-            raise NoAnswer(f"nobody answers; {self._operator.hints}")
+            raise NoAnswer(self._operator.nothing_heard)
 
     def _choose(self, rest: str) -> None:
         target, _ = self._aim(rest)
@@ -150,7 +150,7 @@ class Console:
         target, _ = self._aim(rest)
         services = self._operator.services(target)
         if not services:
-            raise NoAnswer(f"nobody lists the services of {target}; {self._operator.hints}")
+            raise self._operator.unanswered(target, "QueryServices", "ReportServices")
         for line in service_lines(services):
             self._emit(line)
 
@@ -225,7 +225,7 @@ class Console:
 
     def _change(self, target: JausAddress, command: Resume | Standby, wanted: Status) -> None:
         state = self._operator.change(target, command, wanted)
-        self._emit(f"{target} is in {state.name}" if state else f"{target} has no Management")
+        self._emit(f"{target} is in {state.name}" if state else f"{target} does not tell its state")
 
     def _send(self, rest: str) -> None:
         target, rest = self._aim(rest)

@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING
 from jausml.live.peers.services import services_of
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import (
+    QueryControl,
     QueryIdentification,
+    QueryStatus,
+    ReportControl,
     ReportIdentification,
     ReportServices,
+    ReportStatus,
 )
 from jausml.runtime.services.definitions import Scope
 from jausml.runtime.services.discovery_messages import query_all_services
@@ -44,12 +48,14 @@ class KnownComponent:
         identification: Name that it reports of itself, empty when it was not heard.
         type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
         services: What it provides.
+        is_silent: Whether it answers, but no question of Discovery.
     """
 
     address: JausAddress
     identification: str = ""
     type: int = 0
     services: tuple[ServiceIdentity, ...] = ()
+    is_silent: bool = False
 
 
 @dataclass
@@ -89,6 +95,8 @@ class Survey:
         self._subsystems: dict[int, KnownSubsystem] = {}
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
+        component.on_message(ReportStatus, self._answered)
+        component.on_message(ReportControl, self._answered)
 
     def take(self, duration: float) -> tuple[KnownSubsystem, ...]:
         """Asks everybody and returns who was heard of, ordered by number.
@@ -127,6 +135,9 @@ class Survey:
     def _ask(self) -> None:
         for destination in (BROADCAST, *self._peers):
             self.ask(destination)
+            # Whoever has no Discovery answers these, as a rule.
+            self._component.send(QueryStatus(), destination)
+            self._component.send(QueryControl(), destination)
 
     def _identified(self, report: ReportIdentification, sender: JausAddress) -> None:
         if sender == self._component.address:
@@ -134,15 +145,22 @@ class Survey:
         subsystem = self._subsystem(sender.subsystem)
         if report.query_type == Scope.SUBSYSTEM:
             subsystem.identification, subsystem.type = report.identification, report.type_
-            self._at(sender)
+            self._at(sender).is_silent = False
         elif report.query_type == Scope.COMPONENT:
             component = self._at(sender)
             component.identification, component.type = report.identification, report.type_
+            component.is_silent = False
 
     def _services(self, report: ReportServices, sender: JausAddress) -> None:
         for address, services in services_of(report, sender.subsystem).items():
             if address != self._component.address and address.is_concrete:
-                self._at(address).services = services
+                component = self._at(address)
+                component.services, component.is_silent = services, False
+
+    def _answered(self, _report: ReportStatus | ReportControl, sender: JausAddress) -> None:
+        components = self._subsystem(sender.subsystem).components
+        if sender not in components and sender != self._component.address:
+            components[sender] = KnownComponent(sender, is_silent=True)
 
     def _subsystem(self, number: int) -> KnownSubsystem:
         return self._subsystems.setdefault(number, KnownSubsystem(number))

@@ -32,18 +32,24 @@ class Network:
     own: JausAddress
     settings: TransportSettings
 
-    def hints(self) -> str:
-        """Returns what to check when nobody answers."""
+    @property
+    def place(self) -> str:
+        """Where we listen."""
         settings = self.settings
-        text = (
-            f"looked on interface {settings.interface}, port {settings.port}, multicast group "
-            f"{settings.multicast_group}. Check that the component runs, that --interface and "
-            "--port are those of its network, and that no firewall drops UDP or multicast; "
-            "--peer ID=HOST:PORT reaches a component without multicast"
+        return (
+            f"listened on interface {settings.interface}, port {settings.port}, multicast group "
+            f"{settings.multicast_group}"
         )
-        if settings.interface == DEFAULT_INTERFACE:
-            text += ". The interface 127.0.0.1 reaches this host only"
-        return text
+
+    def hints(self) -> str:
+        """Returns what may be the cause when nothing at all was heard, the likeliest first."""
+        only = self.settings.interface == DEFAULT_INTERFACE
+        host = " (127.0.0.1 reaches this host only)" if only else ""
+        return (
+            f"{self.place}. Either nothing runs there; or it is on another --interface{host}, "
+            "--port or --multicast-group; or the network carries no multicast, which --peer "
+            "ID=HOST:PORT does without; or a firewall drops UDP"
+        )
 
 
 def make_network(own: str, interface: str, port: int, group: str, peers: Iterable[str]) -> Network:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import Survey
 from jausml.live.peers.entry_messages import find_exchange, find_message, message_class
+from jausml.live.peers.heard import Heard
 from jausml.live.peers.samples import full_query
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.runtime import ControlSession, EventSubscription
     from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.clients.query import PendingQuery
+    from jausml.runtime.transports.delivery import ReceivedMessage
+    from jausml.runtime.transports.transport import Transport
     from jausml.runtime.wire.message import Message
 
 OCU_TYPE = 20001
@@ -41,6 +45,12 @@ ATTEMPTS = 3
 """Fewest times that a question is asked; of long times for an answer, once each second."""
 
 _POLL = 0.01
+
+_GRACE = 0.5
+"""Seconds for the second of two questions, when the first is answered."""
+
+_LAST_LOOK = 1.0
+"""Seconds in which a silent component may answer what nearly all of them answer."""
 
 _SERVICES = tuple(
     ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
@@ -65,22 +75,28 @@ class Operator:
     """
 
     def __init__(
-        self, component: JausComponent, network: Network, catalogue: Catalogue, timeout: float
+        self,
+        component: JausComponent,
+        network: Network,
+        catalogue: Catalogue,
+        heard: Heard,
+        timeout: float,
     ) -> None:
         """Use `running_operator` instead."""
         self.catalogue = catalogue
         self.timeout = timeout
         self.survey = Survey(component, tuple(network.settings.address_book))
         self._component = component
-        self._network = network
+        self._heard = heard
+        self._half_silent: set[JausAddress] = set()
         self._sessions: dict[JausAddress, ControlSession] = {}
         self._rejections: SimpleQueue[JausAddress] = SimpleQueue()
         component.on_message(RejectControl, lambda _, sender: self._rejections.put(sender))
 
     @property
-    def hints(self) -> str:
-        """What to check when nobody answers."""
-        return self._network.hints()
+    def nothing_heard(self) -> str:
+        """What may be the cause when nobody answers."""
+        return f"nobody answers; {self._heard.nothing()}"
 
     # ---- asking -----------------------------------------------------------------------------
 
@@ -91,9 +107,37 @@ class Operator:
             NoAnswer: None comes.
             EncodeError: The query's fields are wrong.
         """
-        answers: SimpleQueue[Message | None] = SimpleQueue()
+        report = self._begin(target, query, report_class).within(None)
+        if report is None:
+            raise self.unanswered(target, query.NAME, report_class.NAME)
+        return report
+
+    def unanswered(self, target: JausAddress, message: str, report: str = "") -> NoAnswer:
+        """Returns the error of a message that stays unanswered, with what was heard.
+
+        A component of which nothing was heard is asked what nearly all of them answer.
+
+        Args:
+            target: The component.
+            message: Name of the message.
+            report: Name of its answer, empty when there are several.
+        """
+        services: tuple[ServiceIdentity, ...] = self.survey.services(target)
+        if not services or not self._heard.of(target):
+            for question in (QueryStatus(), QueryControl()):
+                self._component.send(question, target)
+            self.survey.ask(target)
+            end = time.monotonic() + min(self.timeout, _LAST_LOOK)
+            while not services and time.monotonic() < end:
+                time.sleep(_POLL)
+                services = self.survey.services(target)
+        return NoAnswer(self._heard.why(target, message, report, services))
+
+    def _begin(self, target: JausAddress, query: Message, report_class: type[Message]) -> _Question:
+        """Asks, without waiting for the answer."""
         attempts = max(ATTEMPTS, math.ceil(self.timeout))
-        self._component.query(
+        answers: SimpleQueue[Any] = SimpleQueue()
+        pending = self._component.query(
             target,
             query,
             report_class,
@@ -102,10 +146,7 @@ class Operator:
             timeout=self.timeout / attempts,
             retries=attempts - 1,
         )
-        report = answers.get()
-        if report is None:
-            raise NoAnswer(f"{target} does not answer {query.NAME}; {self._network.hints()}")
-        return report
+        return _Question(pending, answers)
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
         """Returns what a component, or the Discovery service of its subsystem, says it provides.
@@ -126,22 +167,22 @@ class Operator:
     def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:
         """Returns the Management state of a component and who controls it, None where unknown.
 
+        Both are asked at once; after one answer the other one is not waited for as long.
+
         Raises:
             NoAnswer: It answers neither question.
         """
-        state: Status | None = None
-        control: ReportControl | None = None
-        failure: NoAnswer | None = None
-        try:
-            state = _status(self.ask(target, QueryStatus(), ReportStatus))
-        except NoAnswer as error:
-            failure = error
-        try:
-            control = self.ask(target, QueryControl(), ReportControl)
-        except NoAnswer:
-            if failure is not None:
-                raise failure from None
-        return state, control
+        states = self._begin(target, QueryStatus(), ReportStatus)
+        controls = self._begin(target, QueryControl(), ReportControl)
+        while not states.is_over and not controls.is_over:
+            time.sleep(_POLL)
+        grace = _GRACE if target not in self._half_silent else _POLL
+        state, control = states.within(grace), controls.within(grace)
+        if state is None and control is None:
+            raise self.unanswered(target, "QueryStatus", "ReportStatus")
+        if state is None or control is None:
+            self._half_silent.add(target)
+        return None if state is None else _status(state), control
 
     def query(
         self, target: JausAddress, name: str, fields: dict[str, Any] | None = None
@@ -224,7 +265,7 @@ class Operator:
         while not subscription.active:
             if time.monotonic() > end:
                 subscription.cancel()
-                raise NoAnswer(f"{target} confirms no event on {query.name}; {self.hints}")
+                raise self.unanswered(target, "CreateEvent")
             time.sleep(_POLL)
         return subscription
 
@@ -247,9 +288,7 @@ class Operator:
             state = states.get(timeout=self.timeout)
         except Empty:
             self._forget(target)
-            raise NoAnswer(
-                f"{target} does not answer RequestControl; {self._network.hints()}"
-            ) from None
+            raise self.unanswered(target, "RequestControl", "ConfirmControl") from None
         if state is ControlState.REFUSED:
             self._forget(target)
             raise Refused(f"{target} gives no control: {self._why_refused(target)}")
@@ -353,7 +392,9 @@ def running_operator(
         OSError: The network cannot be used as the settings say.
     """
     with running_transport(network.settings) as transport:
-        component = JausComponent(
+        heard = Heard(catalogue, network, transport.counters)
+        component = _Listening(
+            heard,
             transport,
             network.own,
             name="jausml ocu",
@@ -361,12 +402,45 @@ def running_operator(
             component_type=OCU_TYPE,
             settings=ComponentSettings(discovery_scope=Scope.SUBSYSTEM, register_services=False),
         )
-        operator = Operator(component, network, catalogue, timeout)
+        operator = Operator(component, network, catalogue, heard, timeout)
         component.start()
         try:
             yield operator
         finally:
             component.stop()
+
+
+class _Listening(JausComponent):
+    """A component that notes all that comes, also what no service of it takes."""
+
+    def __init__(self, heard: Heard, transport: Transport, *arguments: Any, **others: Any) -> None:
+        super().__init__(transport, *arguments, **others)
+        self._heard = heard
+
+    def _jaus_receive(self, received: ReceivedMessage) -> None:
+        self._heard.note(received)
+        super()._jaus_receive(received)
+
+
+class _Question:
+    """A question that waits for its answer."""
+
+    def __init__(self, pending: PendingQuery, answers: SimpleQueue[Any]) -> None:
+        self._pending = pending
+        self._answers = answers
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the answer is there, or none came in time."""
+        return not self._answers.empty()
+
+    def within(self, seconds: float | None) -> Any:
+        """Returns the answer, or None when none comes in time; then it is asked no more."""
+        try:
+            return self._answers.get(timeout=seconds)
+        except Empty:
+            self._pending.cancel()
+            return None
 
 
 def completed(entry: MessageEntry, fields: dict[str, Any]) -> dict[str, Any]:

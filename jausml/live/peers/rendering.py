@@ -33,7 +33,8 @@ def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:
             if address.node != node:
                 node = address.node
                 yield f"  node {node}"
-            yield f"    {address}{_who(component.identification, component.type)}"
+            silent = " answers, but offers no Discovery" if component.is_silent else ""
+            yield f"    {address}{_who(component.identification, component.type)}{silent}"
             yield from (f"      {line}" for line in service_lines(component.services))
 
 
@@ -68,9 +69,9 @@ def services_json(target: JausAddress, services: Sequence[ServiceIdentity]) -> s
 
 def status_line(state: Status | None, control: ReportControl | None) -> str:
     """Returns the state of a component and who controls it."""
-    words = [state.name if state is not None else "no Management"]
+    words = [state.name if state is not None else "state unknown"]
     if control is None:
-        words.append("no AccessControl")
+        words.append("controller unknown")
     elif control.subsystem_id:
         words.append(
             f"controlled by {controller_of(control)} with authority {control.authority_code}"
@@ -127,6 +128,7 @@ def _component(component: KnownComponent) -> dict[str, Any]:
         "id": str(component.address),
         "identification": printable(component.identification),
         "type": component.type,
+        "discovery": not component.is_silent,
         "services": _services(component.services),
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from jausml.live.messages.legal import listed
 from jausml.live.peers.conformance.probe import Probe
 from jausml.live.peers.conformance.session import PINGS, Limits, Session
 from jausml.live.peers.conformance.trace import Trace
@@ -65,7 +66,7 @@ def opened(
             known=network.settings.address_book.get(target),
         )
         if not probe.find_target():
-            raise TargetNotReached(f"{target} does not answer; {network.hints()}")
+            raise TargetNotReached(f"{target} does not answer; {_why(probe, network)}")
         session = Session(probe, trace, limits or Limits(), catalogue)
         session.services = _announced(session)
         session.ping = _answered_query(session)
@@ -73,6 +74,13 @@ def opened(
             yield session
         finally:
             session.undo()
+
+
+def _why(probe: Probe, network: Network) -> str:
+    if probe.others:
+        others = listed([str(each) for each in sorted(probe.others)])
+        return f"nothing came from it, but from {others}: check the id and that it runs"
+    return f"nothing at all was heard; {network.hints()}"
 
 
 def _announced(session: Session) -> Sequence[ServiceIdentity]:

@@ -45,6 +45,7 @@ class Probe:
         timeout: Seconds to wait for an answer.
         quiet: Seconds of silence that stand for "nothing comes".
         malformed: Datagrams of the target that cannot be read, each with the reason.
+        others: Components that were heard beside the target.
     """
 
     def __init__(
@@ -74,6 +75,7 @@ class Probe:
         self.timeout = timeout
         self.quiet = quiet
         self.malformed: list[str] = []
+        self.others: set[JausAddress] = set()
         self._wire = wire
         self._trace = trace
         self._own = own
@@ -189,7 +191,9 @@ class Probe:
         for packet in packets:
             if packet.source == self.target:
                 self._from_target(arrival, packet)
-            elif packet.destination in self._clients:
+                continue
+            self.others.add(packet.source)
+            if packet.destination in self._clients:
                 self._bystanders.append((arrival.sender, packet))
 
     def _from_target(self, arrival: Arrival, packet: Packet) -> None:

@@ -1,0 +1,128 @@
+"""What a tool has heard, and what follows for a question that stays unanswered."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.live.messages import MessageError
+from jausml.live.messages.legal import listed
+from jausml.runtime.wire.message import DecodeError, read_code
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.live.messages import Catalogue, ServiceEntry
+    from jausml.live.peers.network import Network
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.base.counters import Counters
+    from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.transports.delivery import ReceivedMessage
+
+_MOST_COMPONENTS = 1024
+_MOST_MESSAGES = 64
+
+
+class Heard:
+    """The messages that came to a tool: of each component and code the last one."""
+
+    def __init__(self, catalogue: Catalogue, network: Network, counters: Counters) -> None:
+        """Starts with nothing.
+
+        Args:
+            catalogue: All messages that we know.
+            network: Where the tool listens.
+            counters: What could not be used.
+        """
+        self._catalogue = catalogue
+        self._network = network
+        self._counters = counters
+        self._last: dict[JausAddress, dict[int, bytes]] = {}
+
+    def note(self, message: ReceivedMessage) -> None:
+        """Remembers a message."""
+        if message.source not in self._last and len(self._last) >= _MOST_COMPONENTS:
+            return
+        known = self._last.setdefault(message.source, {})
+        try:
+            code = read_code(message.payload)
+        except DecodeError:
+            return
+        if code in known or len(known) < _MOST_MESSAGES:
+            known[code] = message.payload
+
+    def of(self, source: JausAddress) -> bool:
+        """Whether anything came from a component."""
+        return source in self._last
+
+    def names(self, source: JausAddress) -> list[str]:
+        """Returns the names of the messages that came from a component."""
+        return [self._name(code) for code in tuple(self._last.get(source, ()))]
+
+    def why(
+        self, target: JausAddress, message: str, report: str, services: Sequence[ServiceIdentity]
+    ) -> str:
+        """Returns what is known of a component that leaves a message unanswered.
+
+        Args:
+            target: The component.
+            message: Name of the message that it was sent.
+            report: Name of the answer, empty when there are several.
+            services: What it says that it provides; none when it does not tell.
+        """
+        if not self.of(target):
+            return f"{target} does not answer {message}; {self._why_silent(target)}"
+        fault = self._fault(target, report)
+        if fault:
+            return f"{target} answers {message} with a {report} that cannot be read: {fault}"
+        answers = listed([each for each in self.names(target) if each != report])
+        return f"{target} answers ({answers}), but not {message}: {self._reason(message, services)}"
+
+    def nothing(self) -> str:
+        """Returns what may be the cause when nothing at all was heard, the likeliest first."""
+        drops = self._counters.drops()
+        if drops:
+            counts = ", ".join(f"{name} {number}" for name, number in drops.items())
+            return f"datagrams came that cannot be used ({counts}); {self._network.place}"
+        return f"nothing at all was heard; {self._network.hints()}"
+
+    def _why_silent(self, target: JausAddress) -> str:
+        others = [str(each) for each in sorted(self._last) if each != target]
+        if others:
+            return f"nothing came from it, but from {listed(others)}: check the id and that it runs"
+        return self.nothing()
+
+    def _fault(self, target: JausAddress, report: str) -> str:
+        """Returns why the report that came cannot be read, empty when none came or it can."""
+        for payload in tuple(self._last[target].values()):
+            if self._name(read_code(payload)) == report:
+                try:
+                    self._catalogue.decode(payload)
+                except MessageError as error:
+                    return str(error)
+        return ""
+
+    def _reason(self, message: str, services: Sequence[ServiceIdentity]) -> str:
+        takers = list(self._takers(message))
+        names = listed(list(dict.fromkeys(each.name for each in takers)))
+        if not services:
+            return f"it does not provide {names or 'it'}, has no data yet, or refuses"
+        labels = {f"{each.urn}/{each.major}.{each.minor}" for each in services}
+        provided = [
+            service
+            for service in self._catalogue.services.values()
+            if service.label in labels and any(each in takers for each in service.lineage)
+        ]
+        if provided:
+            return f"it provides {provided[0].name}, so it has no data yet or refuses"
+        own = listed([each.urn.rpartition(":")[2] for each in services])
+        return f"it provides {own}, and not {names or 'a service with this message'}"
+
+    def _takers(self, message: str) -> Iterator[ServiceEntry]:
+        """Yields the services that define a message as their input."""
+        for service in self._catalogue.services.values():
+            if any(each.name == message for each in service.inputs):
+                yield service
+
+    def _name(self, code: int) -> str:
+        entries = self._catalogue.find(code)
+        return entries[0].name if entries else f"message 0x{code:04X}"
