@@ -127,6 +127,14 @@ def test_place_in_the_service(texts, name, features, body, where):
     assert found.eContainer().name == "Demo"
 
 
+@pytest.mark.parametrize(("features", "inherited"), [("isCommand: true", "Management"), ("", None)])
+def test_a_service_with_commands_inherits_management(texts, features, inherited):
+    found = declare(texts, "uint8 a", f"{{ code: 0xD100 {features} }}", "", "SetOwn")
+    parent = found.eContainer().inherits
+    assert (parent and parent.name) == inherited
+    assert parent is None or parent.version == "1.1"
+
+
 def test_codes_are_assigned_in_order_and_skip_what_is_taken(texts):
     text = "\n".join(
         f"m{i} {{ JAUS Own{i} ( uint8 a ) {code} ROS std_msgs/Float64 }}"

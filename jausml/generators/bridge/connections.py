@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.common.components import address_call, inherits, query_for, with_inherited
+from jausml.generators.common.components import address_call, query_for, with_inherited
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
+from jausml.semantics.commands import needs_control, needs_ready
+from jausml.semantics.services import provided_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -240,16 +242,15 @@ class ConnectionView:
 
     @property
     def guard(self) -> str:
-        """Whom the receiver obeys, by what the service of a command inherits (AS5710)."""
-        if not self.message.is_command:
+        """Whom the receiver of a command obeys: the bridge itself, or its peers (AS5710)."""
+        service = self.message_element.eContainer()
+        if service is None or not needs_control(self.message_element, service):
             return "ANY"
         # A command that a service keeps in Standby moves what listens to a topic at once.
-        service = self.message_element.eContainer()
-        if service is None:
-            return "ANY"
-        if inherits(service, "Management"):
-            return "READY"
-        return "CONTROLLED" if inherits(service, "AccessControl") else "ANY"
+        receivers = (self.connection.eContainer(),) if self.to_ros else self.connection.peers
+        provided = [provided_services(each) for each in receivers if each is not None]
+        is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
+        return "READY" if is_for_ready else "CONTROLLED"
 
     @property
     def _handler_guard(self) -> str:

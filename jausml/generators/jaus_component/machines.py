@@ -12,7 +12,7 @@ from jausml.generators.jaus_component.handlers import Method, documented
 from jausml.generators.jaus_component.machine_views import EventView, MachineMethod, MachineView
 from jausml.generators.jaus_component.walks import walks
 from jausml.generators.python import names
-from jausml.generators.python.guards import condition, guard_of
+from jausml.generators.python.guards import condition
 from jausml.generators.python.statements import call, tuple_of
 from jausml.languages.guards import (
     AllOf,
@@ -23,6 +23,7 @@ from jausml.languages.guards import (
     conditions,
     parse_guard,
 )
+from jausml.semantics.commands import guard_of
 from jausml.semantics.core_services import SERVED_BY_RUNTIME
 from jausml.semantics.inherited_machines import CORE_STATES, Machine, Node, event_name, machines_of
 
@@ -213,12 +214,18 @@ class Machines:
         """
         return code in self._taken
 
-    def registration(self, message: jaus.MessageDef, service: jaus.Service) -> str:
+    def registration(
+        self,
+        message: jaus.MessageDef,
+        service: jaus.Service,
+        provided: tuple[jaus.Service, ...],
+    ) -> str:
         """Returns the statement of the constructor that gives a message to the machines.
 
         Args:
             message: The message.
             service: The service that takes it.
+            provided: All services that the component provides.
         """
         view = self._view(message)
         report = components.report_for(message, components.with_inherited([service]))
@@ -233,7 +240,9 @@ class Machines:
                 classes = (view.class_name, self._view(report).class_name)
                 return call("self.provide_by_machines", *classes, *makers)
         _, is_free = self._taken[view.code]
-        guard = "ANY" if is_free else guard_of(message, service)
+        # Where the core services are extended, the guards of the machine say who is obeyed.
+        is_free = is_free and components.inherits(service, "AccessControl")
+        guard = "ANY" if is_free else guard_of(message, service, provided)
         when = [f"when={condition(message, guard)}"] if guard != "ANY" else []
         arguments = (view.class_name, *when)
         return call("self.handle_by_machines", *arguments)

@@ -26,9 +26,10 @@ from jausml.generators.jaus_component.handlers import (
 from jausml.generators.python import names
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.message_examples import example_bytes
-from jausml.generators.python.guards import condition, guard_of, may_set_limits
+from jausml.generators.python.guards import condition, may_set_limits
 from jausml.generators.python.package import EntryPoint
 from jausml.generators.python.statements import call, long_string
+from jausml.semantics.commands import guard_of
 from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
 
 if TYPE_CHECKING:
@@ -116,8 +117,11 @@ class ComponentView:
     @functools.cached_property
     def _services(self) -> tuple[jaus.Service, ...]:
         """Provided services whose messages the component itself handles, bases first."""
-        provided = components.with_inherited(self.component.provides)
-        return tuple(s for s in provided if s.urn not in SERVED_BY_RUNTIME)
+        return tuple(s for s in self._provided if s.urn not in SERVED_BY_RUNTIME)
+
+    @functools.cached_property
+    def _provided(self) -> tuple[jaus.Service, ...]:
+        return tuple(components.with_inherited(self.component.provides))
 
     @functools.cached_property
     def _messages(self) -> dict[jaus.MessageDef, MessageView]:
@@ -201,7 +205,7 @@ class ComponentView:
             for message in service.inputs:
                 code = self._messages[message].code
                 if self._machines.takes(code):
-                    found[code] = self._machines.registration(message, service)
+                    found[code] = self._machines.registration(message, service, self._provided)
         return tuple(found.values())
 
     @property
@@ -239,7 +243,7 @@ class ComponentView:
                 yield each.silent
 
     def _handler(self, message: jaus.MessageDef, service: jaus.Service) -> Handler:
-        view, guard = self._messages[message], guard_of(message, service)
+        view, guard = self._messages[message], guard_of(message, service, self._provided)
         whom = GUARD_TEXTS[guard]
         if guard == "READY" and may_set_limits(message):
             whom += "; limits in Standby too"

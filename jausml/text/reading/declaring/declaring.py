@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from jausml.model.uris import library_root
+from jausml.model.uris import LIBRARY_URI, library_root
 from jausml.text.reading.declaring.common import Types
 from jausml.text.reading.declaring.jaus import JausFields
 from jausml.text.reading.declaring.ros import RosFields
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 FIRST_CODE = 0xD000
 LAST_CODE = 0xFFFF
+
+MANAGEMENT = f"{LIBRARY_URI}jaus/core-1.1.xmi#Management"
+"""What a service with commands inherits: only so can it tell its controller from strangers."""
 
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
@@ -103,6 +106,9 @@ class Declarer:
         name = service_name(self._path)
         self._nodes.value(service, "name", name, first)
         self._nodes.value(service, "urn", f"urn:jausml:{system_name(self._path)}:{name}", first)
+        command = next((each.end for each in ends if is_command(each.end)), None)
+        if command is not None:
+            self._nodes.href(service, "inherits", MANAGEMENT, command.type.span)
         used = known.message_codes() | {code for each in ends if (code := stated_code(each.end))}
         for written in ends:
             self._message(service, written, used, known)
@@ -157,15 +163,19 @@ def message_feature(written: WrittenEnd) -> str:
     """
     end = written.end
     name = end.type.text
-    is_command = any(
-        each.name.text == "isCommand" and [getattr(v, "text", "") for v in each.values] == ["true"]
-        for each in end.features
-    )
-    if is_command or name.startswith(("Query", "Set")):
+    if is_command(end) or name.startswith(("Query", "Set")):
         return "inputs"
     directions = {child.tag for child in written.node.children}
     is_sent = "toJaus" in directions and "toRos" not in directions
     return "inputs" if is_sent and not name.startswith("Report") else "outputs"
+
+
+def is_command(end: End) -> bool:
+    """Tells whether an end declares a command."""
+    return any(
+        each.name.text == "isCommand" and [getattr(v, "text", "") for v in each.values] == ["true"]
+        for each in end.features
+    )
 
 
 def stated_code(end: End) -> int | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics.commands import is_command
 from jausml.semantics.flows import find_loops, flow_of
 from jausml.semantics.layouts import attributes
 from jausml.semantics.services import (
@@ -177,7 +178,7 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
     Good: `control="false"` for this peer
     """
     for connection in _sound_connections(subject):
-        if _to_ros(connection) or not connection.control or not connection.map.message.isCommand:
+        if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
             continue
         for peer in connection.peers:
             if is_known(subject, peer) and not provides_access_control(peer):

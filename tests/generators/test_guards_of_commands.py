@@ -1,0 +1,94 @@
+"""Commands of own services: nobody but the controller is obeyed, however the service is written."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGES
+from jausml.generators.jaus_component.target import TARGET as COMPONENTS
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+MAPS = """
+set_winch {
+  JAUS SetWinch %s
+  ROS std_msgs/Float32
+  JAUS->ROS ( speed -> data )
+  ROS->JAUS ( data -> speed )
+}
+"""
+IN_MAP = MAPS % "( float32 speed ) { code: 0xD101 isCommand: true }"
+OWN_SERVICE = (
+    MAPS % ""
+    + """
+service Winding {
+  urn: "urn:example:Winding"
+  inputs: new message_def SetWinch {
+    code: 0xD101
+    isCommand: true
+    body: new record rec { fixed_field speed { type: float32 } }
+  }
+}
+"""
+)
+SYSTEM = """
+component winch { address: 1.1.1  provides: %(provided)s }
+bridge deck {
+  address: 1.1.2
+  provides: %(provided)s
+  connection command { map: set_winch direction: jausToRos topic winch { } }
+  connection wind { map: set_winch direction: rosToJaus peers: winch topic wheel { } }
+}
+"""
+
+
+def guards(folder, text):
+    """Return the guards in the generated bases: of the handler, and of both connections."""
+    path = folder / "demo.ros2jaus"
+    path.write_text(f"import `jaus.core-1.1`\n{text}", encoding="utf-8")
+    read = read_models([path], notations=NOTATIONS)
+    assert [each for each in read.diagnostics if each.severity.name == "ERROR"] == []
+    bases = {
+        Path(each.path).name: each.text
+        for each in render(read.model, [BRIDGES, COMPONENTS])
+        if each.path.endswith("_base.py")
+    }
+    handler = re.search(
+        r"self\.handle\(\s*SetWinch,[^)]*?when=Guard\.(\w+)", bases["winch_base.py"]
+    )
+    taken = re.search(r"when=Guard\.(\w+)", bases["deck_base.py"])
+    sent = re.search(r"control=Guard\.(\w+)", bases["deck_base.py"])
+    return [each and each[1] for each in (handler, taken, sent)]
+
+
+def test_a_service_declared_in_maps_inherits_what_its_commands_need(tmp_path):
+    text = IN_MAP + SYSTEM % {"provided": "Demo"}
+    assert guards(tmp_path, text) == ["READY", "READY", "READY"]
+
+
+@pytest.mark.parametrize(
+    ("core", "expected"),
+    [(", Management", "READY"), (", AccessControl", "CONTROLLED"), ("", "CONTROLLED")],
+)
+def test_a_service_that_inherits_nothing_shares_the_controller_of_its_component(
+    tmp_path, core, expected
+):
+    text = OWN_SERVICE + SYSTEM % {"provided": f"Winding{core}"}
+    assert guards(tmp_path, text) == [expected] * 3
+
+
+def test_commands_for_everyone_are_those_of_published_services(tmp_path):
+    """RemoveDigitalResourceEndpoint is a command of a service without AccessControl."""
+    path = tmp_path / "demo.ros2jaus"
+    path.write_text("component store { address: 1.1.1  provides: DigitalResourceDiscovery }")
+    read = read_models([path], notations=NOTATIONS)
+    base = next(
+        each.text for each in render(read.model, [COMPONENTS]) if each.path.endswith("_base.py")
+    )
+    assert "RemoveDigitalResourceEndpoint" in base
+    assert "when=Guard.READY" not in base
+    assert "when=Guard.CONTROLLED" not in base
