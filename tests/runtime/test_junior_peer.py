@@ -62,3 +62,68 @@ def test_an_empty_message_ends_a_generated_component(station, peer, free_port, w
         wait_until(lambda: not component.alive)
         component.restart()
         assert component.alive
+
+
+def big(count: int, size: int) -> list[bytes]:
+    return [STATUS + os.urandom(size - len(STATUS)) for _ in range(count)]
+
+
+def met(station, junior, wait_until):
+    """A component that knows where the peer is."""
+    driver = station().attach(DRIVER)
+    assert junior.send(DRIVER, b"\x01\x40", acknowledge=True)
+    wait_until(lambda: driver.payloads)
+    driver.received.clear()
+    return driver
+
+
+@pytest.mark.parametrize(("count", "size"), [(3, 100_000), (8, 100_000), (8, 50_000)])
+def test_large_messages_at_the_same_time_all_arrive(station, junior, wait_until, count, size):
+    """It holds 50 loose packets; those of several messages by turns push each other out."""
+    driver = met(station, junior, wait_until)
+    sent, results = big(count, size), []
+    for payload in sent:
+        driver.transport.send(DRIVER, PEER, payload, acknowledge=True, on_result=results.append)
+    wait_until(lambda: len(results) == count, 60)
+    assert results == [True] * count
+    wait_until(lambda: len(junior.payloads) == count)
+    assert junior.payloads == sent
+    assert junior.thrown_away == 0
+
+
+@pytest.mark.parametrize("size", [50_000, 100_000, 150_000, 200_000])
+def test_a_large_message_without_acknowledgement_arrives(station, junior, wait_until, size):
+    """Its receive buffer holds 70,000 bytes, which a message in one go does not fit."""
+    driver = met(station, junior, wait_until)
+    (sent,) = big(1, size)
+    driver.transport.send(DRIVER, PEER, sent)
+    wait_until(lambda: junior.payloads == [sent], 60)
+
+
+def test_messages_of_several_packets_in_a_row_arrive(station, junior, wait_until):
+    driver = met(station, junior, wait_until)
+    sent = big(6, 38_000)
+    for payload in sent:
+        driver.transport.send(DRIVER, PEER, payload)
+    wait_until(lambda: len(junior.payloads) == len(sent), 60)
+    assert junior.payloads == sent
+
+
+def test_a_burst_of_acknowledged_messages_arrives(station, junior, wait_until):
+    driver = met(station, junior, wait_until)
+    results: list[bool] = []
+    for _ in range(1000):
+        driver.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+    wait_until(lambda: len(results) == 1000, 60)
+    assert results == [True] * 1000
+    assert len(junior.payloads) == 1000
+
+
+def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, wait_until, caplog):
+    driver = met(station, junior, wait_until)
+    results: list[bool] = []
+    for payload in big(2, 52 * 4079):
+        driver.transport.send(DRIVER, PEER, payload, on_result=results.append)
+    wait_until(lambda: len(results) == 2, 60)
+    assert junior.payloads == []
+    assert caplog.text.count("takes 52 packets; Junior") == 1

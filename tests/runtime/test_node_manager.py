@@ -231,11 +231,12 @@ def test_a_manager_that_cancels_is_asked_again(client, by_hand, wait_until):
 
 
 def test_a_busy_manager_is_waited_for(client, by_hand, wait_until):
-    """The system holds few datagrams for a local socket; fragments come in bursts."""
+    """The system holds few datagrams for a local socket; messages come in bursts."""
     here = client().attach(DRIVER)
     by_hand.say(ACCEPT)
     wait_until(lambda: here.transport.is_attached(DRIVER))
-    here.transport.send(DRIVER, OCU, bytes(4079 * 200))
+    for _ in range(200):
+        here.transport.send(DRIVER, OCU, bytes(4079))
     received = 0
     while received < 200:
         received += by_hand.receive()[0] == 2

@@ -126,12 +126,16 @@ class TestWildcards:
     def test_a_broadcast_is_not_fragmented(self, station, wait_until, caplog):
         driver = station(fragment_size=100).attach(DRIVER)
         results: list[bool] = []
-        driver.transport.send(DRIVER, BROADCAST, bytes(101), on_result=results.append)
+        driver.transport.send(DRIVER, BROADCAST, bytes(4080), on_result=results.append)
         wait_until(lambda: results)
         assert results == [False]
         assert driver.counter("transport.broadcast_too_large") == 1
-        assert "a broadcast goes in one packet, of 100 bytes at most" in caplog.text
+        assert "a broadcast goes in one packet, of 4079 bytes at most" in caplog.text
         assert driver.counter("judp.sent") == 0
+
+    def test_a_broadcast_is_sent_whole_where_other_packets_are_small(self, station, peer):
+        station(fragment_size=100).transport.send(DRIVER, BROADCAST, STATUS + bytes(1000))
+        assert peer.overhear().payload == STATUS + bytes(1000)
 
 
 class TestSameProcess:

@@ -82,16 +82,19 @@ class Transport(ABC):
     ) -> None:
         """Send one message; callable from any thread, sends on it, never blocks.
 
-        Failures of the network are counted and reported to ``on_result``.
+        Messages of several packets that are acknowledged go to one destination one after the
+        other; messages of one packet do not wait for them. Failures of the network are counted
+        and reported to ``on_result``.
 
         Args:
             source: Component that sends, of this process.
             destination: Component, or a wildcard for several.
             payload: Little-endian 16-bit message code and body.
             priority: Priority of the message.
-            acknowledge: Repeat until acknowledged; of several receivers one is enough.
+            acknowledge: Repeat until acknowledged; of several receivers one is enough. A message
+                of more than ten packets is repeated in any case.
             on_result: Told once whether the message was acknowledged or received in this
-                process; without ``acknowledge``, whether it was put on the network.
+                process; where no acknowledgement is asked for, whether it was put on the network.
 
         Raises:
             ValueError: The source is not one component or the payload has no message code.

@@ -5,7 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
+from ...base.counters import LOGGER
+from ...base.settings import MAX_FRAGMENT_SIZE
 from ..delivery import MESSAGE_CODE_SIZE, report
+from .bursts import Bursts
 from .carrier import Carrier, Origin, ReliableCarrier
 from .inbox import Inbox
 from .outbox import Outbox
@@ -18,9 +21,15 @@ if TYPE_CHECKING:
     from ...base.settings import TransportSettings
     from ..delivery import OnResult
 
+_HELD_BY_PEERS = 50
+_WINDOW = 8
+
 
 class Messenger(Generic[Origin]):
     """Messages of the components of one process: numbers, repeats, receives, acknowledges.
+
+    A message of so many packets that a receiver may lose some of them asks for acknowledgement,
+    whether the sender wants it or not: without one of its packets it is worth nothing.
 
     Components of this process are reached without the network. A transport supplies how packets
     leave and gives what arrives to ``inbox``.
@@ -42,12 +51,13 @@ class Messenger(Generic[Origin]):
         """
         self._loop = loop
         self._transmit = carrier.transmit
-        self._packet_size = settings.fragment_size
         self._packetizer = Packetizer(settings.fragment_size)
+        self._bursts = Bursts()
         self._outbox = Outbox(settings, loop, carrier)
+        self._has_warned = False
         self._is_reliable = isinstance(carrier, ReliableCarrier)
         self._send_all = (
-            carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_out
+            carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_in_one_go
         )
         self.inbox: Inbox[Origin] = Inbox(settings, loop, self._outbox.acknowledged, carrier)
 
@@ -79,7 +89,7 @@ class Messenger(Generic[Origin]):
         if refusal:
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
             if destination.is_wildcard:
-                detail += f"; a broadcast goes in one packet, of {self._packet_size} bytes at most"
+                detail += f"; a broadcast goes in one packet, of {MAX_FRAGMENT_SIZE} bytes at most"
             self._loop.counters.count(refusal, detail)
             report(self._loop, on_result, success=False)
             return
@@ -87,12 +97,20 @@ class Messenger(Generic[Origin]):
             number = self._packetizer.reserve(source, 1)
             self._send_here(Packet(destination, source, payload, number, priority), on_result)
             return
-        wanted = AckNak.REQUESTED if acknowledge and not self._is_reliable else AckNak.NONE
+        count = self._packetizer.count(destination, len(payload))
+        asks = not self._is_reliable and (acknowledge or not self._can_take(destination, count))
+        wanted = AckNak.REQUESTED if asks else AckNak.NONE
         packets = self._packetizer.packets(source, destination, payload, priority, wanted)
         if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
             self._send_here(packets[0], on_result)
             on_result = None
-        self._send_all(packets, on_result)
+        if asks:
+            # One by one, as Junior does, if the sender insists; otherwise without long pauses.
+            self._outbox.send(packets, on_result, window=1 if acknowledge else _WINDOW)
+        else:
+            self._send_all(packets, on_result)
+        if count > _HELD_BY_PEERS:
+            self._warn_of_size(packets[0], count)
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
         """Deliver to components of this process, in the next round of the loop."""
@@ -103,9 +121,25 @@ class Messenger(Generic[Origin]):
         self.inbox.deliver(packet, receivers)
         report(self._loop, on_result, success=bool(receivers))
 
-    def _send_out(self, packets: list[Packet], on_result: OnResult | None) -> None:
-        if packets[0].acknowledge:
-            self._outbox.send(packets, on_result)
-            return
+    def _can_take(self, destination: JausAddress, count: int) -> bool:
+        """Return whether a destination can take so many packets in one go and in a row."""
+        if count == 1:
+            return True
+        if self._outbox.has_large(destination):
+            return False
+        return self._bursts.fits(destination, count, self._loop.now())
+
+    def _send_in_one_go(self, packets: list[Packet], on_result: OnResult | None) -> None:
         sent = [self._transmit(packet) for packet in packets]
         report(self._loop, on_result, success=all(sent))
+
+    def _warn_of_size(self, packet: Packet, count: int) -> None:
+        if not self._has_warned:
+            self._has_warned = True
+            LOGGER.warning(
+                "a message to %s takes %d packets; Junior and the JAUS Tool Set hold %d of an "
+                "unfinished message and lose it, though they acknowledge each (said once)",
+                packet.destination,
+                count,
+                _HELD_BY_PEERS,
+            )

@@ -6,33 +6,35 @@ import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from .lane import Lane, Message
 
+if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
+    from ..delivery import OnResult
     from .carrier import Carrier
     from .packet import Packet
 
-_MAX_WAITING = 4096
+_MAX_MESSAGES = 4096
+_MAX_BYTES = 16 << 20
 
 
-class _Waiting:
-    """A message whose packets are sent one by one, each after the one before was acknowledged."""
+class _Flight:
+    """A packet under way."""
 
-    __slots__ = ("on_result", "packets", "position", "repetitions", "timer")
+    __slots__ = ("message", "packet", "repetitions", "since", "timer")
 
-    def __init__(self, packets: list[Packet], on_result: Callable[[bool], None] | None) -> None:
-        self.packets = packets
-        self.on_result = on_result
-        self.position = 0
+    def __init__(self, message: Message, packet: Packet, since: float) -> None:
+        self.message = message
+        self.packet = packet
+        self.since = since
         self.repetitions = 0
         self.timer: Timer | None = None
 
     @property
-    def packet(self) -> Packet:
-        return self.packets[self.position]
+    def key(self) -> tuple[JausAddress, int]:
+        return self.packet.source, self.packet.sequence
 
 
 class Outbox:
@@ -40,7 +42,9 @@ class Outbox:
 
     A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up
     after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast.
-    Callable from any thread; results are reported on the loop's thread.
+    With it goes all that waits for a destination which acknowledged nothing meanwhile. The lane
+    of each destination says which packets are under way at once. Callable from any thread;
+    results are reported on the loop's thread.
     """
 
     def __init__(
@@ -61,89 +65,153 @@ class Outbox:
         self._loop = loop
         self._carrier = carrier
         self._lock = threading.Lock()
-        self._waiting: dict[tuple[JausAddress, int], _Waiting] = {}
+        self._lanes: dict[JausAddress, Lane] = {}
+        self._flights: dict[tuple[JausAddress, int], _Flight] = {}
+        self._messages: set[Message] = set()
+        self._size = 0
 
     def __len__(self) -> int:
-        """Return how many messages wait."""
-        return len(self._waiting)
+        """Return how many messages wait or are under way."""
+        return len(self._messages)
 
-    def send(self, packets: list[Packet], on_result: Callable[[bool], None] | None) -> None:
-        """Send the packets of one message, which ask for acknowledgement, one by one.
+    def has_large(self, destination: JausAddress) -> bool:
+        """Return whether a message of several packets is under way to a destination."""
+        lane = self._lanes.get(destination)
+        return lane is not None and lane.has_large
+
+    def send(self, packets: list[Packet], on_result: OnResult | None, window: int = 1) -> None:
+        """Send the packets of one message, which ask for acknowledgement, when it is their turn.
 
         Args:
             packets: Fragments in order, or the only packet.
             on_result: Told once whether all packets were acknowledged.
+            window: How many of the packets may be under way at once.
         """
-        waiting = _Waiting(packets, on_result)
-        if len(self._waiting) >= _MAX_WAITING:
-            self._loop.counters.count(
-                "transport.too_many_unacknowledged", str(packets[0].destination)
-            )
-            self._report(waiting, acknowledged=False)
-            return
+        message = Message(packets, on_result, window)
+        destination = packets[0].destination
         with self._lock:
-            self._wait_for(waiting)
-        self._carrier.transmit(packets[0])  # the loop may have gone on to a later one meanwhile
+            is_taken = self._has_room_for(message)
+            ready = self._put(message, destination) if is_taken else []
+        if not is_taken:
+            self._loop.counters.count("transport.too_many_unacknowledged", str(destination))
+            self._report(message, acknowledged=False)
+        self._transmit(ready)
 
     def acknowledged(self, packet: Packet) -> bool:
         """Take an acknowledgement; return whether a packet waited for it."""
-        key = (packet.destination, packet.sequence)
         with self._lock:
-            waiting = self._waiting.get(key)
-            if waiting is None or not waiting.packet.destination.matches(packet.source):
+            flight = self._flights.get((packet.destination, packet.sequence))
+            if flight is None or not flight.packet.destination.matches(packet.source):
                 return False
-            del self._waiting[key]
-            if waiting.timer is not None:
-                waiting.timer.cancel()
-            waiting.position += 1
-            is_last = waiting.position == len(waiting.packets)
-            if not is_last:
-                waiting.repetitions = 0
-                self._wait_for(waiting)
-        if is_last:
-            self._report(waiting, acknowledged=True)
-        else:
-            self._carrier.transmit(waiting.packet)
+            self._land(flight)
+            message, destination = flight.message, flight.packet.destination
+            lane = self._lanes[destination]
+            lane.heard = self._loop.now()
+            if message.is_done:
+                self._forget(message, lane)
+            ready = self._take_off(lane, destination)
+        if message.is_done:
+            self._report(message, acknowledged=True)
+        self._transmit(ready)
         return True
 
     def close(self) -> None:
         """Give up everything; the results are reported."""
         with self._lock:
-            abandoned = list(self._waiting.values())
-            self._waiting.clear()
-        for waiting in abandoned:
-            if waiting.timer is not None:
-                waiting.timer.cancel()
-            self._report(waiting, acknowledged=False)
+            abandoned = list(self._messages)
+            for flight in list(self._flights.values()):
+                self._land(flight)
+            self._messages.clear()
+            self._lanes.clear()
+            self._size = 0
+        for message in abandoned:
+            self._report(message, acknowledged=False)
 
-    def _wait_for(self, waiting: _Waiting) -> None:
-        packet = waiting.packet
-        self._waiting[packet.source, packet.sequence] = waiting
-        waiting.timer = self._loop.call_later(
-            self._settings.acknowledge_timeout, partial(self._expired, waiting, waiting.position)
+    def _has_room_for(self, message: Message) -> bool:
+        """Whether a message may wait; one alone may be of any size."""
+        fits = self._size + message.size <= _MAX_BYTES or not self._size
+        return fits and len(self._messages) < _MAX_MESSAGES
+
+    def _put(self, message: Message, destination: JausAddress) -> list[Packet]:
+        lane = self._lanes.get(destination)
+        if lane is None:
+            lane = self._lanes[destination] = Lane()
+        self._messages.add(message)
+        self._size += message.size
+        lane.add(message)
+        return self._take_off(lane, destination)
+
+    def _take_off(self, lane: Lane, destination: JausAddress) -> list[Packet]:
+        """Return the packets that are to be transmitted now."""
+        flights = [_Flight(*ready, self._loop.now()) for ready in lane.ready()]
+        for flight in flights:
+            self._flights[flight.key] = flight
+            self._wait_for(flight)
+        if lane.is_empty:
+            del self._lanes[destination]
+        return [flight.packet for flight in flights]
+
+    def _wait_for(self, flight: _Flight) -> None:
+        flight.timer = self._loop.call_later(
+            self._settings.acknowledge_timeout, partial(self._expired, flight)
         )
 
-    def _expired(self, waiting: _Waiting, position: int) -> None:
-        with self._lock:
-            packet = waiting.packets[position]
-            key = (packet.source, packet.sequence)
-            if waiting.position != position or self._waiting.get(key) is not waiting:
-                return
-            repeat = waiting.repetitions < self._settings.acknowledge_retries
-            if repeat:
-                waiting.repetitions += 1
-                self._wait_for(waiting)
-            else:
-                del self._waiting[key]
-        if waiting.repetitions == self._settings.acknowledge_retries:
-            self._carrier.suspect(packet.destination)
-        if repeat:
-            self._loop.counters.add("transport.repeated")
-            self._carrier.transmit(packet)
-        else:
-            self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
-            self._report(waiting, acknowledged=False)
+    def _land(self, flight: _Flight) -> None:
+        del self._flights[flight.key]
+        flight.message.under_way -= 1
+        if flight.timer is not None:
+            flight.timer.cancel()
 
-    def _report(self, waiting: _Waiting, *, acknowledged: bool) -> None:
-        if waiting.on_result is not None:
-            self._loop.call_soon(partial(waiting.on_result, acknowledged))
+    def _forget(self, message: Message, lane: Lane) -> None:
+        lane.remove(message)
+        self._drop(message)
+
+    def _drop(self, message: Message) -> None:
+        self._messages.discard(message)
+        self._size -= message.size
+
+    def _expired(self, flight: _Flight) -> None:
+        given_up: list[Message] = []
+        ready: list[Packet] = []
+        packet = flight.packet
+        with self._lock:
+            if self._flights.get(flight.key) is not flight:
+                return
+            if flight.repetitions < self._settings.acknowledge_retries:
+                flight.repetitions += 1
+                self._wait_for(flight)
+                ready = [packet]
+                self._loop.counters.add("transport.repeated")
+            else:
+                given_up = self._give_up(flight)
+                lane = self._lanes[packet.destination]
+                ready = self._take_off(lane, packet.destination)
+        if flight.repetitions == self._settings.acknowledge_retries:
+            self._carrier.suspect(packet.destination)
+        for message in given_up:
+            self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")
+            self._report(message, acknowledged=False)
+        self._transmit(ready)
+
+    def _give_up(self, flight: _Flight) -> list[Message]:
+        """Forget a message, and what waits behind it if its destination is silent."""
+        message = flight.message
+        lane = self._lanes[flight.packet.destination]
+        for packet in message.packets[: message.sent]:
+            other = self._flights.get((packet.source, packet.sequence))
+            if other is not None and other.message is message:
+                self._land(other)
+        self._forget(message, lane)
+        waiting = lane.give_up_waiting() if lane.heard < flight.since else []
+        for each in waiting:
+            self._drop(each)
+        return [message, *waiting]
+
+    def _transmit(self, packets: list[Packet]) -> None:
+        """Put packets on the network; without the lock, since the loop may be waiting for it."""
+        for packet in packets:
+            self._carrier.transmit(packet)
+
+    def _report(self, message: Message, *, acknowledged: bool) -> None:
+        if message.on_result is not None:
+            self._loop.call_soon(partial(message.on_result, acknowledged))

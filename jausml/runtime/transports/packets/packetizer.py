@@ -6,6 +6,7 @@ import random
 import threading
 from typing import TYPE_CHECKING
 
+from ...base.settings import MAX_FRAGMENT_SIZE
 from .packet import Broadcast, DataFlags, Packet
 
 if TYPE_CHECKING:
@@ -13,16 +14,21 @@ if TYPE_CHECKING:
     from .packet import AckNak, Priority
 
 _MAX_FRAGMENTS = 32768
+_MOST_SMALL_FRAGMENTS = 40
 
 
 class Packetizer:
-    """Numbers the packets of each source and cuts large messages; callable from any thread."""
+    """Numbers the packets of each source and cuts large messages; callable from any thread.
+
+    Packets are larger than wished for where a message would take more than 40 of them, since
+    Junior and the JAUS Tool Set hold no more than 50 of an unfinished message.
+    """
 
     def __init__(self, fragment_size: int) -> None:
         """Start with no numbers used.
 
         Args:
-            fragment_size: Largest payload of one packet in bytes.
+            fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
         """
         self._fragment_size = fragment_size
         self._sequences: dict[JausAddress, int] = {}
@@ -32,12 +38,16 @@ class Packetizer:
         """Return the counter of what forbids to send so many bytes, if anything does."""
         if destination.is_wildcard:
             # Peers do not reassemble broadcasts (Junior refuses to send them).
-            return "transport.broadcast_too_large" if size > self._fragment_size else ""
+            return "transport.broadcast_too_large" if size > MAX_FRAGMENT_SIZE else ""
         if not destination.is_concrete:
             return "transport.bad_destination"
-        if size > self._fragment_size * _MAX_FRAGMENTS:
+        if size > MAX_FRAGMENT_SIZE * _MAX_FRAGMENTS:
             return "transport.message_too_large"
         return ""
+
+    def count(self, destination: JausAddress, size: int) -> int:
+        """Return how many packets a message of so many bytes takes."""
+        return -(-size // self._step(destination, size))
 
     def packets(
         self,
@@ -48,7 +58,7 @@ class Packetizer:
         acknowledge: AckNak,
     ) -> list[Packet]:
         """Return the packets of a message with their sequence numbers."""
-        step, none = self._fragment_size, Broadcast.NONE
+        step, none = self._step(destination, len(payload)), Broadcast.NONE
         if len(payload) <= step:
             number = self.reserve(source, 1)
             return [Packet(destination, source, payload, number, priority, none, acknowledge)]
@@ -68,6 +78,14 @@ class Packetizer:
             )
             for index, (part, flag) in enumerate(zip(parts, flags, strict=True))
         ]
+
+    def _step(self, destination: JausAddress, size: int) -> int:
+        if size <= self._fragment_size:
+            return self._fragment_size
+        if destination.is_wildcard:
+            return MAX_FRAGMENT_SIZE
+        needed = -(-size // _MOST_SMALL_FRAGMENTS)
+        return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
     def reserve(self, source: JausAddress, count: int) -> int:
         """Take consecutive sequence numbers of a source and return the first."""

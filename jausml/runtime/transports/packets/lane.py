@@ -1,0 +1,128 @@
+"""Lane: which packets may be under way to one destination, and which wait."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import TYPE_CHECKING
+
+from .packet import Priority
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ..delivery import OnResult
+    from .packet import Packet
+
+_SINGLES_UNDER_WAY = 32
+
+
+class Message:
+    """A message whose packets are sent, each until it is acknowledged.
+
+    Attributes:
+        packets: Its fragments in order, or its only packet.
+        on_result: Told once whether all packets were acknowledged.
+        window: How many of its packets may be under way at once.
+        size: Bytes of its payload.
+        sent: How many of its packets were sent at least once.
+        under_way: How many of these are not acknowledged yet.
+    """
+
+    __slots__ = ("on_result", "packets", "sent", "size", "under_way", "window")
+
+    def __init__(self, packets: list[Packet], on_result: OnResult | None, window: int) -> None:
+        self.packets = packets
+        self.on_result = on_result
+        self.window = window
+        self.size = sum([len(packet.payload) for packet in packets])
+        self.sent = 0
+        self.under_way = 0
+
+    @property
+    def is_large(self) -> bool:
+        """Whether it has several packets."""
+        return len(self.packets) > 1
+
+    @property
+    def is_urgent(self) -> bool:
+        """Whether it is sent at once, however much is under way."""
+        return self.packets[0].priority > Priority.STANDARD
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all packets are acknowledged."""
+        return self.under_way == 0 and self.sent == len(self.packets)
+
+
+class Lane:
+    """Acknowledged messages to one destination, in an order that any receiver can take.
+
+    Messages of several packets go one after the other: receivers keep few packets of unfinished
+    messages (Junior and the components of the JAUS Tool Set 50, of all messages together), and
+    packets of several messages by turns would push each other out. Messages of one packet pass
+    between them; of these only so many are under way as a small receive buffer holds, and those of
+    high priority besides.
+
+    Attributes:
+        heard: Time of the latest acknowledgement.
+    """
+
+    __slots__ = ("_large", "_singles", "_singles_under_way", "heard")
+
+    def __init__(self) -> None:
+        self.heard = -math.inf
+        self._large: deque[Message] = deque()
+        self._singles: deque[Message] = deque()
+        self._singles_under_way = 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing waits and nothing is under way."""
+        return not (self._large or self._singles or self._singles_under_way)
+
+    @property
+    def has_large(self) -> bool:
+        """Whether a message of several packets is under way."""
+        return bool(self._large)
+
+    def add(self, message: Message) -> None:
+        """Let a message wait for its turn, which may be now."""
+        if message.is_large:
+            self._large.append(message)
+        elif message.is_urgent:
+            self._singles.appendleft(message)
+        else:
+            self._singles.append(message)
+
+    def ready(self) -> Iterator[tuple[Message, Packet]]:
+        """Yield the packets whose turn it is; they are under way from now on."""
+        singles = self._singles
+        while singles and (self._singles_under_way < _SINGLES_UNDER_WAY or singles[0].is_urgent):
+            self._singles_under_way += 1
+            yield _next_of(singles.popleft())
+        if self._large:
+            first = self._large[0]
+            while first.under_way < first.window and first.sent < len(first.packets):
+                yield _next_of(first)
+
+    def remove(self, message: Message) -> None:
+        """Forget a message that is under way, since it is done or given up."""
+        if message.is_large:
+            self._large.popleft()
+        else:
+            self._singles_under_way -= 1
+
+    def give_up_waiting(self) -> list[Message]:
+        """Forget the messages of which nothing was sent yet, and return them."""
+        waiting = [*self._singles, *[each for each in self._large if not each.sent]]
+        self._singles.clear()
+        self._large = deque(each for each in self._large if each.sent)
+        return waiting
+
+
+def _next_of(message: Message) -> tuple[Message, Packet]:
+    packet = message.packets[message.sent]
+    message.sent += 1
+    message.under_way += 1
+    return message, packet

@@ -1,0 +1,193 @@
+"""What is under way to a destination, and in which order, with a clock that the test moves."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.packets.bursts import Bursts
+from jausml.runtime.transports.packets.carrier import Carrier
+from jausml.runtime.transports.packets.messenger import Messenger
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, Priority
+
+OWN = JausAddress(100, 1, 1)
+PEER = JausAddress(300, 1, 1)
+OTHER = JausAddress(300, 1, 2)
+STATUS = b"\x02\x40"
+PACKET = 100
+
+
+class Recording(Carrier[str]):
+    """Keeps what was put on the network."""
+
+    def __init__(self) -> None:
+        self.packets: list[Packet] = []
+
+    def transmit(self, packet: Packet) -> bool:
+        self.packets.append(packet)
+        return True
+
+    def answer(self, packet: Packet, origin: str) -> None:
+        raise AssertionError((packet, origin))
+
+
+class Line:
+    """A messenger, what it put on the network, and the results that it reported."""
+
+    def __init__(self, clock) -> None:
+        self.clock = clock
+        self.loop = Loop(clock, Counters(clock))
+        self.carrier = Recording()
+        settings = TransportSettings(fragment_size=PACKET)
+        self.messenger = Messenger(settings, self.loop, self.carrier)
+        self.results: dict[str, bool] = {}
+
+    def send(self, name, packets=1, *, to=PEER, acknowledge=True, priority=Priority.STANDARD):
+        payload = (STATUS + name.encode()).ljust(PACKET * (packets - 1) + 50, b".")
+        self.messenger.send(
+            OWN, to, payload, priority, acknowledge, lambda ok: self.results.update({name: ok})
+        )
+
+    def out(self) -> str:
+        """The first letters of what was put on the network since the last time."""
+        taken, self.carrier.packets = self.carrier.packets, []
+        return "".join(
+            "-" if each.data_flags >= DataFlags.MIDDLE else chr(each.payload[2]) for each in taken
+        )
+
+    def acknowledge(self, *packets: Packet) -> None:
+        for each in packets:
+            answer = Packet(OWN, each.destination, b"", each.sequence, acknowledge=AckNak.ACK)
+            self.messenger._outbox.acknowledged(answer)
+        self.pass_time(0)
+
+    def pass_time(self, seconds: float) -> None:
+        self.clock.time += seconds
+        while self.loop.run_once(0):
+            pass
+
+
+@pytest.fixture
+def line(clock):
+    """A messenger without a network."""
+    made = Line(clock)
+    yield made
+    made.messenger.close()
+    made.loop.stop()
+
+
+def test_large_messages_to_one_destination_go_one_after_the_other(line):
+    for name in "abc":
+        line.send(name, packets=3)
+    sent = []
+    while line.carrier.packets:
+        (packet,) = line.carrier.packets
+        sent.append(line.out())
+        line.acknowledge(packet)
+    assert "".join(sent) == "a--b--c--"
+    assert line.results == {"a": True, "b": True, "c": True}
+
+
+def test_messages_of_one_packet_and_to_others_do_not_wait(line):
+    for name in "ab":
+        line.send(name, packets=3)
+    line.send("c")
+    line.send("d", packets=3, to=OTHER)
+    assert line.out() == "acd"
+
+
+def test_few_messages_are_under_way_at_once_unless_they_are_urgent(line):
+    for _ in range(40):
+        line.send("a")
+    line.send("s", priority=Priority.SAFETY_CRITICAL)
+    first = list(line.carrier.packets)
+    assert line.out() == "a" * 32 + "s"
+    line.acknowledge(*first[:3])
+    assert line.out() == "a" * 2  # the urgent one had taken a place
+    line.acknowledge(*first[3:])
+    assert line.out() == "a" * 6
+
+
+def test_a_message_of_few_packets_needs_no_acknowledgement(line):
+    line.send("a", packets=10, acknowledge=False)
+    assert {each.acknowledge for each in line.carrier.packets} == {AckNak.NONE}
+    assert line.out() == "a" + "-" * 9
+    line.pass_time(0)
+    assert line.results == {"a": True}
+
+
+def test_a_message_of_many_packets_is_acknowledged_and_eight_are_under_way(line):
+    line.send("a", packets=12, acknowledge=False)
+    first = list(line.carrier.packets)
+    assert line.out() == "a" + "-" * 7
+    assert {each.acknowledge for each in first} == {AckNak.REQUESTED}
+    line.acknowledge(*first)
+    rest = list(line.carrier.packets)
+    assert line.out() == "-" * 4
+    line.acknowledge(*rest)
+    assert line.results == {"a": True}
+
+
+def test_messages_of_few_packets_wait_for_a_larger_one_and_for_each_other(line):
+    line.send("a", packets=12, acknowledge=False)
+    line.send("b", packets=2, acknowledge=False)
+    line.send("c", acknowledge=False)
+    assert line.out() == "a" + "-" * 7 + "c"
+
+
+def test_packets_of_several_messages_in_a_row_are_counted_together(line, clock):
+    line.send("a", packets=6, acknowledge=False)
+    line.send("b", packets=6, acknowledge=False)
+    kinds = [each.acknowledge for each in line.carrier.packets]
+    assert kinds == [AckNak.NONE] * 6 + [AckNak.REQUESTED] * 6
+    bursts = Bursts()
+    assert bursts.fits(PEER, 6, clock.time)
+    assert not bursts.fits(PEER, 6, clock.time)
+    assert bursts.fits(OTHER, 6, clock.time)
+    assert bursts.fits(PEER, 6, clock.time + 0.001)
+
+
+def test_what_waits_for_a_silent_destination_is_given_up_with_it(line):
+    line.send("a", packets=3)
+    line.send("b", packets=3)
+    line.send("o", to=OTHER)
+    for _ in range(3):
+        line.pass_time(0.11)
+    assert line.results == {}
+    line.pass_time(0.11)
+    assert line.results == {"a": False, "b": False, "o": False}
+    assert line.out() == "ao" * 4
+    assert not line.messenger._outbox
+
+
+def test_what_waits_for_a_destination_that_is_heard_gets_its_turn(line):
+    line.send("a", packets=3)
+    line.send("b", packets=3)
+    for _ in range(3):
+        line.pass_time(0.11)
+    line.send("c")
+    line.acknowledge(line.carrier.packets[-1])
+    line.pass_time(0.11)
+    assert line.results == {"c": True, "a": False}
+    assert line.out() == "aaaacb"
+
+
+def test_too_much_is_refused_but_a_message_alone_is_not(line):
+    line.send("a", packets=180_000)
+    line.send("b", packets=2)
+    line.send("c", packets=2, acknowledge=False)
+    line.pass_time(0)
+    assert line.results == {"b": False, "c": False}
+    assert line.loop.counters.drops() == {"transport.too_many_unacknowledged": 2}
+
+
+def test_messages_of_too_many_small_packets_go_in_larger_ones(line):
+    """Junior holds 50 packets of an unfinished message."""
+    for size, packets, largest in [(4000, 40, 100), (8000, 40, 200), (163_160, 40, 4079)]:
+        made = line.messenger._packetizer.packets(
+            OWN, PEER, bytes(size), Priority.STANDARD, AckNak.NONE
+        )
+        assert (len(made), max(len(each.payload) for each in made)) == (packets, largest)
