@@ -8,7 +8,12 @@ import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.messages import open_catalogue
-from jausml.cli.network import ended_by_signals, network_from, network_options
+from jausml.cli.network import (
+    ended_by_signals,
+    identified_network,
+    network_from,
+    network_options,
+)
 from jausml.live.peers.conformance.formats import RENDERERS, text
 from jausml.live.peers.conformance.groups import all_groups, fixed_checks
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
@@ -24,6 +29,9 @@ if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
+
+CLIENTS = 3
+"""Ids that the checks use."""
 
 _GROUPS = [group.name for group in all_groups()]
 
@@ -73,7 +81,7 @@ def command(
     destructive: bool,
     timeout: float,
     quiet_time: float,
-    own_id: str,
+    own_id: str | None,
     interface: str,
     port: int,
     multicast_group: str,
@@ -96,15 +104,15 @@ def command(
     if target is None:
         raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
     network = network_from(own_id, interface, port, multicast_group, peers)
-    address = _target(target, network)
     groups = [group for group in all_groups() if group.name in (only or _GROUPS)]
     limits = Limits(slow=slow, destructive=destructive)
     try:
         with (
             ended_by_signals(),
+            identified_network(network, CLIENTS) as ours,
             opened(
-                network,
-                address,
+                ours,
+                _target(target, ours),
                 open_catalogue(models),
                 limits=limits,
                 timeout=timeout,

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from jausml.cli.messages import model_option
+from jausml.live.peers.identity import identified
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
-    DEFAULT_ID,
     DEFAULT_INTERFACE,
     DEFAULT_PORT,
     Network,
@@ -28,10 +28,8 @@ _OPTIONS = (
     click.option(
         "--id",
         "own_id",
-        default=DEFAULT_ID,
-        show_default=True,
         metavar="ID",
-        help="JAUS id of this tool, subsystem.node.component.",
+        help="JAUS id of this tool, subsystem.node.component; by default a free one of 65000.",
     ),
     click.option(
         "--interface",
@@ -82,8 +80,26 @@ def ended_by_signals() -> Iterator[None]:
         signal.signal(signal.SIGTERM, former)
 
 
+@contextmanager
+def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
+    """Yields the network with our id, and warns when another tool has it.
+
+    Args:
+        network: The network.
+        count: Ids that are needed, one after the other.
+    """
+    with identified(network, count) as ours:
+        if ours.is_shared:
+            click.echo(
+                f"warning: another jausml tool of this host has the id {ours.own} too, and answers "
+                "may go there; without --id each has its own",
+                err=True,
+            )
+        yield ours
+
+
 def network_from(
-    own_id: str, interface: str, port: int, multicast_group: str, peers: Sequence[str]
+    own_id: str | None, interface: str, port: int, multicast_group: str, peers: Sequence[str]
 ) -> Network:
     """Returns the network that the options describe, and keeps the runtime's log quiet.
 

@@ -15,12 +15,20 @@ from click.core import ParameterSource
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.messages import open_catalogue
-from jausml.cli.network import ended_by_signals, network_from, network_options
+from jausml.cli.network import (
+    ended_by_signals,
+    identified_network,
+    network_from,
+    network_options,
+)
 from jausml.live.messages import MessageError
 from jausml.live.peers import rendering
+from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.commanding import Course, outcome
+from jausml.live.peers.commanding import command as send
 from jausml.live.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
 from jausml.live.peers.network import component_address
-from jausml.live.peers.operator import NoAnswer, Refused, running_operator
+from jausml.live.peers.operator import Refused, running_operator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,6 +37,9 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
+
+LOST = 4
+"""Exit status when Ready or control was lost while commanding."""
 
 _LONGEST_PAUSE = 0.1
 
@@ -59,10 +70,13 @@ class Settings:
             click.UsageError: A message is unknown or its fields are wrong.
         """
         try:
-            with running_operator(
-                self.network, open_catalogue(self.models), self.timeout
-            ) as operator:
+            with (
+                identified_network(self.network) as network,
+                running_operator(network, open_catalogue(self.models), self.timeout) as operator,
+            ):
                 yield operator
+                if operator.is_impersonated:
+                    _remark(f"warning: another program of the network sends as {operator.own}")
         except NoAnswer as error:
             raise EnvironmentFault(str(error)) from error
         except Refused as error:
@@ -122,7 +136,7 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
     @wraps(function)
     def run(
         *arguments: Any,
-        own_id: str,
+        own_id: str | None,
         interface: str,
         port: int,
         multicast_group: str,
@@ -150,7 +164,7 @@ def command(context: click.Context, settings: Settings) -> None:
     after Ctrl-C.
 
     Exit status: 0 done, 1 a component refused or a command of a session failed, 2 nobody answers
-    or an option is wrong, 3 internal error.
+    or an option is wrong, 3 internal error, 4 a component was lost while it was commanded.
     """
     if context.invoked_subcommand is None:
         _run_session(settings)
@@ -321,6 +335,11 @@ def _watch(
     help="Hold control so long after the first message.",
 )
 @click.option("--no-resume", is_flag=True, help="Leave the component in Standby.")
+@click.option(
+    "--keep-sending",
+    is_flag=True,
+    help="Go on, for --duration, when the component leaves Ready or is taken over.",
+)
 @_options
 def send_command(
     settings: Settings,
@@ -331,12 +350,17 @@ def send_command(
     rate: float | None,
     duration: float,
     no_resume: bool,
+    keep_sending: bool,
 ) -> None:
     """Control the component ID, resume it, send MESSAGE, and release control.
 
     FIELDS is a JSON object with the fields of the message. The component leaves Ready with the
     release; hold it with --duration, and repeat the message with --rate where the component stops
     without fresh commands.
+
+    Sending ends at once when the component leaves Ready (as in an emergency), is taken over by a
+    higher authority, or does not answer any more; the exit status is 4 then, also with
+    --keep-sending.
     """
     if rate is not None and not duration:
         raise click.UsageError("--rate needs a --duration")
@@ -344,21 +368,20 @@ def send_command(
         entry = operator.find(target, message)
         ready = operator.message(entry, fields or {})
         console = Console(operator, _remark)
-        operator.control(target, authority)
+        hold = operator.control(target, authority)
         _remark(f"{target} is controlled")
-        if not no_resume:
-            console.resume(target)
-        end = time.monotonic() + duration
-        sent = 0
-        while True:
-            operator.send(target, ready)
-            sent += 1
-            if not rate or time.monotonic() + 1 / rate > end:
-                break
-            time.sleep(1 / rate)
-        _remark(f"{entry.name} sent to {target}" + (f" {sent} times" if sent > 1 else ""))
-        time.sleep(max(0.0, end - time.monotonic()))
-        console.release(target)
+        try:
+            if not no_resume:
+                console.resume(target)
+            course = Course(rate, duration, keep_sending=keep_sending)
+            send(operator, hold, ready, course, _remark)
+        finally:
+            if hold.sent:
+                _remark(outcome(entry.name, hold))
+            if not hold.is_lost or hold.is_held:
+                console.release(target)
+        if hold.is_lost:
+            raise click.exceptions.Exit(LOST)
 
 
 @contextmanager

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import did_you_mean, similar
-from jausml.live.peers.operator import NoAnswer, Refused
+from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.commanding import outcome
+from jausml.live.peers.operator import Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Standby
@@ -103,9 +105,12 @@ class Console:
                 break
             if word and not word.startswith("#"):
                 self.execute(word, rest.strip())
+        for hold in self._operator.holds:
+            self._sum_up(hold.target)
         for target in sorted(self._emergencies):
             self._emit(
-                f"note: our emergency of {target} lasts; 'clear' under the same --id ends it"
+                f"note: our emergency of {target} lasts; 'clear' under --id {self._operator.own} "
+                "ends it"
             )
 
     def execute(self, word: str, rest: str) -> None:
@@ -197,8 +202,14 @@ class Console:
 
     def _control(self, rest: str) -> None:
         target, rest = self._aim(rest)
-        self._operator.control(target, int(_number(rest, DEFAULT_AUTHORITY)))
+        authority = int(_number(rest, DEFAULT_AUTHORITY))
+        self._operator.control(target, authority, lambda news: self._changed(target, news))
         self._emit(f"{target} is controlled")
+
+    def _changed(self, target: JausAddress, news: str) -> None:
+        """Tells what became of control, and asks why; runs on the loop's thread."""
+        self._emit(f"note: {target} {news}")
+        self._operator.look(target, lambda text: self._emit(f"note: {target} {text}"))
 
     def resume(self, target: JausAddress) -> None:
         """Brings a component that we control to Ready and says so.
@@ -210,8 +221,15 @@ class Console:
 
     def release(self, target: JausAddress) -> None:
         """Releases control and says whether the component confirms it."""
+        self._sum_up(target)
         told = self._operator.release(target)
         self._emit(f"{target} is released" if told else f"{target} confirms no release")
+
+    def _sum_up(self, target: JausAddress) -> None:
+        """Tells of messages that may have had no effect; all went well where there are none."""
+        hold = next((each for each in self._operator.holds if each.target == target), None)
+        if hold is not None and hold.doubtful:
+            self._emit(f"note: {outcome('messages', hold)}")
 
     def _resume(self, rest: str) -> None:
         target, _ = self._aim(rest)

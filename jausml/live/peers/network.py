@@ -6,14 +6,12 @@ import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from jausml.live.peers.identity import SUBSYSTEM
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import JUDP_GROUP, JUDP_PORT, Endpoint, TransportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-DEFAULT_ID = "65000.1.1"
-"""JAUS id of our tools. No byte of it is 0xFF, which Junior takes for a wildcard."""
 
 DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
@@ -25,12 +23,16 @@ class Network:
     """Our own identity, and where the others are.
 
     Attributes:
-        own: Our JAUS id.
+        own: Our JAUS id; see `identified`.
         settings: Interface, port, multicast group and known peers.
+        is_own_given: Whether the user says it.
+        is_shared: Whether another tool of this host has it too.
     """
 
     own: JausAddress
     settings: TransportSettings
+    is_own_given: bool = True
+    is_shared: bool = False
 
     @property
     def place(self) -> str:
@@ -52,11 +54,13 @@ class Network:
         )
 
 
-def make_network(own: str, interface: str, port: int, group: str, peers: Iterable[str]) -> Network:
+def make_network(
+    own: str | None, interface: str, port: int, group: str, peers: Iterable[str]
+) -> Network:
     """Returns the network that the options describe.
 
     Args:
-        own: Dotted JAUS id.
+        own: Dotted JAUS id; None for one that is free.
         interface: IPv4 address of the interface.
         port: UDP port of JUDP.
         group: Multicast group.
@@ -71,6 +75,8 @@ def make_network(own: str, interface: str, port: int, group: str, peers: Iterabl
         multicast_group=group,
         address_book=dict(map(_peer, peers)),
     )
+    if own is None:
+        return Network(JausAddress(SUBSYSTEM, 1, 1), settings, is_own_given=False)
     return Network(component_address(own), settings)
 
 

@@ -1,0 +1,98 @@
+"""One command: sent once or again and again, for as long as the component obeys."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.live.peers.asking import NoAnswer
+from jausml.live.peers.rendering import status_line
+from jausml.runtime.services.definitions import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.live.peers.holding import Hold
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.wire.message import Message
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a command is to be sent.
+
+    Attributes:
+        rate: Times each second, None for once.
+        duration: Seconds to hold control after the first one.
+        keep_sending: Whether to go on when the component is Ready, or ours, no more.
+    """
+
+    rate: float | None = None
+    duration: float = 0.0
+    keep_sending: bool = False
+
+
+def command(
+    operator: Operator, hold: Hold, message: Message, course: Course, tell: Callable[[str], None]
+) -> None:
+    """Sends a message to a component that we control, and watches that it stays Ready and ours.
+
+    Args:
+        operator: Who sends.
+        hold: The control; afterwards it knows what became of it.
+        message: The command.
+        course: How often and how long.
+        tell: Told at once why the component is lost.
+    """
+    end = time.monotonic() + course.duration
+    told = False
+    is_last = False
+    while not is_last:
+        operator.send(hold.target, message)
+        next_one = time.monotonic() + 1 / course.rate if course.rate else end
+        is_last = not course.rate or next_one > end
+        until = end if is_last else next_one
+        if not told and hold.wait_for_loss(until - time.monotonic()):
+            told = True
+            tell(f"{hold.target} is lost: {_standing(operator, hold)}")
+            if not course.keep_sending:
+                return
+        time.sleep(max(0.0, until - time.monotonic()))
+    if not told:
+        _look_once_more(operator, hold, tell)
+
+
+def _look_once_more(operator: Operator, hold: Hold, tell: Callable[[str], None]) -> None:
+    """Notices a loss that happened after the last look, before control is released."""
+    try:
+        state, _ = operator.status(hold.target)
+    except NoAnswer:
+        hold.lose()
+        tell(f"{hold.target} is lost: it does not answer any more")
+        return
+    if hold.is_lost or (hold.was_ready and state is not None and state is not Status.READY):
+        hold.lose()
+        tell(f"{hold.target} is lost: {_standing(operator, hold)}")
+
+
+def _standing(operator: Operator, hold: Hold) -> str:
+    try:
+        return status_line(*operator.status(hold.target))
+    except NoAnswer:
+        return "it does not answer any more"
+
+
+def outcome(name: str, hold: Hold) -> str:
+    """Returns what was sent, and how much of it may have had no effect.
+
+    Args:
+        name: Name of the message.
+        hold: The control under which it was sent.
+    """
+    times = f" {hold.sent} times" if hold.sent != 1 else ""
+    text = f"{name} sent to {hold.target}{times}"
+    if hold.doubtful:
+        wanted = "READY and ours" if hold.was_ready else "ours"
+        text += f", {hold.doubtful} of them when it may not have been {wanted}"
+    return text

@@ -1,0 +1,133 @@
+"""Control that an operator holds: what became of it, and what was sent meanwhile."""
+
+from __future__ import annotations
+
+from queue import Empty, SimpleQueue
+from threading import Condition
+from typing import TYPE_CHECKING
+
+from jausml.runtime import ControlState
+from jausml.runtime.services.definitions import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.runtime import ControlSession
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.messages import ReportStatus
+
+HELD = (ControlState.CONTROLLED, ControlState.READY)
+
+_CHANGES = {
+    (True, ControlState.READY): "is READY again",
+    (True, ControlState.CONTROLLED): "is READY no more",
+    (False, ControlState.READY): "is controlled again, and READY",
+    (False, ControlState.CONTROLLED): "is controlled again, and not READY",
+}
+"""What a state means, by whether control was held before."""
+
+
+class Hold:
+    """Control of one component, asked for and given or not.
+
+    Attributes:
+        target: The component.
+        sent: Messages sent to it since.
+        doubtful: How many of them may have found it not Ready, or not ours.
+        is_lost: Whether Ready, or control of a component that was not Ready, was lost at any time.
+        was_ready: Whether it came to Ready, and is to stay there.
+        session: Our share in its control.
+    """
+
+    def __init__(self, target: JausAddress, on_change: Callable[[str], None] | None) -> None:
+        """Begins without control.
+
+        Args:
+            target: The component.
+            on_change: Told in words what becomes of control once it was given, on another thread.
+        """
+        self.target = target
+        self.sent = 0
+        self.doubtful = 0
+        self.is_lost = False
+        self.was_ready = False
+        self.session: ControlSession | None = None
+        self._on_change = on_change
+        self._first: SimpleQueue[ControlState] = SimpleQueue()
+        self._state = ControlState.SEEKING
+        self._was_given = False
+        self._confirmed = 0
+        self._news = Condition()
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the component is controlled."""
+        return self.session is not None and self.session.state in HELD
+
+    def answer(self, timeout: float) -> ControlState | None:
+        """Returns the first answer, or None when none comes in time."""
+        try:
+            return self._first.get(timeout=timeout)
+        except Empty:
+            return None
+
+    def count(self) -> None:
+        """Counts a message that is sent now."""
+        self.sent += 1
+        if not self._obeys(self._state):
+            self.doubtful += 1
+            self._confirmed = self.sent
+
+    def expect_standby(self) -> None:
+        """Takes for granted from now on that the component leaves Ready: we tell it to."""
+        self.was_ready = False
+
+    def wait_for_loss(self, seconds: float) -> bool:
+        """Waits, and returns at once when control is lost; says whether it was."""
+        with self._news:
+            return self._news.wait_for(lambda: self.is_lost, max(0.0, seconds))
+
+    def lose(self) -> None:
+        """Takes that the component is lost; what it has not confirmed since is in doubt."""
+        with self._news:
+            self.is_lost = True
+            self.doubtful += self.sent - self._confirmed
+            self._confirmed = self.sent
+            self._news.notify_all()
+
+    # ---- on the loop's thread ---------------------------------------------------------------
+
+    def changed(self, state: ControlState) -> None:
+        """Takes the next state of control."""
+        before, self._state = self._state, state
+        if not self._was_given:
+            self._was_given = state in HELD
+            self._first.put(state)
+            return
+        if self._obeys(before) and not self._obeys(state):
+            self.lose()
+        if not self._obeys(before) or not self._obeys(state):
+            self._tell(before, state)
+        self.was_ready |= state is ControlState.READY
+
+    def status_reported(self, report: ReportStatus) -> None:
+        """Takes what the component says of itself."""
+        if self.is_held and (report.status == Status.READY or not self.was_ready):
+            self._confirmed = self.sent
+
+    def rejected(self) -> None:
+        """Takes that the component lets go of us, up to now in Ready."""
+        self._confirmed = self.sent
+
+    def _obeys(self, state: ControlState) -> bool:
+        return state is ControlState.READY or (state in HELD and not self.was_ready)
+
+    def _tell(self, before: ControlState, state: ControlState) -> None:
+        if self._on_change is None:
+            return
+        if state is ControlState.REFUSED:
+            self._on_change("gives us no control any more")
+        elif state is ControlState.SEEKING:
+            self._on_change("is not controlled by us any more")
+        else:
+            self._on_change(_CHANGES[before in HELD, state])

@@ -1,0 +1,217 @@
+"""A component that is lost while it is commanded, and tools that must not disturb each other."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from contextlib import ExitStack, contextmanager
+from threading import Thread
+
+import pytest
+
+from jausml.live.peers.identity import identified
+from jausml.live.peers.network import make_network
+from jausml.runtime import JausComponent
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
+from jausml.runtime.messages import ClearEmergency, RequestControl, SetEmergency
+from jausml.runtime.services.definitions import Status
+
+pytestmark = pytest.mark.ports
+
+TARGET = JausAddress(100, 1, 1)
+STOP = 1
+COMMAND = ("ocu", "command", "100.1.1", "SetWrenchEffort", '{"PropulsiveLinearEffortX": 50}')
+FOR_EVER = ("--rate", "50", "--duration", "600")
+
+
+@pytest.fixture
+def rival(free_port):
+    """Another operator on the network."""
+    with ExitStack() as stack:
+        transport = stack.enter_context(running_transport(TransportSettings(port=free_port)))
+        made = JausComponent(transport, JausAddress(9, 1, 1), name="rival", services=[])
+        made.start()
+        stack.callback(made.stop)
+        yield made
+
+
+@contextmanager
+def meanwhile(action):
+    """Runs an action on another thread while the block runs."""
+    thread = Thread(target=action)
+    thread.start()
+    yield
+    thread.join(30)
+
+
+def test_an_emergency_ends_a_command_and_is_told(jausml, vehicle, rival, wait_until):
+    target = vehicle()
+
+    def stop():
+        wait_until(lambda: len(target.wrenches) > 5, 30)
+        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+
+    with meanwhile(stop):
+        result = jausml(*COMMAND, *FOR_EVER)
+    assert result.exit_code == 4
+    assert "100.1.1 is lost: EMERGENCY" in result.stderr
+    assert "SetWrenchEffort sent to 100.1.1" in result.stderr
+    assert "is released" not in result.stderr
+    assert target.status is Status.EMERGENCY
+
+
+def test_an_emergency_of_core_1_0_ends_a_command_for_good(jausml, vehicle, rival, wait_until):
+    target = vehicle(version=0)
+
+    def stop_and_clear():
+        wait_until(lambda: len(target.wrenches) > 5, 30)
+        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+        wait_until(lambda: target.status is Status.EMERGENCY)
+
+    with meanwhile(stop_and_clear):
+        result = jausml(*COMMAND, *FOR_EVER)
+    assert result.exit_code == 4
+    sent = len(target.wrenches)
+    rival.send(ClearEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+    wait_until(lambda: target.status is not Status.EMERGENCY)
+    wait_until(lambda: target.controller is None)
+    assert len(target.wrenches) == sent
+
+
+def test_a_take_over_ends_a_command_and_says_by_whom(jausml, vehicle, rival, wait_until):
+    target = vehicle(control_timeout=0)
+
+    def take_over():
+        wait_until(lambda: len(target.wrenches) > 5, 30)
+        rival.send(RequestControl(authority_code=255), TARGET, acknowledge=True)
+
+    with meanwhile(take_over):
+        result = jausml(*COMMAND, *FOR_EVER)
+    assert result.exit_code == 4
+    assert "controlled by 9.1.1 with authority 255" in result.stderr
+    assert target.controller == rival.address
+
+
+def test_a_target_that_dies_ends_a_command(jausml, vehicle, wait_until):
+    target = vehicle()
+
+    def die():
+        wait_until(lambda: len(target.wrenches) > 5, 30)
+        target.transport.detach(TARGET)
+
+    with meanwhile(die):
+        result = jausml(*COMMAND, *FOR_EVER, "--timeout", "0.5")
+    assert result.exit_code == 4
+    assert "100.1.1 is lost: it does not answer any more" in result.stderr
+    assert " of them when it may not have been READY and ours" in result.stderr
+
+
+def test_a_target_that_dies_unseen_is_noticed_before_the_release(jausml, vehicle, wait_until):
+    target = vehicle()
+
+    def die():
+        wait_until(lambda: target.wrenches, 30)
+        target.transport.detach(TARGET)
+
+    with meanwhile(die):
+        result = jausml(*COMMAND, "--duration", "0.3", "--timeout", "0.5")
+    assert result.exit_code == 4
+    assert "it does not answer any more" in result.stderr
+
+
+def test_who_keeps_sending_is_told_how_much_was_in_vain(jausml, vehicle, rival, wait_until):
+    target = vehicle()
+
+    def stop():
+        wait_until(lambda: len(target.wrenches) > 5, 30)
+        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+
+    with meanwhile(stop):
+        result = jausml(*COMMAND, "--rate", "20", "--duration", "3", "--keep-sending")
+    assert result.exit_code == 4
+    words = result.stderr.partition("SetWrenchEffort sent to 100.1.1 ")[2].split()
+    sent, doubtful = int(words[0]), int(words[2])
+    assert sent - doubtful == pytest.approx(len(target.wrenches), abs=10)
+    assert doubtful > 10
+
+
+def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_until):
+    target = vehicle()
+
+    def stop():
+        wait_until(lambda: target.status is Status.READY, 30)
+        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+
+    commands = """
+        control 100.1.1
+        resume
+        wait 2
+        send SetWrenchEffort {"PropulsiveLinearEffortX": 50}
+    """
+    with meanwhile(stop):
+        result = jausml("ocu", input=commands)
+    assert "note: 100.1.1 is not controlled by us any more" in result.stdout
+    assert "note: 100.1.1 is in EMERGENCY" in result.stdout
+    assert "note: 100.1.1 is not controlled by us; it may ignore SetWrenchEffort" in result.stdout
+    assert "note: messages sent to 100.1.1, 1 of them when it may not have been" in result.stdout
+
+
+def test_a_session_that_stands_by_itself_loses_nothing(jausml, vehicle):
+    vehicle()
+    commands = "control 100.1.1\nresume\nstandby\nwait 1\nresume\nrelease\n"
+    result = jausml("ocu", input=commands)
+    assert result.exit_code == 0
+    assert "note" not in result.stdout
+
+
+def test_tools_of_one_host_have_ids_of_their_own(free_port):
+    def network(own=None):
+        return make_network(own, "127.0.0.1", free_port, "239.255.0.1", [])
+
+    with identified(network()) as first, identified(network(), 3) as second:
+        assert first.own != second.own
+        assert second.own.component > first.own.component
+        assert not first.is_shared
+        with identified(network(str(second.own))) as third:
+            assert (third.own, third.is_shared) == (second.own, True)
+    with identified(network()) as again:
+        assert again.own == first.own
+
+
+def test_the_node_of_a_tool_is_that_of_its_interface(free_port):
+    network = make_network(None, "10.77.0.42", free_port, "239.255.0.1", [])
+    with identified(network) as ours:
+        assert str(ours.own).startswith("65000.42.")
+
+
+def test_an_id_that_another_tool_has_is_warned_of(jausml, component, network):
+    component()
+    with identified(network):
+        result = jausml("ocu", "status", "100.1.1", "--id", "65000.1.1")
+    assert "warning: another jausml tool of this host has the id 65000.1.1 too" in result.stderr
+
+
+@pytest.mark.live
+def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port, wait_until):
+    target = vehicle()
+    watch = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "jausml", "ocu", "watch", "100.1.1", "VelocityState"),
+            *("--rate", "10", "--count", "40", "--port", str(free_port)),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ,
+    )
+    try:
+        wait_until(lambda: target._jaus_core.events._events, 60)
+        result = jausml(*COMMAND, "--rate", "20", "--duration", "1")
+        assert result.exit_code == 0, result.stderr
+        out, _ = watch.communicate(timeout=60)
+    finally:
+        watch.kill()
+        watch.wait()
+    assert out.count("Velocity_X=1.2500000 m/s") == 40
