@@ -5,49 +5,65 @@ from hypothesis import strategies as st
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.duplicates import DuplicateWindow
+from jausml.runtime.transports.packets.packet import AckNak, Packet
 
-A, B = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
+A, B, OWN = JausAddress(1, 1, 1), JausAddress(2, 1, 1), JausAddress(9, 1, 1)
+
+
+def packet(source: JausAddress, number: int, payload: bytes = b"\x02\x40") -> Packet:
+    return Packet(OWN, source, payload, number)
 
 
 def test_a_number_is_a_duplicate_of_its_own_source_only() -> None:
     window = DuplicateWindow()
-    assert not window.is_duplicate(A, 5, 0.0)
-    assert not window.is_duplicate(B, 5, 0.0)
-    assert window.is_duplicate(A, 5, 0.1)
-    assert window.is_duplicate(A, 5, 2.9)
+    assert not window.is_duplicate(packet(A, 5), 0.0)
+    assert not window.is_duplicate(packet(B, 5), 0.0)
+    assert window.is_duplicate(packet(A, 5), 0.1)
+    assert window.is_duplicate(packet(A, 5), 1.4)
+
+
+def test_a_number_with_other_content_is_no_duplicate() -> None:
+    """A component that restarts may begin at the same number."""
+    window = DuplicateWindow()
+    other = packet(A, 5, b"\x03\x40")
+    elsewhere = packet(A, 5)._replace(destination=JausAddress(9, 1, 2))
+    for each in (packet(A, 5), other, elsewhere, packet(A, 5)):
+        assert not window.is_duplicate(each, 0.1)
+    assert window.is_duplicate(packet(A, 5)._replace(acknowledge=AckNak.REQUESTED), 0.2)
+    assert len(window) == 1
 
 
 def test_a_number_may_come_back_after_the_window() -> None:
     window = DuplicateWindow(seconds=3.0)
-    window.is_duplicate(A, 5, 0.0)
-    assert not window.is_duplicate(A, 5, 3.0)
-    assert window.is_duplicate(A, 5, 5.9)
+    window.is_duplicate(packet(A, 5), 0.0)
+    assert not window.is_duplicate(packet(A, 5), 3.0)
+    assert window.is_duplicate(packet(A, 5), 5.9)
 
 
 def test_a_number_that_came_back_is_among_the_latest() -> None:
     window = DuplicateWindow(seconds=3.0, history=2)
     for number, now in ((1, 0.0), (2, 1.0), (1, 3.0), (3, 3.0)):
-        assert not window.is_duplicate(A, number, now)
-    assert window.is_duplicate(A, 1, 3.1)
-    assert not window.is_duplicate(A, 2, 3.1)
+        assert not window.is_duplicate(packet(A, number), now)
+    assert window.is_duplicate(packet(A, 1), 3.1)
+    assert not window.is_duplicate(packet(A, 2), 3.1)
 
 
 def test_only_the_latest_numbers_of_a_source_are_remembered() -> None:
     window = DuplicateWindow(history=3)
     for number in range(4):
-        window.is_duplicate(A, number, 0.0)
-    assert window.is_duplicate(A, 1, 0.0)
-    assert not window.is_duplicate(A, 0, 0.0)
+        window.is_duplicate(packet(A, number), 0.0)
+    assert window.is_duplicate(packet(A, 1), 0.0)
+    assert not window.is_duplicate(packet(A, 0), 0.0)
 
 
 def test_the_source_silent_longest_is_forgotten_first() -> None:
     window = DuplicateWindow(sources=2)
-    window.is_duplicate(A, 1, 0.0)
-    window.is_duplicate(B, 1, 0.1)
-    window.is_duplicate(A, 2, 0.2)
-    window.is_duplicate(JausAddress(3, 1, 1), 1, 0.3)
-    assert window.is_duplicate(A, 1, 0.4)
-    assert not window.is_duplicate(B, 1, 0.4)
+    window.is_duplicate(packet(A, 1), 0.0)
+    window.is_duplicate(packet(B, 1), 0.1)
+    window.is_duplicate(packet(A, 2), 0.2)
+    window.is_duplicate(packet(JausAddress(3, 1, 1), 1), 0.3)
+    assert window.is_duplicate(packet(A, 1), 0.4)
+    assert not window.is_duplicate(packet(B, 1), 0.4)
 
 
 @given(st.lists(st.tuples(st.integers(1, 20), st.integers(0, 65535)), max_size=300))
@@ -55,6 +71,6 @@ def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, i
     window = DuplicateWindow(history=8, sources=4)
     for subsystem, number in arrivals:
         source = JausAddress(subsystem, 1, 1)
-        window.is_duplicate(source, number, 1.0)
-        assert window.is_duplicate(source, number, 1.0)
+        window.is_duplicate(packet(source, number), 1.0)
+        assert window.is_duplicate(packet(source, number), 1.0)
         assert len(window) <= 8 * 4

@@ -127,3 +127,40 @@ def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, wait_u
     wait_until(lambda: len(results) == 2, 60)
     assert junior.payloads == []
     assert caplog.text.count("takes 52 packets; Junior") == 1
+
+
+def test_a_component_that_runs_again_is_heard(station, junior, wait_until):
+    """Its numbers start at 1 in each process."""
+    driver = station().attach(DRIVER)
+    for run in range(3):
+        sent = [STATUS + bytes([run, number]) for number in range(5)]
+        assert all(junior.send(DRIVER, payload, acknowledge=True) for payload in sent)
+        wait_until(lambda: len(driver.received) == 5)
+        assert driver.payloads == sent
+        driver.received.clear()
+        junior.restart()
+
+
+def test_a_large_message_of_a_component_that_runs_again_is_heard(station, junior, wait_until):
+    driver = station().attach(DRIVER)
+    first, second = big(2, 100_000)
+    for payload in (first, second):
+        assert junior.send(DRIVER, payload, acknowledge=True)
+        wait_until(lambda: driver.payloads)
+        assert driver.payloads == [payload]
+        driver.received.clear()
+        junior.restart()
+
+
+def test_a_component_that_says_the_same_when_it_runs_again_is_heard(
+    station, junior, wait_until, clock, monkeypatch
+):
+    """JrConnect takes two seconds, in which nothing is a repetition any more."""
+    driver = station().attach(DRIVER)
+    monkeypatch.setattr(driver.loop, "now", clock)
+    assert junior.send(DRIVER, STATUS, acknowledge=True)
+    wait_until(lambda: driver.payloads)
+    junior.restart()
+    clock.time += 2.0
+    assert junior.send(DRIVER, STATUS, acknowledge=True)
+    wait_until(lambda: driver.payloads == [STATUS, STATUS])

@@ -110,6 +110,25 @@ def test_a_repeated_fragment_changes_nothing(reassembly: Reassembly) -> None:
     assert reassembly.add(stream[2], 0.0) == whole(stream)
 
 
+@pytest.mark.parametrize("left", [range(9), range(1, 9), range(4, 9)])
+def test_fragments_of_a_source_that_restarted_are_no_part_of_its_next_message(
+    reassembly: Reassembly, counters: Counters, left: range
+) -> None:
+    """Its numbers begin anew; what its former self left behind may lack its first packets."""
+    before, after, later = (fragments(10, 1 + n // 2 * 10, fill=n) for n in range(3))
+    for index in left:
+        assert reassembly.add(before[index], 0.0) is None
+    results = [reassembly.add(packet, 0.1) for packet in after]
+    if left.start == 0:
+        assert results[-1] == whole(after)
+    else:
+        assert set(results) == {None}
+    assert counters.snapshot()["transport.reassembly_stale"] == 1
+    assert [reassembly.add(packet, 0.2) for packet in later][-1] == whole(later)
+    reassembly.expire(9.0)
+    assert (reassembly.size, len(reassembly)) == (0, 0)
+
+
 def test_fragments_without_progress_are_discarded(
     reassembly: Reassembly, counters: Counters
 ) -> None:

@@ -51,8 +51,9 @@ class TransportSettings:
         acknowledge_timeout: Seconds to wait for an acknowledgement before a repetition.
         acknowledge_retries: Repetitions of an unacknowledged packet.
         fragment_size: Largest payload of one packet in bytes, 2 to 4079.
-        duplicate_window: Seconds in which a sequence number must not come back.
-        duplicate_history: Sequence numbers remembered for each source.
+        duplicate_window: Seconds in which the same packet with the same number is a repetition;
+            less than the two in which a component on Junior is back, at the number 1.
+        duplicate_history: Packets remembered for each source.
         reassembly_timeout: Seconds without progress after which fragments are discarded.
         reassembly_limit: Bytes of incomplete fragments kept of one source for one destination;
             four times as many are kept in total.
@@ -79,7 +80,7 @@ class TransportSettings:
     acknowledge_timeout: float = 0.1
     acknowledge_retries: int = 3
     fragment_size: int = MAX_FRAGMENT_SIZE
-    duplicate_window: float = 3.0
+    duplicate_window: float = 1.5
     duplicate_history: int = 512
     reassembly_timeout: float = 3.0
     reassembly_limit: int = 4 << 20

@@ -61,7 +61,7 @@ class Inbox(Generic[Origin]):
 
     @property
     def remembered(self) -> int:
-        """Sequence numbers kept to detect duplicates."""
+        """Packets remembered to detect duplicates."""
         return len(self._duplicates)
 
     @property
@@ -156,7 +156,7 @@ class Inbox(Generic[Origin]):
                 )
 
     def _accept(self, packet: Packet, receivers: Receivers, now: float) -> None:
-        if self._duplicates.is_duplicate(packet.source, packet.sequence, now):
+        if self._duplicates.is_duplicate(packet, now):
             self._counters.add("transport.duplicate")
             return
         if packet.data_flags:

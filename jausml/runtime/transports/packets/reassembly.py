@@ -65,6 +65,12 @@ class _Stream:
         self.by_end[run.end] = run
         return run
 
+    def run_of(self, number: int) -> _Run:
+        """Return the run that a kept fragment belongs to."""
+        while number not in self.by_start:
+            number = _following(number, -1)
+        return self.by_start[number]
+
     def is_complete(self, run: _Run) -> bool:
         """Return whether a run is a whole message."""
         first, last = self.fragments[run.start], self.fragments[run.end]
@@ -84,7 +90,8 @@ class Reassembly:
 
     Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
     numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
-    ``transport.reassembly_timeout`` and ``transport.reassembly_overflow``. Of the fragments taken,
+    ``transport.reassembly_timeout``, ``transport.reassembly_overflow``, and
+    ``transport.reassembly_stale``, others of a number that came again. Of the fragments taken,
     ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
     ``transport.fragments_discarded``.
     """
@@ -122,8 +129,10 @@ class Reassembly:
         if stream is None:
             stream = self._streams[way] = _Stream()
         elif packet.sequence in stream.fragments:
-            self._counters.add("transport.duplicate")
-            return None
+            if stream.fragments[packet.sequence].payload == packet.payload:
+                self._counters.add("transport.duplicate")
+                return None
+            self._discard_stale(stream, packet)
         self._counters.add("transport.fragments")
         self._streams.move_to_end(way)
         self._size += _cost(packet)
@@ -145,6 +154,12 @@ class Reassembly:
                 )
             if not stream.fragments:
                 del self._streams[way]
+
+    def _discard_stale(self, stream: _Stream, packet: Packet) -> None:
+        """Discard what a source left behind that restarted, and uses its numbers again."""
+        count = len(self._remove(stream, stream.run_of(packet.sequence)))
+        self._counters.add("transport.fragments_discarded", count)
+        self._counters.count("transport.reassembly_stale", f"{count} fragments of {packet.source}")
 
     def _finish(self, way: Way, stream: _Stream, run: _Run) -> Packet:
         packets = self._remove(stream, run)

@@ -328,8 +328,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         ways = [each for each in ways if each.is_neighbour or origin.is_neighbour]
         # Owners that know each other by several ways must not pass a message round for ever.
         if not ways or (
-            packet.acknowledge < AckNak.NAK
-            and self._relayed.is_duplicate(packet.source, packet.sequence, self.loop.now())
+            packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):
             return False
         data = _message(packet)
