@@ -36,6 +36,7 @@ class Fault:
         column: Column in characters, counted from 1.
         owner: The node of the element that it concerns, if any.
         feature: The feature of that element whose value is lost, or empty.
+        hides: Whether any feature of that element may be lost, since it could not be read.
     """
 
     rule: str
@@ -45,6 +46,7 @@ class Fault:
     column: int = 1
     owner: Node | None = None
     feature: str = ""
+    hides: bool = False
 
 
 @dataclass(frozen=True, slots=True)

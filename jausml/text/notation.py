@@ -48,7 +48,7 @@ class Ros2Jaus:
     def how_to_give(self, table: ClassTable, feature: FeatureTable) -> str:
         """Returns how a feature of a class is given a value."""
         if feature.name == "name":
-            return f"write '{snake_case(table.name)} <name> {{ }}'"
+            return f"write '{snake_case(table.name)} <name>'"
         special = _SPECIAL.get(f"{table.name}.{feature.name}") or _SPECIAL.get(feature.name)
         return f"write '{special or _usual(feature)}'"
 
@@ -103,4 +103,4 @@ def _usual(feature: FeatureTable) -> str:
     if not feature.many:
         return f"{feature.name}: {{ }}"
     name = " name" if "name" in target.features else ""
-    return f"{snake_case(target.name)}{name} {{ }}"
+    return f"{snake_case(target.name)}{name or ' { }'}"

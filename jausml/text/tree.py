@@ -296,6 +296,13 @@ def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
     return []
 
 
+def is_bare(element: Element) -> bool:
+    """Tells whether an element is written without a block: `topic /odom`."""
+    names = [each for each in (element.keyword, element.name) if each is not None]
+    end = (element.span.end_line, element.span.end_column)
+    return not element.items and end == (names[-1].span.end_line, names[-1].span.end_column)
+
+
 def is_map(items: Iterable[Item]) -> bool:
     """Tells whether a block is that of an attribute map by what stands in it."""
     return any(isinstance(each, End | Direction) for each in items)

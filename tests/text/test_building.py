@@ -256,3 +256,21 @@ def test_fault(name, texts):
     for finding in texts.check(FAULTS[name]):
         assert "\n" not in finding.message
         assert "<" not in finding.message, "XML in the words of a text"
+
+
+def test_what_could_not_be_read_is_not_missed(texts):
+    """A syntax error in an element hides what the element may have: it is the one finding."""
+    texts.check("bridge b { address: 100.1.2  connection a { topic /odom ⟦JML701⟧= 5 } }")
+
+
+def test_features_without_their_colon_are_named(texts):
+    [finding] = texts.check(
+        "import mappings.velocity_state_sensor bridge b { address: 100.1.2\n"
+        " connection a { map: velocity_state ⟦JML702⟧direction rosToJaus topic odom } }"
+    )
+    assert finding.hint == "write 'direction: rosToJaus'"
+
+
+def test_keywords_that_are_misspelt_are_named(texts):
+    [finding] = texts.check("m { ⟦JML702⟧Jaus ReportGlobalPose  ROS std_msgs/Empty }")
+    assert finding.hint == "did you mean 'JAUS'?"

@@ -29,6 +29,7 @@ from jausml.text.tree import (
     Span,
     Text,
 )
+from jausml.text.writing.layout import lay_out
 
 # Figure 5 of the paper, as it stands.
 FIGURE_5 = """\
@@ -207,7 +208,7 @@ def test_faults_say_what_was_expected(text, fault, hint):
 
 def test_all_faults_of_a_text_in_one_run_and_all_the_rest_is_understood():
     text = """\
-component front
+front
 bridge b {
     rate 25
     frequency: 10
@@ -227,7 +228,7 @@ velocity {
 node last { }
 """
     assert [each.partition(": ")[0] for each in faults(text)] == [
-        "2:1",  # a block is missing
+        "1:1",  # a word by itself
         "3:10",  # a colon
         "9:5",  # a bracket
         "12:9",  # a bracket
@@ -238,6 +239,53 @@ node last { }
     items = parse(text).document.items
     assert [each.name.text for each in items] == ["b", "velocity", "last"]
     assert [type(each).__name__ for each in items[1].items] == ["End", "End", "Direction", "Table"]
+
+
+def test_elements_need_no_block():
+    (bridge,) = parse(
+        "bridge b { a: x topic /odom topic cmd { } topic\n odom\n rate: 5 }"
+    ).document.items
+    kinds = [type(each).__name__ for each in bridge.items]
+    assert kinds == ["Feature", "Element", "Element", "Element", "Feature"]
+    assert [each.name.text for each in bridge.items] == ["a", "/odom", "cmd", "odom", "rate"]
+    assert lay_out(parse("topic cmd { }\ntopic b { // Why.\n}").document) == (
+        "topic cmd\ntopic b {\n    // Why.\n}\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "pair"),
+    [
+        ("b { provides: A B\n connection a { } }", "1:17", "'A' and 'B'"),
+        ("b { provides: A B }", "1:17", "'A' and 'B'"),
+        ("b { provides: A\n    B\n rate: 5 }", "2:5", "'A' and 'B'"),
+        ("b { provides: A B, C\n rate: 5 }", "1:17", "'A' and 'B'"),
+        ("b { provides: A, B C rate: 5 }", "1:20", "'B' and 'C'"),
+        ("b { arguments: 1 2 }", "1:18", "'1' and '2'"),
+        ('b { names: "a" "b" }', "1:16", '"a" and "b"'),
+        ("m { ROS->JAUS ( a -> b : negate scale(2) c -> d ) }", "1:33", "'negate' and 'scale'"),
+    ],
+)
+def test_missing_comma_is_reported_at_its_place_with_the_cure(text, place, pair):
+    [fault] = parse(text).faults
+    assert f"{fault.span.line}:{fault.span.column}" == place
+    assert fault.hint == f"write a comma between {pair}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "b { a: x qos { } }",
+        "b { a: x\n component\n y { } }",
+        "b { a: x Position [3] p }",
+        "m { JAUS->ROS ( a -> b : negate c, d -> e : negate f -> g ) }",
+        'm { JAUS->ROS ( a -> b : negate "odom" -> e ) }',
+        "m { a: x JAUS A ROS B }",
+        "b { a: x; c: y }",
+    ],
+)
+def test_no_comma_is_missed_where_an_item_begins(text):
+    assert parse(text).faults == []
 
 
 def test_a_fault_leaves_its_neighbours_alone():

@@ -225,10 +225,10 @@ component a {{
 @pytest.mark.parametrize(
     ("name", "head"),
     [
-        ("front", "host front {}"),
-        ("two words", "host `two words` {}"),
-        ("clock", "host `clock` {}"),
-        ("1st", "host `1st` {}"),
+        ("front", "host front"),
+        ("two words", "host `two words`"),
+        ("clock", "host `clock`"),
+        ("1st", "host `1st`"),
         ("a`b", 'host { name: "a`b" }'),
         ("", 'host { name: "" }'),
         ("a&#9;b", 'host { name: "a\\tb" }'),
@@ -242,12 +242,12 @@ def test_names_are_quoted_where_they_must_be(text_of, name, head):
 @pytest.mark.parametrize(
     ("documentation", "said"),
     [
-        ("One.", "/** One. */\nhost a {}\n"),
-        ("One.&#10;&#10;Two.", "/**\n * One.\n *\n * Two.\n */\nhost a {}\n"),
+        ("One.", "/** One. */\nhost a\n"),
+        ("One.&#10;&#10;Two.", "/**\n * One.\n *\n * Two.\n */\nhost a\n"),
         ("One&#10;line.", 'host a { documentation: "One\\nline." }\n'),
         (" blank", 'host a { documentation: " blank" }\n'),
         ("", 'host a { documentation: "" }\n'),
-        ("ends */ early", "/** ends *\\/ early */\nhost a {}\n"),
+        ("ends */ early", "/** ends *\\/ early */\nhost a\n"),
     ],
 )
 def test_documentation_is_exact(text_of, documentation, said):

@@ -71,13 +71,13 @@ class Problems:
         """Reports a finding; its severity is that of the rule."""
         self._drafts.append(_Draft(rule, place, message, hint, related))
 
-    def spoil(self, obj: EObject, feature: str) -> None:
-        """Notes that a feature of an element has a finding."""
+    def spoil(self, obj: EObject, feature: str = "") -> None:
+        """Notes that a feature of an element has a finding; without a name, that any may have."""
         self._spoilt.add((id(obj), feature))
 
     def is_spoilt(self, obj: EObject, feature: str) -> bool:
         """Tells whether a feature of an element has a finding."""
-        return (id(obj), feature) in self._spoilt
+        return not self._spoilt.isdisjoint({(id(obj), feature), (id(obj), "")})
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""

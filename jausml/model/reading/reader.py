@@ -233,6 +233,8 @@ class _Reading:
             self._problems.report(fault.rule, place, fault.message, fault.hint)
             if fault.owner is not None and fault.feature:
                 self._problems.spoil(fault.owner.obj, fault.feature)
+            if fault.owner is not None and fault.hides and fault.owner.obj is not None:
+                self._problems.spoil(fault.owner.obj)
 
     def _import(self, document: Document) -> None:
         written = self._written.get(document)

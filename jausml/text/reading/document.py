@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.model.notation import Fault, ImportedDocument
@@ -13,7 +14,7 @@ from jausml.text.reading.members import MemberCheck
 from jausml.text.reading.nodes import NodeMaker
 from jausml.text.reading.roots import RootReader
 from jausml.text.reading.ways import settle_connections
-from jausml.text.tree import Import
+from jausml.text.tree import Import, Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -39,7 +40,6 @@ class TextDocument:
         self, document: SyntaxTree, faults: Sequence[Fault], path: Path, metamodels: Metamodels
     ) -> None:
         self._nodes = NodeMaker(metamodels)
-        self._nodes.faults += faults
         elements = ElementReader(metamodels, self._nodes)
         self._maps = MapReader(metamodels, self._nodes, elements)
         elements.special |= self._maps.special
@@ -51,6 +51,7 @@ class TextDocument:
                 self._import(item)
             else:
                 self._roots.add(item)
+        self._nodes.faults += map(self._placed, faults)
 
     @property
     def roots(self) -> Sequence[Node]:
@@ -74,6 +75,11 @@ class TextDocument:
         check = MemberCheck(self._declarer.types)
         unclear = settle_connections(self._nodes.classes.items())
         return [*check.run(ends), *self._unused(), *unclear]
+
+    def _placed(self, fault: Fault) -> Fault:
+        """Returns a syntax error with the element of which it may hide anything."""
+        around = self._nodes.around(Span(fault.line, fault.column))
+        return replace(fault, owner=around, hides=True)
 
     def _unused(self) -> Iterator[Fault]:
         types = self._declarer.types

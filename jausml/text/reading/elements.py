@@ -8,8 +8,8 @@ from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, 
 from jausml.model.reading.classes import target_class
 from jausml.model.values import nearest, show, suggest
 from jausml.model.xmi.parsing import MAX_DEPTH
-from jausml.text.keywords import classes_by_keyword, owning_features, snake_case
-from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text, is_map
+from jausml.text.keywords import KEYWORDS, classes_by_keyword, owning_features, snake_case
+from jausml.text.tree import Element, Feature, Href, Name, Number, Span, Text, is_bare, is_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -54,14 +54,17 @@ class ElementReader:
             self._nodes.fault("JML702", block.span, message, "write a keyword before it")
             return
         same = sorted(each for each in self._keywords if each.endswith(f".{word.text}"))
-        near = nearest(word.text, [each for each in self._keywords if "." not in each])
+        keywords = [each for each in self._keywords if "." not in each]
+        near = nearest(word.text, [*keywords, *(KEYWORDS if is_bare(block) else ())])
         hint = f"did you mean '{near}'?" if near else ""
         if same:
             hint = f"several classes share it: write {' or '.join(same)}"
         elif block.keyword is None and not near:
             hint = "a map has JAUS and ROS in its block; other elements a keyword before their name"
+        elif is_bare(block) and not near:
+            hint = "commas stand between values, and the keyword of its class before an element"
         message = f"unknown keyword {show(word.text)}"
-        self._nodes.fault("JML702", word.span, message, hint, owner=owner)
+        self._nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
 
     def fill(self, node: Node, block: Element) -> None:
         """Gives an element the name, documentation and contents that its block has."""
@@ -127,7 +130,9 @@ class ElementReader:
         if table is None:
             written = block.keyword or block.name
             if written is not None and written.text in features:
-                hint = f"write '{written.text}: {{ ... }}'"
+                is_value = block.name is not None and is_bare(block)
+                value = block.name.text if is_value and block.name is not None else "{ ... }"
+                hint = f"write '{written.text}: {value}'"
                 message = f"'{written.text}' is a feature: a colon stands before its value"
                 self._nodes.fault("JML702", written.span, message, hint, owner=owner)
                 return

@@ -44,9 +44,9 @@ def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) 
         tokens: The tokens of the text.
         position: Of the token that was found; behind the last at the end of the text.
     """
-    behind = f" behind {_shown(tokens[position - 1])}" if position else ""
+    behind = f" behind {shown(tokens[position - 1])}" if position else ""
     is_end = position >= len(tokens)
-    found = "the end of the text" if is_end else _shown(tokens[position])
+    found = "the end of the text" if is_end else shown(tokens[position])
     return f"expected {_alternatives(_phrases(set(accepted)))}{behind}, found {found}"
 
 
@@ -109,6 +109,7 @@ def _alternatives(phrases: list[str]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def _shown(token: Token) -> str:
+def shown(token: Token) -> str:
+    """Returns how messages name a token."""
     text = str(token) if len(token) <= _LONGEST_SHOWN else f"{token[: _LONGEST_SHOWN - 3]}..."
     return text if token.type == "TEXT" else f"'{text}'"

@@ -29,11 +29,14 @@ class NodeMaker:
         self.faults: list[Fault] = []
         self.classes: dict[Node, ClassTable] = {}
         """The class of each element."""
+        self.spans: dict[Node, Span] = {}
+        """Where each element is written."""
 
     def root(self, table: ClassTable, span: Span) -> Node:
         """Returns the node of a root element."""
         node = self._node(f"{table.package.ns_uri} {table.name}", None, span)
         self.classes[node] = table
+        self.spans[node] = span
         return node
 
     def element(self, owner: Node, feature: str, table: ClassTable, span: Span) -> Node:
@@ -41,7 +44,18 @@ class NodeMaker:
         node = self._node(feature, owner, span)
         node.attributes = [_TYPE, f"{table.package.name}:{table.name}"]
         self.classes[node] = table
+        self.spans[node] = span
         return node
+
+    def around(self, span: Span) -> Node | None:
+        """Returns the innermost element around the beginning of a span."""
+        place = (span.line, span.column)
+        found = [
+            node
+            for node, each in self.spans.items()
+            if (each.line, each.column) <= place < (each.end_line, each.end_column)
+        ]
+        return max(found, key=lambda node: (node.line, node.column), default=None)
 
     def value(self, owner: Node, feature: str, text: str, span: Span) -> None:
         """Gives an element a value of an attribute."""
@@ -68,9 +82,11 @@ class NodeMaker:
         *,
         owner: Node | None = None,
         feature: str = "",
+        hides: bool = False,
     ) -> None:
         """Notes a finding, as `Fault` says."""
-        self.faults.append(Fault(rule, message, hint, span.line, span.column, owner, feature))
+        fault = Fault(rule, message, hint, span.line, span.column, owner, feature, hides)
+        self.faults.append(fault)
 
     def _node(self, name: str, owner: Node | None, span: Span) -> Node:
         node = Node(name, [], self._prefixes, owner, (span.line, span.column, 0))

@@ -15,7 +15,7 @@ from lark import Token, UnexpectedToken
 
 from jausml.text.bounds import DEEPEST, LONGEST
 from jausml.text.reading.comments import attach
-from jausml.text.reading.expectations import describe, suggestion
+from jausml.text.reading.expectations import describe, shown, suggestion
 from jausml.text.reading.scanning import SyntaxFault, language, scan
 from jausml.text.reading.shaping import Items, span_of
 from jausml.text.tree import Span, SyntaxTree
@@ -25,7 +25,9 @@ __all__ = ["MOST_FAULTS", "Parsed", "SyntaxFault", "parse"]
 MOST_FAULTS = 100
 """Syntax errors after which a text is not read further."""
 
+_VALUES = {"WORD", "NUMBER", "TEXT", "HREF"}
 _CLOSERS = {"LBRACE": "RBRACE", "LPAR": "RPAR", "LSQB": "END_BRACKET"}
+_ITEM_GOES_ON = {"COLON", "LBRACE", "LSQB", "ARROW", "EQUAL", "PAIR"}
 _CLAUSES = ("JAUS", "ROS", "TABLE", "VECTOR")
 _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BRACKET": "LSQB"}
 
@@ -80,6 +82,10 @@ class _Run:
             depth += token.type in _CLOSERS
             if depth > DEEPEST or len(self.faults) >= MOST_FAULTS:
                 break
+            if (fault := self._lone_word(position)) is not None:
+                self.faults.append(fault)
+                position += 1
+                continue
             try:
                 self._parser.feed_token(token)
             except UnexpectedToken:
@@ -121,6 +127,55 @@ class _Run:
             if brackets:
                 hint = f"the '{brackets[0]}' of line {brackets[0].line} is not closed"
         self.faults.append(SyntaxFault(span, message, hint))
+
+    def _lone_word(self, position: int) -> SyntaxFault | None:
+        """Returns what is wrong with a word that the grammar takes and nobody meant so."""
+        token = self._tokens[position]
+        if self._lacks_comma(position):
+            before, found = shown(self._tokens[position - 1]), shown(token)
+            message = f"expected ',' behind {before}, found {found}"
+            hint = f"write a comma between {before} and {found}"
+            return SyntaxFault(span_of(token), message, hint)
+        if self._stands_alone(position):
+            hint = "an element is written 'keyword name { ... }', a feature 'name: value'"
+            return SyntaxFault(span_of(token), f"{shown(token)} stands alone on its line", hint)
+        return None
+
+    def _stands_alone(self, position: int) -> bool:
+        """Tells whether a word in a block has a line of its own, before an element with its own."""
+        kinds = [self._type(each) for each in range(position, position + 3)]
+        if kinds != ["WORD"] * 3:
+            return False
+        breaks = [self._begins_line(each) for each in range(position, position + 3)]
+        if breaks != [True, True, False]:
+            return False
+        return self._accepts("RBRACE") or self._accepts("$END")
+
+    def _lacks_comma(self, position: int) -> bool:
+        """Tells whether a token that follows a value is a further value: no item begins there."""
+        token = self._tokens[position]
+        if token.type not in _VALUES or len(self._values) < 2:
+            return False
+        mark, value = self._values[-2:]
+        if getattr(mark, "type", "") not in ("COLON", "COMMA") or not isinstance(value, Token):
+            return False
+        following = self._type(position + 1)
+        if value.type not in _VALUES or following in _ITEM_GOES_ON:
+            return False
+        if following == "COMMA":
+            # Several sources of an assignment, or the rest of the values.
+            while self._type(position + 1) == "COMMA":
+                position += 2
+            return self._type(position + 1) != "ARROW"
+        if following != "WORD" or self._type(position + 2) in _ITEM_GOES_ON - {"LBRACE"}:
+            return True
+        # Two words on one line are an element; in front of a block they may stand on two.
+        shares_line = not self._begins_line(position + 1)
+        has_block = self._type(position + 2) == "LBRACE" and self._begins_line(position)
+        return not shares_line and not has_block
+
+    def _type(self, position: int) -> str:
+        return self._tokens[position].type if position < len(self._tokens) else ""
 
     def _recover(self, position: int) -> int:
         """Drops what is wrong.

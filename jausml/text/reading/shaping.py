@@ -153,8 +153,9 @@ class Shaper:
     # Elements and their features
 
     def keyword_element(self, children: list[Any]) -> Element:
-        keyword, name, block = children
-        return Element(_name(keyword), _name(name), block.items, span=_around(children))
+        keyword, name, *block = children
+        items = _items_of(block[0] if block else None)
+        return Element(_name(keyword), _name(name), items, span=_around(children))
 
     def word_element(self, children: list[Any]) -> Element:
         name, block = children

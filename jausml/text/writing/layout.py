@@ -135,6 +135,8 @@ def _import(item: Import, room: int) -> list[str]:
 
 def _element(element: Element, room: int) -> list[str]:
     names = [word(name.text) for name in (element.keyword, element.name) if name is not None]
+    if len(names) > 1 and not element.items and not element.closing:
+        return [" ".join(names)]
     return _bracketed(f"{' '.join(names)} ", "{}", element.items, element.closing, room)
 
 
