@@ -55,7 +55,7 @@ def test_finds_texts_in_folders(jausml, text):
 
 
 def test_errors_of_the_grammar_names_and_rules_in_one_run(jausml, text):
-    broken = SYSTEM.replace("type: vehicle", "type vehicle").replace("YawRate", "YawRat")
+    broken = SYSTEM.replace("type: vehicle", "type = vehicle").replace("YawRate", "YawRat")
     text.write_text(broken.replace("uses: Velocity", "uses: Velocty"))
     result = jausml("validate", "demo.ros2jaus", "--format", "json")
     assert result.exit_code == 1
