@@ -32,6 +32,7 @@ from .clients.control_session import ControlSession, ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
 from .clients.list_client import ListRequest
+from .clients.peer_search import PeerChoice, PeerSearch
 from .clients.query import PendingQuery
 from .component.component import JausComponent
 from .component.modelled import ModelledComponent
@@ -88,6 +89,8 @@ __all__ = [
     "ModelledComponent",
     "On",
     "OutOfRangeError",
+    "PeerChoice",
+    "PeerSearch",
     "PendingCommand",
     "PendingQuery",
     "Priority",

@@ -23,7 +23,8 @@ class Flow:
         to_ros: Whether it publishes.
         code: Code of its message.
         topics: Full names of the topics that are named legally.
-        peers: The components at the other end; empty means any.
+        peers: The components at the other end that are named.
+        is_open: Whether it may be anybody.
     """
 
     connection: bridge.Connection
@@ -32,6 +33,7 @@ class Flow:
     code: int
     topics: frozenset[str]
     peers: frozenset[jaus.Component]
+    is_open: bool
 
     @property
     def is_message(self) -> bool:
@@ -39,8 +41,8 @@ class Flow:
         return self.connection.exchange.name == "message"
 
     def has_peer(self, component: jaus.Component) -> bool:
-        """Tells whether messages are exchanged with a component; no peers means any."""
-        return component in self.peers or not self.peers
+        """Tells whether messages are exchanged with a component."""
+        return component in self.peers or self.is_open
 
 
 def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
@@ -62,6 +64,8 @@ def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
             resolve_topic(name, namespace, node) for name in names if not topic_fault(name)
         ),
         peers=frozenset(connection.peers),
+        # Who is found at run time is not known here.
+        is_open=not connection.peers and connection.search is None,
     )
 
 

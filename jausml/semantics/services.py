@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
     from jausml.semantics.subject import Subject
 
+    Provider = jaus.Component | jaus.PeerSearch
+    """Who provides services: a component, or whatever a search finds."""
+
 ACCESS_CONTROL = "AccessControl"
 
 
@@ -74,24 +77,36 @@ def provided_services(component: jaus.Component) -> list[jaus.Service]:
     return with_inherited(component.provides)
 
 
-def is_known(subject: Subject, component: jaus.Component | None) -> bool:
-    """Tells whether all that a component provides could be read.
+def is_known(subject: Subject, provider: Provider | None) -> bool:
+    """Tells whether all that a provider provides could be read.
 
     Only then is the absence of a message a finding of its own.
     """
-    if component is None or subject.is_broken(component):
+    if provider is None or subject.is_broken(provider):
         return False
-    return subject.is_intact(*provided_services(component))
+    return subject.is_intact(*services_of(provider))
 
 
-def inputs(component: jaus.Component) -> list[jaus.MessageDef]:
-    """Returns the messages that the services of a component take."""
-    return [each for service in provided_services(component) for each in service.inputs]
+def searched_services(search: jaus.PeerSearch) -> list[jaus.Service]:
+    """Returns the services that whatever a search finds provides, inherited ones included."""
+    return with_inherited(search.services)
 
 
-def outputs(component: jaus.Component) -> list[jaus.MessageDef]:
-    """Returns the messages that the services of a component send."""
-    return [each for service in provided_services(component) for each in service.outputs]
+def inputs(provider: Provider) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a provider take."""
+    return [each for service in services_of(provider) for each in service.inputs]
+
+
+def outputs(provider: Provider) -> list[jaus.MessageDef]:
+    """Returns the messages that the services of a provider send."""
+    return [each for service in services_of(provider) for each in service.outputs]
+
+
+def services_of(provider: Provider) -> list[jaus.Service]:
+    """Returns the services of a component, or of whatever a search finds."""
+    if isinstance(provider, jaus.PeerSearch):
+        return searched_services(provider)
+    return provided_services(provider)
 
 
 def find_same(
@@ -119,9 +134,9 @@ def code(message: jaus.MessageDef) -> int:
     return int(message.code, 16) if message.code else -1
 
 
-def provides_access_control(component: jaus.Component) -> bool:
-    """Tells whether a component can be controlled (AS5710, AccessControl)."""
-    return any(service.name == ACCESS_CONTROL for service in provided_services(component))
+def provides_access_control(provider: Provider) -> bool:
+    """Tells whether a provider can be controlled (AS5710, AccessControl)."""
+    return any(service.name == ACCESS_CONTROL for service in services_of(provider))
 
 
 def query_name(message: jaus.MessageDef) -> str:
@@ -131,13 +146,13 @@ def query_name(message: jaus.MessageDef) -> str:
 
 
 def find_query(
-    connection: jaus.ServiceConnection | bridge.Connection, provider: jaus.Component
+    connection: jaus.ServiceConnection | bridge.Connection, provider: Provider
 ) -> jaus.MessageDef | None:
     """Returns the query of a connection among the inputs of the provider, or None.
 
     Args:
         connection: A connection with its query, if any.
-        provider: The component that answers.
+        provider: Who answers.
     """
     if connection.query is not None:
         return find_same(connection.query, inputs(provider))

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.common.components import address_call, query_for, with_inherited
+from jausml.generators.common.components import (
+    address_call,
+    query_for,
+    search_call,
+    with_inherited,
+)
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case
@@ -220,9 +225,12 @@ class ConnectionView:
         return found
 
     @property
-    def peers(self) -> tuple[str, ...]:
-        """Addresses of the JAUS components at the other end."""
-        return tuple(map(address_call, self.connection.peers))
+    def peers(self) -> str:
+        """Addresses of the JAUS components at the other end, or how they are found."""
+        search = self.connection.search
+        if search is not None:
+            return search_call(search)
+        return _list(map(address_call, self.connection.peers))
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -234,7 +242,7 @@ class ConnectionView:
         """Arguments of the runtime class after name and translate."""
         lines = [f"{key}={value}" for key, value in self.arguments]
         if self.kind != "TopicsToReport":
-            lines.append(f"peers={_list(self.peers)}")
+            lines.append(f"peers={self.peers}")
         lines.append(f"topics={_list(self.topics)}")
         if self.joins:
             lines.append(f"joins={_list(map(_join, self.joins))}")
@@ -309,9 +317,10 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     report = connection.map.message
     to_ros = connection.direction.name == "jausToRos"
     senders = connection.peers if to_ros else [connection.eContainer()]
-    provided = with_inherited(
-        service for sender in senders if sender is not None for service in sender.provides
-    )
+    services = [each for sender in senders if sender is not None for each in sender.provides]
+    if to_ros and connection.search is not None:
+        services += connection.search.services
+    provided = with_inherited(services)
     own = report.eContainer()
     query = query_for(report, provided if own is None else [own, *provided])
     if query is None:

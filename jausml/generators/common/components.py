@@ -85,6 +85,26 @@ def address_call(component: jaus.Component) -> str:
     return call("JausAddress", *(str(int(part)) for part in component.address.split(".")))
 
 
+def search_call(search: jaus.PeerSearch) -> str:
+    """Returns a search for peers as a Python expression.
+
+    Args:
+        search: The search.
+    """
+    urns = [python_string(str(service.urn)) for service in search.services]
+    arguments = [f"({', '.join(urns)},)" if len(urns) == 1 else f"({', '.join(urns)})"]
+    arguments += [
+        f"{feature}={number}"
+        for feature, number in (("subsystem", search.subsystem), ("node", search.node))
+        if number
+    ]
+    if search.within.name != "system":
+        arguments.append(f"within=Scope.{search.within.name.upper()}")
+    if search.choice.name != "nearest":
+        arguments.append(f"choice=PeerChoice.{search.choice.name.upper()}")
+    return call("PeerSearch", *arguments)
+
+
 TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 """Values of the option `--jaus-transport` of a process, by literal of Transport."""
 

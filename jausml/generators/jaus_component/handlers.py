@@ -143,7 +143,7 @@ class Received:
         connection: The connection.
         query: The query for the report.
         report: The report.
-        peer: Who sends it.
+        provider: Who sends it, as an expression: an address or a search.
         method: The method that takes it.
         silent: The method that is told of the provider's silence.
     """
@@ -151,7 +151,7 @@ class Received:
     connection: jaus.ServiceConnection
     query: MessageView
     report: MessageView
-    peer: Peer
+    provider: str
     method: Method
     silent: Method | None
 
@@ -159,22 +159,24 @@ class Received:
     def registration(self) -> str:
         """Statement of the constructor."""
         arguments = [
-            f"self.{self.peer.constant}",
+            self.provider,
             self._query(),
             self.report.class_name,
             f"self.{self.method.name}",
         ]
+        is_found = self.connection.search is not None
         exchange = self.connection.exchange.name
         if exchange == "oneTime":
-            return call("self.query", *arguments)
+            return call("self.query_found" if is_found else "self.query", *arguments)
         if exchange == "periodic":
             arguments.append(f"rate={python_literal(float(self.connection.rate))}")
         if self.silent:
             timeout = python_literal(float(self.connection.silenceTimeout))
             arguments.append(f"silence_timeout={timeout}")
-            callback = f"lambda: self.{self.silent.name}(self.{self.peer.constant})"
+            method = f"self.{self.silent.name}"
+            callback = method if is_found else f"lambda: {method}({self.provider})"
             arguments.append(f"on_silence={callback}")
-        return call("self.subscribe", *arguments)
+        return call("self.subscribe_to_found" if is_found else "self.subscribe", *arguments)
 
     def _query(self) -> str:
         """Returns the query for all optional fields of the report."""

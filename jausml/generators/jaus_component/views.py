@@ -272,12 +272,12 @@ class ComponentView:
         view = self._messages[connection.message]
         identity = f"connection:{connection.name}"
         name = f"on_{names.snake_case(str(connection.name))}"
-        peer = self._peer_of[connection.provider]
+        provider, peer_name = self._provider_of(connection)
         method = Method(
             self._methods.claim(name),
             (("report", view.class_name), ("provider", "JausAddress")),
             "None",
-            documented(connection, f"take {clean(view.jaus_name)} of {peer.name}"),
+            documented(connection, f"take {clean(view.jaus_name)} of {peer_name}"),
             identity,
         )
         silent = None
@@ -286,17 +286,28 @@ class ComponentView:
                 self._methods.claim(f"{method.name}_silent"),
                 (("provider", "JausAddress"),),
                 "None",
-                sentence(f"take notice that {peer.name} has stopped to report"),
+                sentence(f"take notice that {peer_name} has stopped to report"),
                 f"{identity}:silent",
             )
         query = self._messages[self._query_of(connection)]
-        return Received(connection, query, view, peer, method, silent)
+        return Received(connection, query, view, provider, method, silent)
+
+    def _provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
+        """Who sends the report of a connection, as an expression and for people."""
+        if connection.search is not None:
+            services = " and ".join(clean(each.name) for each in connection.search.services)
+            return components.search_call(connection.search), f"a provider of {services}"
+        if connection.provider is None:
+            raise GenerationError(f"connection '{connection.name}' has no provider")
+        peer = self._peer_of[connection.provider]
+        return f"self.{peer.constant}", peer.name
 
     @functools.cached_property
     def _peer_of(self) -> dict[jaus.Component, Peer]:
         scope = names.Scope(frozenset(["CODE", "NAME"]))
         controlled = list(self.component.controls)
-        providers = [connection.provider for connection in self.component.connections]
+        every = (each.provider for each in self.component.connections)
+        providers = [each for each in every if each is not None]
         found = {}
         for each in dict.fromkeys([*controlled, *providers]):
             constant = scope.claim(names.constant_name(str(each.name)))

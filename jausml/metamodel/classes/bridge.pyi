@@ -445,6 +445,9 @@ class Connection(NamedElement):
     None means any: messages are taken from whoever sends them, reports go to whoever asks.
     """
 
+    search: jaus.PeerSearch | None
+    """How the JAUS components at the other end are found at run time, instead of peers."""
+
     topics: abc.Sequence[Topic]
     """ROS topics: all are published to, or all are subscribed to."""
 

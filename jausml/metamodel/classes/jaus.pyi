@@ -6,7 +6,7 @@ Written by tools/build_model_types.py from jaus.ecore: do not edit.
 from collections import abc
 from typing import Literal
 
-from jausml.metamodel.classes import system
+from jausml.metamodel.classes import bridge, system
 from jausml.metamodel.classes.ecore import EEnumLiteral, EObject
 
 class NumericType(EEnumLiteral):
@@ -91,6 +91,32 @@ class EventType(EEnumLiteral):
         "periodic",
         "everyChange",
         "oneTime",
+    ]
+
+class CoreServices(EEnumLiteral):
+    """Whether a component provides the core services of AS5710 that its model does not name."""
+
+    name: Literal[
+        "standard",
+        "none",
+    ]
+
+class PeerChoice(EEnumLiteral):
+    """Which of the components that a search finds are taken."""
+
+    name: Literal[
+        "nearest",
+        "first",
+        "all",
+    ]
+
+class SearchScope(EEnumLiteral):
+    """How far from the component that searches others are looked for."""
+
+    name: Literal[
+        "system",
+        "subsystem",
+        "node",
     ]
 
 class NamedElement(EObject):
@@ -593,6 +619,17 @@ class Component(NamedElement):
     type: SubsystemType
     """Type that Discovery reports for the component."""
 
+    external: bool
+    """True for a component that exists already, such as hardware or the program of somebody
+    else: nothing is generated or started for it, and rules know its address and what it
+    provides."""
+
+    coreServices: CoreServices
+    """Whether the component provides core services that the model does not name.
+
+    Of an external component only what the model names is known.
+    """
+
     provides: abc.Sequence[Service]
     """Services that the component provides.
 
@@ -634,8 +671,11 @@ class ServiceConnection(NamedElement):
     """A report that flows from a provider to the component that owns the connection, over an
     AS5710 event or as the answer to one query."""
 
-    provider: Component
-    """The component that sends the report."""
+    provider: Component | None
+    """The component that sends the report; absent when it is searched for."""
+
+    search: PeerSearch | None
+    """How the components that send the report are found at run time, instead of a provider."""
 
     message: MessageDef
     """The report."""
@@ -654,4 +694,30 @@ class ServiceConnection(NamedElement):
     silent; 0 means never."""
 
     def eContainer(self) -> Component | None:
+        """Returns the element that owns this one, None for a root."""
+
+class PeerSearch(EObject):
+    """A search for the components at the other end of a connection, by what they provide: they
+    are found by Discovery (AS5710) at run time, kept while they live, and looked for again when
+    they are gone."""
+
+    services: abc.Sequence[Service]
+    """Services that a component must provide, all of them; of any version."""
+
+    subsystem: int
+    """Id of the subsystem in which they are, 1..65534; 0 means any."""
+
+    node: int
+    """Id of the node on which they are, 1..254; 0 means any."""
+
+    within: SearchScope
+    """How far from the component that searches they may be."""
+
+    choice: PeerChoice
+    """Which of those that are found are taken.
+
+    One that is taken is kept while it lives, also when a nearer one is found later.
+    """
+
+    def eContainer(self) -> ServiceConnection | bridge.Connection | None:
         """Returns the element that owns this one, None for a root."""

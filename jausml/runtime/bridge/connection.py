@@ -30,6 +30,7 @@ TargetT = TypeVar("TargetT")
 FILTERED = "filtered"
 FAILED = "translation_failed"
 NOT_READY = "not_ready"
+NO_PEER = "no_peer"
 OUT_OF_RANGE = "out_of_range"
 STALE_JOIN = "stale_join"
 
@@ -106,6 +107,10 @@ class Connection(Generic[SourceT, TargetT]):
     def describe_peers(self) -> list[tuple[str, str]]:
         """Names and states of the other ends, for diagnostics."""
         raise NotImplementedError
+
+    def lacks_peers(self) -> str:
+        """What the connection searches for and has not found, empty when it lacks nothing."""
+        return ""
 
     def describe_joins(self) -> list[tuple[str, str]]:
         """Names and ages of the joined topics, for diagnostics."""
@@ -274,6 +279,9 @@ class Connection(Generic[SourceT, TargetT]):
         )
 
     def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:
+        lacking = self.lacks_peers()
+        if lacking:
+            return "stale", f"searching {lacking}"
         if self.is_silent:
             return "stale", "the source is silent"
         if self.statistics.last_arrival is None:

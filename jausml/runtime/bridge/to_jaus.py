@@ -6,9 +6,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.control_session import ControlState
+from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from ..transports.packets.packet import Priority
-from .connection import NOT_READY, Connection
+from .connection import NO_PEER, NOT_READY, Connection
 from .joins import JoinedTopic
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.control_session import ControlSession
+    from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .ends import Ends, ReportHolder
     from .joins import Join
@@ -92,18 +94,14 @@ def _translate_joined(
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
-    """Sends a JAUS message for each ROS message.
-
-    Attributes:
-        peers: JAUS components that receive it.
-    """
+    """Sends a JAUS message for each ROS message."""
 
     def __init__(
         self,
         name: str,
         translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
-        peers: Sequence[JausAddress],
+        peers: Sequence[JausAddress] | PeerSearch,
         control: Guard = Guard.ANY,
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
@@ -114,7 +112,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         Args:
             name: Name of the connection in the model.
             translate: Makes the JAUS message, or None to pass nothing on.
-            peers: JAUS components that receive it.
+            peers: JAUS components that receive it, or how they are found.
             control: What the peers demand of a sender that they obey. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
@@ -123,37 +121,54 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             options: The other parameters of `FromTopics`.
         """
         super().__init__(name, translate, **options)
-        self.peers = tuple(peers)
+        self._peers = PeerBinding(peers)
         self._control = control
         self._priority = priority
         self._acknowledge = acknowledge
         self._sessions: dict[JausAddress, ControlSession] = {}
 
+    @property
+    def peers(self) -> tuple[JausAddress, ...]:
+        """JAUS components that receive it."""
+        return self._peers.present
+
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
-        if self._control is Guard.ANY:
-            return
-        for peer in self.peers:
-            self._sessions[peer] = ends.component.control(
+        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+
+    def _join(self, peer: JausAddress) -> None:
+        if self._control is not Guard.ANY:
+            self._sessions[peer] = self._ends.component.control(
                 peer,
-                authority=ends.settings.authority,
+                authority=self._ends.settings.authority,
                 resume=self._control is Guard.READY,
                 on_change=partial(self._control_changed, peer),
             )
+
+    def _leave(self, peer: JausAddress) -> None:
+        session = self._sessions.pop(peer, None)
+        if session is not None:
+            session.release()
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+        return str(self._peers.search) if self._peers.is_lacking else ""
 
     def deliver(self, target: TargetT) -> bool:
         """Encodes once and sends to each peer that obeys; False when none does."""
         return self._send(self.peers, target)
 
     def _send(self, peers: Sequence[JausAddress], target: TargetT) -> bool:
+        if not peers:
+            self.drop(NO_PEER)
+            return False
         payload = target.encode()
         component = self._ends.component
         sent = False
         with component.loop.lock:
             for peer in peers:
-                session = self._sessions.get(peer)
-                if session is not None and not self._obeys(session.state):
+                if self._control is not Guard.ANY and not self._is_obeyed_by(peer):
                     self.drop(NOT_READY, str(peer))
                     continue
                 component.transport.send(
@@ -169,12 +184,17 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components and the state of their control."""
         states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
-        return [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
+        named = [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
+        return [*self._peers.describe(), *named]
 
     def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
         # A peer that was away when the topics fell silent has missed the safe value.
         if self._obeys(state) and self.is_silent:
             self.send_safe_value(partial(self._send, [peer]))
+
+    def _is_obeyed_by(self, peer: JausAddress) -> bool:
+        session = self._sessions.get(peer)
+        return session is not None and self._obeys(session.state)
 
     def _obeys(self, state: ControlState) -> bool:
         if state is ControlState.CONTROLLED:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from .connection import Connection
 
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..clients.event_subscription import EventSubscription
+    from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .ends import Ends
     from .topics import Topic
@@ -21,11 +23,7 @@ TargetT = TypeVar("TargetT")
 
 
 class ToTopics(Connection[SourceT, TargetT]):
-    """What the connections to ROS topics have in common: the topics.
-
-    Attributes:
-        peers: JAUS components whose messages are taken.
-    """
+    """What the connections to ROS topics have in common: the topics, and the peers."""
 
     def __init__(
         self,
@@ -35,7 +33,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         message: type[SourceT],
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
-        peers: Sequence[JausAddress] = (),
+        peers: Sequence[JausAddress] | PeerSearch = (),
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
     ) -> None:
@@ -47,21 +45,37 @@ class ToTopics(Connection[SourceT, TargetT]):
             message: JAUS message that is taken.
             type: ROS type that is published.
             topics: Where it is published.
-            peers: JAUS components at the other end.
+            peers: JAUS components at the other end, or how they are found.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
             safe_value: Makes the message that is published once when the source is silent.
         """
         super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
-        self.peers = tuple(peers)
+        self._peers = PeerBinding(peers)
         self._message = message
         self._type = type
         self._topics = tuple(topics)
         self._publish: list[Callable[[TargetT], None]] = []
 
+    @property
+    def peers(self) -> tuple[JausAddress, ...]:
+        """JAUS components whose messages are taken."""
+        return self._peers.present
+
     def open(self, ends: Ends) -> None:
         """Makes the publishers, before any message can arrive."""
         super().open(ends)
         self._publish = [ends.publisher(self._type, topic) for topic in self._topics]
+        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+
+    def _join(self, peer: JausAddress) -> None:
+        """Begins with a peer; by default nothing is to be asked of it."""
+
+    def _leave(self, peer: JausAddress) -> None:
+        """Ends with a peer that is gone."""
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+        return str(self._peers.search) if self._peers.is_lacking else ""
 
     def deliver(self, target: TargetT) -> bool:
         """Publishes on every topic."""
@@ -71,7 +85,13 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""
-        return [(f"peer {peer}", "source") for peer in self.peers]
+        named = [(f"peer {peer}", self._state_of(peer)) for peer in self.peers]
+        return [*self._peers.describe(), *named]
+
+    def _state_of(self, peer: JausAddress) -> str:
+        """How it stands with a peer, for diagnostics."""
+        del peer
+        return "source"
 
 
 class EventToTopics(ToTopics[SourceT, TargetT]):
@@ -102,7 +122,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._events: list[EventSubscription] = []
+        self._events: dict[JausAddress, EventSubscription] = {}
 
     @property
     def declared_rate(self) -> float:
@@ -111,22 +131,21 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
-        super().open(ends)
         if self.rate is not None:
             self.rate = ends.rate_parameter(self.name, self.rate)
-        self._events = [
-            ends.component.subscribe(
-                peer, self._query, self._message, self._take_report, rate=self.rate
-            )
-            for peer in self.peers
-        ]
+        super().open(ends)
 
-    def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components and whether they confirmed the event."""
-        return [
-            (f"peer {event.provider}", "confirmed" if event.active else "asked")
-            for event in self._events
-        ]
+    def _join(self, peer: JausAddress) -> None:
+        self._events[peer] = self._ends.component.subscribe(
+            peer, self._query, self._message, self._take_report, rate=self.rate
+        )
+
+    def _leave(self, peer: JausAddress) -> None:
+        self._events.pop(peer).cancel()
+
+    def _state_of(self, peer: JausAddress) -> str:
+        event = self._events.get(peer)
+        return "confirmed" if event is not None and event.active else "asked"
 
     def _take_report(self, report: SourceT, _: JausAddress) -> None:
         self.take(report)
@@ -242,7 +261,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         return super().describe_peers() or [("peer", "any")]
 
     def _take_from(self, message: SourceT, sender: JausAddress) -> None:
-        if self.peers and sender not in self.peers:
+        if sender not in self.peers and not self._peers.is_anybody:
             self.drop("unexpected_source", str(sender))
             return
         self.take(message)

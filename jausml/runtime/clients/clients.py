@@ -9,6 +9,7 @@ from .control_session import ControlClient
 from .discovery_client import DiscoveryClient
 from .event_client import EventClient
 from .list_client import ListClient
+from .peer_client import PeerClient
 from .query import QueryClient
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ class Clients:
         control: Sessions that control others.
         queries: Questions that wait for an answer.
         discovery: The search for others.
+        peers: Others that are found by their services, and kept while they live.
         commands: Commands whose end is awaited.
         lists: Lists of others that are edited and read.
     """
@@ -37,6 +39,7 @@ class Clients:
         self.control = ControlClient(host)
         self.queries = QueryClient(host)
         self.discovery = DiscoveryClient(host)
+        self.peers = PeerClient(host, self.discovery)
         self.commands = CommandClient(host)
         self.lists = ListClient(host, self.queries)
 
@@ -45,6 +48,7 @@ class Clients:
         self.queries.stop()
         self.commands.stop()
         self.lists.stop()
+        self.peers.stop()
         self.discovery.stop()
         self.control.stop()
         self.events.stop()

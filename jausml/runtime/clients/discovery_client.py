@@ -79,6 +79,7 @@ class DiscoveryClient:
         """Listen to the answers of Discovery services."""
         self._component = component
         self._searches: list[_Search] = []
+        self._watchers: list[Callable[[FoundComponent], None]] = []
         self._timer: Timer | None = None
         self._tries = 0
         self.server: JausAddress | None = None
@@ -97,6 +98,20 @@ class DiscoveryClient:
         self._searches.append(_Search(urn, on_found, set()))
         if self._component.running:
             self.start()
+
+    def watch(self, on_sighting: Callable[[FoundComponent], None]) -> None:
+        """Tell every component that an answer names, each time; nobody is asked for that."""
+        self._watchers.append(on_sighting)
+
+    def ask_for_services(self, place: JausAddress) -> None:
+        """Ask for components and their services.
+
+        Args:
+            place: Whom to ask: a component, or several by a wildcard.
+        """
+        # Peers of v1.0 know the first alone.
+        self._component.send(query_all_services(), place)
+        self._component.send(query_all_service_lists(), place)
 
     def start(self) -> None:
         """Look around now, and again and again."""
@@ -118,9 +133,7 @@ class DiscoveryClient:
             if self._component.component_type in OCU_TYPES:
                 self._component.send(QueryIdentification(query_type=Scope.SYSTEM), BROADCAST)
         if self._searches:
-            # Peers of v1.0 know the first alone.
-            self._component.send(query_all_services(), BROADCAST)
-            self._component.send(query_all_service_lists(), BROADCAST)
+            self.ask_for_services(BROADCAST)
         if identifies or self._searches:
             self._tries += 1
             delay = EAGER_INTERVAL if self._tries < EAGER_TRIES else STEADY_INTERVAL
@@ -153,14 +166,20 @@ class DiscoveryClient:
         self._take(reported_service_list(report))
 
     def _take(self, found: Iterable[tuple[JausAddress, tuple[ServiceIdentity, ...]]]) -> None:
-        """Tell the searches what was found; nothing is read without any."""
-        for address, services in found if self._searches else ():
+        """Tell what was found; nothing is read when nobody wants to know."""
+        for address, services in found if self._searches or self._watchers else ():
+            component = FoundComponent(address, services)
+            for watcher in self._watchers:
+                watcher(component)
             for search in tuple(self._searches):
-                offered = any(service.urn == search.urn for service in services)
-                if not offered or address in search.found:
-                    continue
-                if len(search.found) >= MAX_FOUND:
-                    self._component.counters.count("discovery_client.too_many_found", str(address))
-                else:
-                    search.found.add(address)
-                    self._component.call(search.on_found, FoundComponent(address, services))
+                self._tell(search, component)
+
+    def _tell(self, search: _Search, found: FoundComponent) -> None:
+        offered = any(service.urn == search.urn for service in found.services)
+        if not offered or found.address in search.found:
+            return
+        if len(search.found) >= MAX_FOUND:
+            self._component.counters.count("discovery_client.too_many_found", str(found.address))
+        else:
+            search.found.add(found.address)
+            self._component.call(search.on_found, found)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from ..clients.peer_binding import PeerBinding
 from ..messages import ClearEmergency, SetEmergency
 from ..transports.packets.packet import Priority
 from ..wire.message import Message
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
     from ..clients.list_client import ListRequest
+    from ..clients.peer_search import PeerSearch
     from ..clients.query import PendingQuery
     from ..services.element_list import ListElement
 
@@ -283,6 +286,87 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             self._jaus_clients.discovery.discover(urn, on_found)
+
+    def find_peers(
+        self, search: PeerSearch, on_change: Callable[[Sequence[JausAddress]], None]
+    ) -> None:
+        """Find components by what they provide, and look after them, until the component stops.
+
+        Discovery tells who provides the services; a component is taken when its transport
+        acknowledges a message, and let go when three in a row stay unacknowledged. One that is
+        taken is kept while it lives, also when a nearer one appears.
+
+        Args:
+            search: What is looked for.
+            on_change: Told all of them, in order, whenever they change; none when they are gone.
+        """
+        with self.loop.lock:
+            self._jaus_clients.peers.find(search, on_change)
+
+    def subscribe_to_found(
+        self,
+        search: PeerSearch,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+        *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[JausAddress], None] | None = None,
+    ) -> None:
+        """Receive a report of what a search finds, as ``subscribe`` does of one provider.
+
+        Args:
+            search: What is looked for.
+            query: Asks for the report; its presence vector selects the fields.
+            report_class: Generated codec of the report.
+            on_report: Takes each report and the provider's address.
+            rate: Reports each second of each provider; None means every change.
+            silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
+            on_silence: Told a provider each time that it falls silent.
+
+        Raises:
+            EncodeError: A value of the query does not fit its field.
+            ValueError: The rate is out of range.
+        """
+        subscriptions: dict[JausAddress, EventSubscription] = {}
+
+        def join(peer: JausAddress) -> None:
+            silent = None if on_silence is None else partial(on_silence, peer)
+            subscriptions[peer] = self.subscribe(
+                peer,
+                query,
+                report_class,
+                on_report,
+                rate=rate,
+                silence_timeout=silence_timeout,
+                on_silence=silent,
+            )
+
+        PeerBinding(search).follow(
+            self.find_peers, join, lambda peer: subscriptions.pop(peer).cancel()
+        )
+
+    def query_found(
+        self,
+        search: PeerSearch,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+    ) -> None:
+        """Ask each component that a search finds for a report once, when it is found.
+
+        Args:
+            search: What is looked for.
+            query: Asks for the report.
+            report_class: Generated codec of the report.
+            on_report: Takes the report and the sender's address.
+        """
+
+        def join(peer: JausAddress) -> None:
+            self.query(peer, query, report_class, on_report)
+
+        PeerBinding(search).follow(self.find_peers, join, lambda _peer: None)
 
     @property
     def discovery_server(self) -> JausAddress | None:

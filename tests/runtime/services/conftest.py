@@ -76,15 +76,21 @@ class World:
         acknowledge: bool = False,
         on_result: Callable[[bool], None] | None = None,
     ) -> None:
-        del acknowledge, on_result
         code = int.from_bytes(payload[:2], "little")
         self.log.append((source, destination, code))
-        if self.lost(source, destination, code):
-            return
         received = ReceivedMessage(source, destination, payload, priority, 0)
-        for address in list(self._receivers):
-            if destination.matches(address) and address != source:
-                self.loop.call_soon(lambda to=address: self._deliver(to, received))
+        reached = [
+            address
+            for address in self._receivers
+            if destination.matches(address) and address != source
+        ]
+        if self.lost(source, destination, code):
+            reached = []
+        for address in reached:
+            self.loop.call_soon(lambda to=address: self._deliver(to, received))
+        if on_result is not None:
+            success = bool(reached) or not acknowledge
+            self.loop.call_soon(lambda: on_result(success))
 
     def _deliver(self, address: JausAddress, received: ReceivedMessage) -> None:
         receive = self._receivers.get(address)

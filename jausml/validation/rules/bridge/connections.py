@@ -21,11 +21,12 @@ from jausml.semantics.services import (
 )
 from jausml.semantics.ways import FEATURES, possible_ways
 from jausml.validation.rule import Finding, Note, rule
-from jausml.validation.rules.jaus.components import missing_query, rate_finding
+from jausml.validation.rules.jaus.components import missing_query, provider_name, rate_finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.semantics.services import Provider
     from jausml.semantics.subject import Subject
 
 
@@ -70,7 +71,7 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
     Good: the same with a peer that provides PrimitiveDriver
     """
     for connection in _sound_connections(subject):
-        owner, peers = connection.eContainer(), list(connection.peers)
+        owner, peers = connection.eContainer(), _peers(connection)
         if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
             hint = _other_ways(subject, connection)
             for finding in _service_findings(connection, owner, peers):
@@ -80,7 +81,7 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML423", Severity.ERROR, "connection without a peer")
 def peers_named(subject: Subject) -> Iterator[Finding]:
-    """A connection that asks for reports or sends messages names its peers.
+    """A connection that asks for reports or sends messages names its peers, or searches for them.
 
     Without peers a bridge takes messages from whoever sends them, and reports to whoever asks.
 
@@ -90,13 +91,15 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
     """
     for connection in _sound_connections(subject):
         by_message = connection.exchange.name == "message"
-        if connection.peers or by_message is _to_ros(connection):
+        if _peers(connection) or by_message is _to_ros(connection):
             continue
         if not is_known(subject, connection.eContainer()):
             continue  # the way that a text leaves open follows from the services of the bridge
         purpose = "to send it to" if by_message else "to ask for it"
         message = f"'{connection.name}' carries {connection.map.message.name}"
-        hint = ", or ".join(filter(None, ("name peers", _other_ways(subject, connection))))
+        hint = ", or ".join(
+            filter(None, ("name peers or search for them", _other_ways(subject, connection)))
+        )
         yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 
@@ -116,7 +119,7 @@ def query_known(subject: Subject) -> Iterator[Finding]:
         if connection.query is not None and not subject.is_intact(connection.query):
             continue
         message = connection.map.message
-        senders = list(connection.peers) if _to_ros(connection) else [connection.eContainer()]
+        senders = _peers(connection) if _to_ros(connection) else [connection.eContainer()]
         for sender in senders:
             if sender is None or not is_known(subject, sender):
                 continue
@@ -180,11 +183,13 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
     for connection in _sound_connections(subject):
         if _to_ros(connection) or not connection.control or not is_command(connection.map.message):
             continue
-        for peer in connection.peers:
+        for peer in _peers(connection):
             if is_known(subject, peer) and not provides_access_control(peer):
-                message = f"'{peer.name}' provides no AccessControl, so control of it cannot be had"
-                note = Note(peer, f"'{peer.name}'")
-                yield Finding(connection, message, "peers", 'set control="false"', (note,))
+                who = provider_name(peer)
+                message = f"{who} provides no AccessControl, so control of it cannot be had"
+                note = Note(peer, who)
+                feature = "search" if connection.search is not None else "peers"
+                yield Finding(connection, message, feature, 'set control="false"', (note,))
 
 
 @rule("JML428", Severity.ERROR, "bridges feed each other")
@@ -230,6 +235,12 @@ def _is_complete(subject: Subject, connection: bridge.Connection) -> bool:
     return used is not None and subject.is_intact(used.message, used.type)
 
 
+def _peers(connection: bridge.Connection) -> list[Provider]:
+    """Returns those at the other end that are named, or whatever is searched for."""
+    found: list[Provider] = list(connection.peers)
+    return found if connection.search is None else [*found, connection.search]
+
+
 def _to_ros(connection: bridge.Connection) -> bool:
     return connection.direction.name == "jausToRos"
 
@@ -247,7 +258,7 @@ def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
 
 
 def _service_findings(
-    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
 ) -> Iterator[Finding]:
     message, by_message = connection.map.message, connection.exchange.name == "message"
     if _to_ros(connection) and by_message:
@@ -256,13 +267,13 @@ def _service_findings(
         without = [peer for peer in peers if find_same(message, inputs(peer)) is None]
         yield from (_unprovided(connection, peer, "takes") for peer in without)
     else:
-        senders = peers if _to_ros(connection) else [owner]
+        senders: list[Provider] = peers if _to_ros(connection) else [owner]
         without = [each for each in senders if find_same(message, outputs(each)) is None]
         yield from (_unprovided(connection, each, "sends") for each in without)
 
 
 def _taken_findings(
-    connection: bridge.Connection, owner: bridge.Bridge, peers: list[jaus.Component]
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
 ) -> Iterator[Finding]:
     message = connection.map.message
     if find_same(message, inputs(owner)) is not None:
@@ -272,21 +283,24 @@ def _taken_findings(
     for peer in peers:
         if find_same(message, outputs(peer)) is None:
             text = f"neither '{owner.name}' provides a service that takes {message.name}"
-            text += f" nor '{peer.name}' one that sends it"
-            notes = tuple(Note(each, f"'{each.name}'") for each in (owner, peer))
+            text += f" nor {provider_name(peer)} one that sends it"
+            notes = tuple(Note(each, provider_name(each)) for each in (owner, peer))
             yield Finding(connection, text, "map", related=notes)
 
 
-def _unprovided(connection: bridge.Connection, component: jaus.Component, verb: str) -> Finding:
+def _unprovided(connection: bridge.Connection, provider: Provider, verb: str) -> Finding:
     message = connection.map.message
     service = message.eContainer()
     hint = ""
     if service is not None and message in (service.inputs if verb == "takes" else service.outputs):
         hint = f"add {service.name} to what it provides"
+        if isinstance(provider, jaus.PeerSearch):
+            hint = f"search for {service.name}"
+    who = provider_name(provider)
     return Finding(
         connection,
-        f"'{component.name}' provides no service that {verb} {message.name}",
+        f"{who} provides no service that {verb} {message.name}",
         "map",
         hint,
-        (Note(component, f"'{component.name}'"),),
+        (Note(provider, who),),
     )

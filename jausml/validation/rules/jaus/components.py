@@ -21,6 +21,7 @@ from jausml.validation.rule import Finding, Note, rule
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.semantics.services import Provider
     from jausml.semantics.subject import Subject
 
     AnyConnection = jaus.ServiceConnection | bridge.Connection
@@ -133,17 +134,17 @@ def connection_provided(subject: Subject) -> Iterator[Finding]:
     Good: the same provider with `provides` of LocalPoseSensor as well
     """
     for connection in subject.instances(jaus.ServiceConnection):
-        provider, message = connection.provider, connection.message
-        if not is_known(subject, provider) or not subject.is_intact(message):
+        provider, message = connection.provider or connection.search, connection.message
+        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
             continue
         if find_same(message, outputs(provider)) is None:
             owner = message.eContainer()
             yield Finding(
                 connection,
-                f"'{provider.name}' provides no service that sends {message.name}",
+                f"{provider_name(provider)} provides no service that sends {message.name}",
                 "message",
                 f"add {owner.name} to what it provides" if owner is not None else "",
-                (Note(provider, f"'{provider.name}'"),),
+                (Note(provider, provider_name(provider)),),
             )
 
 
@@ -159,8 +160,8 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
     Good: the same connection with `query` set to the message that asks for it
     """
     for connection in subject.instances(jaus.ServiceConnection):
-        provider, message = connection.provider, connection.message
-        if not is_known(subject, provider) or not subject.is_intact(message):
+        provider, message = connection.provider or connection.search, connection.message
+        if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
             continue
         if connection.query is not None and not subject.is_intact(connection.query):
             continue
@@ -234,21 +235,29 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, message, "provides")
 
 
+def provider_name(provider: Provider) -> str:
+    """Returns how messages name who provides services: a component, or what a search finds."""
+    if isinstance(provider, jaus.PeerSearch):
+        services = " and ".join(str(each.name) for each in provider.services)
+        return f"what the search for {services} finds"
+    return f"'{provider.name}'"
+
+
 def missing_query(
-    connection: AnyConnection, message: jaus.MessageDef, provider: jaus.Component
+    connection: AnyConnection, message: jaus.MessageDef, provider: Provider
 ) -> Finding:
     """Returns the finding about a connection whose provider takes no query for the report.
 
     Args:
         connection: The connection.
         message: The report.
-        provider: The component that should take the query.
+        provider: Who should take the query.
     """
     query = connection.query
     wanted = query.name if query is not None else query_name(message)
-    note = (Note(provider, f"'{provider.name}'"),)
+    note = (Note(provider, provider_name(provider)),)
     if wanted:
-        text = f"'{provider.name}' takes no {wanted}, which asks for {message.name}"
+        text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
         feature = "query" if query is not None else None
         hint = "" if query is not None else f"let it provide a service with the input {wanted}"
         return Finding(connection, text, feature, hint, note)

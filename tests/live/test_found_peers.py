@@ -1,0 +1,145 @@
+"""A generated bridge whose peers are found by their services: they come, die, move."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from workspaces import packages_of
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+FOLDER = Path(__file__).resolve().parent
+VEHICLE = str(FOLDER / "found_vehicle.py")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    workspace = tmp_path_factory.mktemp("workspace")
+    result = read_models([FOLDER / "found_peers.ros2jaus"], notations=NOTATIONS)
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
+        target = workspace / artifact.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(artifact.text, encoding="utf-8")
+    return packages_of(workspace)
+
+
+class System:
+    """The bridge and a node of the test; vehicles come and go."""
+
+    def __init__(self, path, logs):
+        self.path, self.logs, self.port = path, logs, free_port()
+        self.processes = []
+        self.ros = RosPeer()
+
+    def start(self, *arguments):
+        line = [*arguments, "--jaus-port", str(self.port)]
+        process = Process(line, self.path, self.logs / f"{len(self.processes)}.log")
+        self.processes.append(process)
+        return process
+
+    def bridge(self):
+        return self.start("-m", "finder.main")
+
+    def vehicle(self, address, speed):
+        return self.start(VEHICLE, "--jaus-id", address, "--speed", str(speed))
+
+    def speeds(self, topic):
+        from nav_msgs.msg import Odometry
+
+        found = self.ros.listen(Odometry, topic)
+        return lambda since=0: [round(each.twist.twist.linear.x, 1) for each in found[since:]]
+
+    def diagnostics(self):
+        from diagnostic_msgs.msg import DiagnosticArray
+
+        found = self.ros.listen(DiagnosticArray, "/diagnostics")
+
+        def search_of(connection):
+            for array in reversed(list(found)):
+                for status in array.status:
+                    if connection in status.name:
+                        values = {each.key: each.value for each in status.values}
+                        return status.message, values.get("search", "")
+            return "", ""
+
+        return search_of
+
+    def close(self):
+        for process in self.processes:
+            process.close()
+        self.ros.close()
+        for process in self.processes:
+            sys.stderr.write(process.log.read_text())
+
+
+@pytest.fixture
+def system(path, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    started = System(path, tmp_path)
+    yield started
+    started.close()
+
+
+def test_a_vehicle_that_starts_late_is_killed_and_comes_back_elsewhere(system):
+    speeds, search_of = system.speeds("nearest"), system.diagnostics()
+    system.bridge()
+    lacking = "searching VelocityStateSensor"
+    wait_for(lambda: search_of("nearest") == (lacking, lacking), "search in the diagnostics")
+    assert speeds() == []
+
+    first = system.vehicle("10.1.1", 1.0)
+    wait_for(lambda: 1.0 in speeds(), "report of a vehicle that started after the bridge")
+    wait_for(lambda: search_of("nearest")[1] == "bound to 10.1.1", "binding in the diagnostics")
+
+    first.kill()
+    wait_for(lambda: search_of("nearest")[1] == lacking, "loss in the diagnostics")
+    assert search_of("asked")[1] == "searching VelocityStateSensor in subsystem 10"
+    system.vehicle("200.3.4", 2.0)
+    wait_for(lambda: 2.0 in speeds(), "report of the vehicle under another address")
+    assert search_of("asked")[1] == "searching VelocityStateSensor in subsystem 10"
+
+
+def test_nearest_takes_one_of_several_and_all_takes_every_one(system):
+    nearest, every, asked = map(system.speeds, ("nearest", "every", "asked"))
+    started = [("200.1.1", 4.0), ("10.2.1", 3.0), ("10.1.7", 2.0)]
+    vehicles = [system.vehicle(address, speed) for address, speed in started]
+    for vehicle in vehicles:
+        wait_for(lambda log=vehicle.log: " runs as " in log.read_text(), "start of a vehicle")
+    system.bridge()
+    wait_for(lambda: {2.0, 3.0, 4.0} <= set(every()), "reports of all")
+    wait_for(lambda: nearest() and asked(), "reports of one")
+    assert set(nearest()) == set(asked()) == {2.0}
+
+
+def test_commands_go_to_whoever_is_found(system):
+    from geometry_msgs.msg import Twist
+
+    system.bridge()
+    publisher = system.ros.publisher(Twist, "cmd_vel")
+    with Repeater(publisher, Twist()):
+        first = system.vehicle("10.1.1", 1.0)
+        wait_for(lambda: first.of_kind("effort"), "command to the vehicle that was found")
+        first.kill()
+        second = system.vehicle("10.1.2", 1.0)
+        wait_for(lambda: second.of_kind("effort"), "command to the vehicle that came instead")
+    assert {each["sender"] for each in second.of_kind("effort")} == {"10.1.9"}
