@@ -9,7 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.semantics.services import provided_services, query_name, with_inherited
+from jausml.semantics.services import (
+    provided_services,
+    query_name,
+    searched_services,
+    with_inherited,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -143,7 +148,11 @@ def _agrees(way: Way, exchange: str | None, connection: bridge.Connection) -> bo
     if (way.exchange == MESSAGE) == (exchange == MESSAGE):
         return True
     # A peer may send its reports unasked.
-    return exchange == MESSAGE and way.direction == TO_ROS and bool(connection.peers)
+    return exchange == MESSAGE and way.direction == TO_ROS and _has_peers(connection)
+
+
+def _has_peers(connection: bridge.Connection) -> bool:
+    return bool(connection.peers) or connection.search is not None
 
 
 def _directions(connection: bridge.Connection) -> list[str]:
@@ -168,6 +177,8 @@ def _partners(connection: bridge.Connection, owner: bridge.Bridge) -> list[list[
     """Returns the services of each component at the other end."""
     if connection.peers:
         return [provided_services(each) for each in connection.peers]
+    if connection.search is not None:
+        return [searched_services(connection.search)]
     used = with_inherited(owner.uses)
     return [used] if used else []
 
