@@ -1,4 +1,4 @@
-"""`jausml list`: lists the JAUS services and messages that are known."""
+"""`jausml list`: lists the JAUS services, messages and attribute maps that are known."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import click
 
 from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, write
 from jausml.live.messages import UnknownServiceError
+from jausml.live.messages.errors import did_you_mean, similar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
+    from jausml.cli.maps import FoundMap
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
 
 
@@ -27,7 +29,7 @@ _format_option = click.option(
 
 @click.group("list")
 def command() -> None:
-    """List the JAUS services and messages of the library and of your models."""
+    """List the JAUS services, messages and attribute maps of the library and of your models."""
 
 
 @command.command("services")
@@ -97,6 +99,60 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
         for entry in found
     )
     _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
+
+
+@command.command("maps")
+@click.option(
+    "--ros", "ros_type", metavar="TYPE", help="Only those of a ROS type, joined ones too."
+)
+@click.option("--jaus", "message_name", metavar="MESSAGE", help="Only those of a JAUS message.")
+@_format_option
+@model_option
+def maps(
+    ros_type: str | None, message_name: str | None, output_format: str, models: tuple[str, ...]
+) -> None:
+    """List attribute maps with their message, ROS type and directions.
+
+    TYPE is nav_msgs/Odometry, nav_msgs/msg/Odometry or Odometry. `jausml show map` tells more.
+
+    Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3
+    internal error.
+    """
+    from jausml.cli.maps import open_maps  # noqa: PLC0415 - services and messages need no maps
+
+    found = open_maps(models)
+    if ros_type is not None:
+        wanted = ros_type.replace("/msg/", "/")
+        found = _chosen(found, wanted, lambda each: each.overview.types, "ROS type")
+    if message_name is not None:
+        found = _chosen(found, message_name, lambda each: [each.overview.message], "JAUS message")
+    if output_format == "json":
+        for each in found:
+            write(to_json(each.to_json()))
+        return
+    rows = (
+        (each.name, each.message, each.type, " and ".join(each.directions), found_map.module)
+        for found_map in found
+        for each in (found_map.overview,)
+    )
+    _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
+
+
+def _chosen(
+    found: Sequence[FoundMap], wanted: str, names: Callable[[FoundMap], Sequence[str]], what: str
+) -> list[FoundMap]:
+    """Returns the maps of a name, or of the end of one behind its slash."""
+
+    def are_meant(each: FoundMap) -> bool:
+        return any(wanted in (name, name.rpartition("/")[2]) for name in names(each))
+
+    chosen = [each for each in found if are_meant(each)]
+    if not chosen:
+        known = {name for each in found for name in names(each)}
+        known |= {name.rpartition("/")[2] for name in known if "/" not in wanted}
+        hint = did_you_mean(similar(wanted, known))
+        raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
+    return chosen
 
 
 def _messages(catalogue: Catalogue, service: str | None) -> Sequence[MessageEntry]:

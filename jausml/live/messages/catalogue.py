@@ -222,7 +222,7 @@ class Catalogue:
             UnknownServiceError: There is no such service.
             AmbiguousMessageError: There are several; the error lists them.
         """
-        found = self._named(name_or_code)
+        found = self.named(name_or_code)
         what = name_or_code if isinstance(name_or_code, str) else f"0x{name_or_code:04X}"
         if not found:
             raise UnknownMessageError(f"no message {shown(what)}", self._similar(what, service))
@@ -238,7 +238,8 @@ class Catalogue:
             raise AmbiguousMessageError(what, _choices(left))
         return left[0]
 
-    def _named(self, name_or_code: str | int) -> tuple[MessageEntry, ...]:
+    def named(self, name_or_code: str | int) -> tuple[MessageEntry, ...]:
+        """Returns all messages of a name or code, none when nobody defines it."""
         if isinstance(name_or_code, int):
             return self._with_code(name_or_code)
         codes = self._codes.get(name_or_code)
@@ -357,7 +358,7 @@ class Catalogue:
             return self.message(str(name), service)
         if name is None:
             return self.message(self._code_of(code), service)
-        found = self._named(name)
+        found = self.named(name)
         if not found:
             return self.message(name, service)  # which raises with suggestions
         number = self._code_of(code)

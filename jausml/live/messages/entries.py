@@ -47,6 +47,7 @@ class ServiceEntry:
         name: Its name in the model.
         set_name: Name of its service set.
         set_version: Version of its service set.
+        documentation: Text of the model.
         inherits: The service that it extends, None when it extends none.
     """
 
@@ -64,6 +65,7 @@ class ServiceEntry:
         self.urn = str(definition.urn)
         self.version = str(definition.version)
         self.name = str(definition.name)
+        self.documentation = str(definition.documentation or "")
         owner = definition.eContainer()
         self.set_name = str(owner.name) if owner is not None else ""
         self.set_version = str(owner.version) if owner is not None else ""
