@@ -19,7 +19,7 @@ from jausml.live.peers.conformance.groups import all_groups, fixed_checks
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
 from jausml.live.peers.conformance.runner import run
 from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.network import component_address
+from jausml.live.peers.network import component_address, fault
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
+
+_REMEDY = (
+    "Use another port and say where the target is, which also holds for one behind a node manager: "
+    "--port 3795 --peer ID=HOST:3794"
+)
 
 CLIENTS = 3
 """Ids that the checks use."""
@@ -124,7 +129,7 @@ def command(
     except TargetNotReached as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
-        raise EnvironmentFault(f"the network cannot be used: {error.strerror or error}") from error
+        raise EnvironmentFault(fault(error, network, _REMEDY)) from error
     _write(report, output_format, output, live=live)
     if report.interrupted or not report.passed:
         raise click.exceptions.Exit(PROBLEMS)

@@ -76,9 +76,30 @@ def _finite(_context: click.Context, _option: click.Parameter, value: float | No
     " else JSON.",
 )
 @model_option
-@click.option("--port", default=3794, show_default=True, help="For --pcap and --listen: UDP port.")
-@click.option("--interface", default="127.0.0.1", show_default=True, help="For --listen: IPv4.")
-@click.option("--multicast-group", default="239.255.0.1", show_default=True, help="For --listen.")
+@click.option(
+    "--port",
+    "--jaus-port",
+    "port",
+    default=3794,
+    show_default=True,
+    help="For --pcap and --listen: UDP port.",
+)
+@click.option(
+    "--interface",
+    "--jaus-interface",
+    "interface",
+    default="127.0.0.1",
+    show_default=True,
+    help="For --listen: IPv4.",
+)
+@click.option(
+    "--multicast-group",
+    "--jaus-multicast-group",
+    "multicast_group",
+    default="239.255.0.1",
+    show_default=True,
+    help="For --listen.",
+)
 @click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
 @click.option(
     "--duration",

@@ -14,6 +14,7 @@ from jausml.live.peers.network import (
     DEFAULT_GROUP,
     DEFAULT_INTERFACE,
     DEFAULT_PORT,
+    TRANSPORTS,
     Network,
     make_network,
     silence_log,
@@ -27,12 +28,15 @@ F = TypeVar("F", bound="Callable[..., Any]")
 _OPTIONS = (
     click.option(
         "--id",
+        "--jaus-id",
         "own_id",
         metavar="ID",
         help="JAUS id of this tool, subsystem.node.component; by default a free one of 65000.",
     ),
     click.option(
         "--interface",
+        "--jaus-interface",
+        "interface",
         default=DEFAULT_INTERFACE,
         show_default=True,
         metavar="ADDRESS",
@@ -40,6 +44,8 @@ _OPTIONS = (
     ),
     click.option(
         "--port",
+        "--jaus-port",
+        "port",
         type=click.IntRange(1, 65535),
         default=DEFAULT_PORT,
         show_default=True,
@@ -47,6 +53,8 @@ _OPTIONS = (
     ),
     click.option(
         "--multicast-group",
+        "--jaus-multicast-group",
+        "multicast_group",
         default=DEFAULT_GROUP,
         show_default=True,
         metavar="ADDRESS",
@@ -54,6 +62,7 @@ _OPTIONS = (
     ),
     click.option(
         "--peer",
+        "--jaus-peer",
         "peers",
         multiple=True,
         metavar="ID=HOST:PORT",
@@ -61,6 +70,34 @@ _OPTIONS = (
     ),
     model_option,
 )
+
+
+_TRANSPORT_OPTIONS = (
+    click.option(
+        "--transport",
+        "--jaus-transport",
+        "transport",
+        type=click.Choice(TRANSPORTS),
+        default=TRANSPORTS[0],
+        show_default=True,
+        help="UDP, TCP, or through the node manager of this host.",
+    ),
+    click.option(
+        "--node-manager-directory",
+        "--jaus-node-manager-directory",
+        "node_manager_directory",
+        default="",
+        metavar="FOLDER",
+        help="Where the node manager has its local sockets; by default that for temporary files.",
+    ),
+)
+
+
+def transport_options(function: F) -> F:
+    """Adds the options that choose a transport."""
+    for option in reversed(_TRANSPORT_OPTIONS):
+        function = option(function)
+    return function
 
 
 def network_options(function: F) -> F:
@@ -99,15 +136,28 @@ def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
 
 
 def network_from(
-    own_id: str | None, interface: str, port: int, multicast_group: str, peers: Sequence[str]
+    own_id: str | None,
+    interface: str,
+    port: int,
+    multicast_group: str,
+    peers: Sequence[str],
+    **transport: str,
 ) -> Network:
     """Returns the network that the options describe, and keeps the runtime's log quiet.
+
+    Args:
+        own_id: Our JAUS id, None for a free one.
+        interface: IPv4 address of the interface.
+        port: UDP or TCP port.
+        multicast_group: Multicast group.
+        peers: Known components as `ID=HOST:PORT`.
+        transport: What `transport_options` adds.
 
     Raises:
         click.UsageError: An option cannot be.
     """
     silence_log()
     try:
-        return make_network(own_id, interface, port, multicast_group, peers)
+        return make_network(own_id, interface, port, multicast_group, peers, **transport)
     except ValueError as error:
         raise click.UsageError(str(error)) from error

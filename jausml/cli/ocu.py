@@ -20,6 +20,7 @@ from jausml.cli.network import (
     identified_network,
     network_from,
     network_options,
+    transport_options,
 )
 from jausml.live.messages import MessageError
 from jausml.live.peers import rendering
@@ -27,7 +28,7 @@ from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.commanding import Course, outcome
 from jausml.live.peers.commanding import command as send
 from jausml.live.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
-from jausml.live.peers.network import component_address
+from jausml.live.peers.network import component_address, fault
 from jausml.live.peers.operator import Refused, running_operator
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
+
+_REMEDY = (
+    "To go through a node manager: --transport node-manager; or use another port and say where the "
+    "components are: --port 3795 --peer ID=HOST:3794"
+)
 
 LOST = 4
 """Exit status when Ready or control was lost while commanding."""
@@ -84,8 +90,7 @@ class Settings:
         except MessageError as error:
             raise click.UsageError(str(error)) from error
         except OSError as error:
-            reason = error.strerror or error
-            raise EnvironmentFault(f"the network cannot be used: {reason}") from error
+            raise EnvironmentFault(fault(error, self.network, _REMEDY)) from error
 
     def show(self, source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
         """Prints a report."""
@@ -118,6 +123,7 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
     """Adds the shared options and hands them to the function as `Settings`."""
 
     @network_options
+    @transport_options
     @click.option(
         "--timeout",
         type=click.FloatRange(0.05, 600),
@@ -142,11 +148,21 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
         multicast_group: str,
         peers: tuple[str, ...],
         models: tuple[str, ...],
+        transport: str,
+        node_manager_directory: str,
         timeout: float,
         output_format: str,
         **others: Any,
     ) -> None:
-        network = network_from(own_id, interface, port, multicast_group, peers)
+        network = network_from(
+            own_id,
+            interface,
+            port,
+            multicast_group,
+            peers,
+            transport=transport,
+            node_manager_directory=node_manager_directory,
+        )
         settings = Settings(network, models, timeout, output_format == "json")
         function(*arguments, settings=settings, **others)
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
+from threading import Thread
 
 import pytest
 from click.testing import CliRunner
@@ -21,6 +23,7 @@ pytestmark = pytest.mark.ports
 
 OPERATOR = JausAddress(65000, 1, 1)
 TARGET = JausAddress(100, 1, 1)
+PEER = "100.1.1=127.0.0.1:%s"
 
 
 def test_discover_shows_subsystem_component_and_services(jausml, vehicle):
@@ -297,6 +300,16 @@ def test_a_report_that_cannot_be_read_is_said_to_be_that(jausml, component, cata
         "100.1.1 answers QueryVelocityState with a ReportVelocityState that cannot be read: "
         "1 bytes follow the body of ReportVelocityState" in result.stderr
     )
+
+
+def test_datagrams_of_an_older_protocol_are_told(jausml, free_port):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as old:
+        old.bind(("127.0.0.1", free_port))
+        thread = Thread(target=lambda: old.sendto(b"\1" + bytes(20), old.recvfrom(999)[1]))
+        thread.start()
+        result = jausml("ocu", "status", "100.1.1", "--timeout", "0.3", "--peer", PEER % free_port)
+        thread.join()
+    assert "datagrams came that cannot be used (judp.version_1 1)" in result.stderr
 
 
 def test_another_component_that_was_heard_is_named(jausml, component):

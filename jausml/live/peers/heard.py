@@ -20,6 +20,18 @@ if TYPE_CHECKING:
 
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64
+_UNUSABLE = (
+    "judp.version_1",
+    "judp.reference_architecture",
+    "judp.bad_version",
+    "judp.truncated",
+    "transport.bad_size",
+    "transport.bad_message_type",
+    "transport.compressed",
+    "transport.bad_source",
+    "transport.own_source",
+)
+"""Counters of the runtime for datagrams that came and are of no use."""
 
 
 class Heard:
@@ -80,8 +92,8 @@ class Heard:
     def nothing(self) -> str:
         """Returns what may be the cause when nothing at all was heard, the likeliest first."""
         drops = self._counters.drops()
-        if drops:
-            counts = ", ".join(f"{name} {number}" for name, number in drops.items())
+        counts = ", ".join(f"{name} {drops[name]}" for name in _UNUSABLE if name in drops)
+        if counts:
             return f"datagrams came that cannot be used ({counts}); {self._network.place}"
         return f"nothing at all was heard; {self._network.hints()}"
 

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.identity import SUBSYSTEM
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.base.settings import JUDP_GROUP, JUDP_PORT, Endpoint, TransportSettings
+from jausml.runtime.base.settings import (
+    JUDP_GROUP,
+    JUDP_PORT,
+    Endpoint,
+    TransportKind,
+    TransportSettings,
+)
+from jausml.runtime.transports.port_holder import manager_folder, who_holds
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+TRANSPORTS = tuple(kind.value for kind in TransportKind)
+"""How messages may travel."""
 
 DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
@@ -38,6 +49,10 @@ class Network:
     def place(self) -> str:
         """Where we listen."""
         settings = self.settings
+        if settings.transport is TransportKind.NODE_MANAGER:
+            return "listened through the node manager of this host"
+        if settings.transport is TransportKind.JTCP:
+            return f"listened on interface {settings.interface}, TCP port {settings.port}"
         return (
             f"listened on interface {settings.interface}, port {settings.port}, multicast group "
             f"{settings.multicast_group}"
@@ -45,6 +60,12 @@ class Network:
 
     def hints(self) -> str:
         """Returns what may be the cause when nothing at all was heard, the likeliest first."""
+        if self.settings.transport is TransportKind.NODE_MANAGER:
+            if manager_folder(self.settings) is None:
+                return f"{self.place}, and none runs: --node-manager-directory says where it is"
+            return f"{self.place}. Either nothing runs, or the manager does not reach it"
+        if self.settings.transport is TransportKind.JTCP:
+            return f"{self.place}. Without multicast, --peer ID=HOST:PORT says where components are"
         only = self.settings.interface == DEFAULT_INTERFACE
         host = " (127.0.0.1 reaches this host only)" if only else ""
         return (
@@ -54,8 +75,32 @@ class Network:
         )
 
 
+def fault(error: OSError, network: Network, remedy: str) -> str:
+    """Returns why the network cannot be used; of a port that is taken also by whom.
+
+    Args:
+        error: What opening it raised.
+        network: The network.
+        remedy: What the tool can do when the port is taken.
+    """
+    settings = network.settings
+    if error.errno != errno.EADDRINUSE:
+        return f"the network cannot be used: {error.strerror or error}"
+    protocol = "tcp" if settings.transport is TransportKind.JTCP else "udp"
+    return (
+        f"port {settings.port} is in use and not shared; {who_holds(protocol, settings)}. {remedy}"
+    )
+
+
 def make_network(
-    own: str | None, interface: str, port: int, group: str, peers: Iterable[str]
+    own: str | None,
+    interface: str,
+    port: int,
+    group: str,
+    peers: Iterable[str],
+    *,
+    transport: str = TransportKind.JUDP.value,
+    node_manager_directory: str = "",
 ) -> Network:
     """Returns the network that the options describe.
 
@@ -65,6 +110,9 @@ def make_network(
         port: UDP port of JUDP.
         group: Multicast group.
         peers: Known components as `ID=HOST:PORT`.
+        transport: How messages travel, as `TransportKind` names it.
+        node_manager_directory: Where a node manager has its local sockets; empty for the folder of
+            temporary files.
 
     Raises:
         ValueError: One of them cannot be.
@@ -74,6 +122,8 @@ def make_network(
         port=port,
         multicast_group=group,
         address_book=dict(map(_peer, peers)),
+        transport=TransportKind(transport),
+        node_manager_directory=node_manager_directory,
     )
     if own is None:
         return Network(JausAddress(SUBSYSTEM, 1, 1), settings, is_own_given=False)

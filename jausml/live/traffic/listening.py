@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import sys
 import time
@@ -44,7 +45,8 @@ class MulticastListener:
         except OSError as error:
             self._socket.close()
             where = f"{self._group} on interface {settings.interface}"
-            raise TrafficError(f"cannot listen to {where}: {error.strerror}") from error
+            reason = f"cannot listen to {where}: {error.strerror}{_remedy(error, settings)}"
+            raise TrafficError(reason) from error
 
     def _join(self, settings: TransportSettings) -> None:
         sock = self._socket
@@ -91,3 +93,15 @@ class MulticastListener:
                 continue
             number += 1
             yield Datagram(data, Endpoint(*sender), self._group, time.time(), number)
+
+
+def _remedy(error: OSError, settings: TransportSettings) -> str:
+    """Returns who has a port that is taken, and how its traffic is seen all the same."""
+    if error.errno != errno.EADDRINUSE:
+        return ""
+    from jausml.runtime.transports.port_holder import who_holds  # noqa: PLC0415 - for errors alone
+
+    return (
+        f" and not shared; {who_holds('udp', settings)}. A capture shows its traffic: "
+        f"tcpdump -i any -w - udp | jausml decode --port {settings.port} --pcap -"
+    )

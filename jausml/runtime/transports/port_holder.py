@@ -54,19 +54,28 @@ def advice(protocol: str, settings: TransportSettings) -> str:
         protocol: ``udp`` or ``tcp``.
         settings: Interface and port.
     """
+    share = "To share it with a node manager: --jaus-transport node-manager"
+    text = who_holds(protocol, settings)
+    return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
+
+
+def who_holds(protocol: str, settings: TransportSettings) -> str:
+    """Return who holds the port of the settings, as far as this process may see it.
+
+    Args:
+        protocol: ``udp`` or ``tcp``.
+        settings: Interface and port.
+    """
     known = holders(protocol, settings.port)
     manager = manager_folder(settings)
     if known:
-        text = f"it is held by {' and '.join(map(str, known))}"
-    elif manager is not None:
-        text = f"it is likely held by the node manager whose socket is in {manager}"
-    else:
-        text = (
-            "who holds it cannot be seen; likely a node manager (that of Junior or fkie) or a "
-            "JAUS program of another user"
-        )
-    share = "To share it with a node manager: --jaus-transport node-manager"
-    return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
+        return f"it is held by {' and '.join(map(str, known))}"
+    if manager is not None:
+        return f"it is likely held by the node manager whose socket is in {manager}"
+    return (
+        "who holds it cannot be seen; likely a node manager (that of Junior or fkie) or a "
+        "JAUS program of another user"
+    )
 
 
 def manager_folder(settings: TransportSettings) -> Path | None:
