@@ -352,9 +352,13 @@ def report(ticks=0, level=0.0):
     return ReportMeter(ticks, level)
 
 # Beyond what the definition allows, which a decoder takes all the same.
-ticks = [bridge.translate_ticks(report(number)).data for number in (100, 255, 256, 65535)]
-assert ticks == [100, 255, 255, 255]
-assert bridge.ticks.statistics.limited == 2
+assert [bridge.translate_ticks(report(number)).data for number in (100, 255)] == [100, 255]
+# The nearest number would count something else.
+for number in (256, 65535):
+    with pytest.raises(OutOfRangeError) as caught:
+        bridge.translate_ticks(report(number))
+    assert (caught.value.policy, caught.value.field) == ("drop_message", "data")
+assert bridge.ticks.statistics.limited == 0
 assert bridge.translate_level(report(level=0.5)).data == 0.5
 assert bridge.translate_level(report(level=-1e300)).data == -3.4028234663852886e38
 for level in (math.nan, math.inf):
@@ -498,14 +502,14 @@ def body(tmp_path, line, **texts):
         ("Head.Count", "large", "target.large = source.head.count"),
         ("Head.Count", "real", "target.real = float(source.head.count)"),
         ("Head.Count", "flag", "target.flag = bool(source.head.count)"),
-        ("Head.Wide", "small", 'self.things.clamp.integer("small", source.head.wide, 0, 255)'),
+        ("Head.Wide", "small", 'drop_message.integer("small", source.head.wide, 0, 255)'),
         ("Head.Number", "large", "clamp.integer("),
         ("Head.Number", "real", 'self.things.clamp.finite("Head.Number", source.head.number)'),
         ("Head.Number", "matrix[7]", "target.matrix[7] = self.things.clamp.finite("),
         ("Head.Number", "single", "clamp.single("),
         ("Head.Effort", "single", "target.single = source.head.effort"),
         ("Head.Effort", "matrix[7]", "target.matrix[7] = source.head.effort"),
-        ("Head.Percent", "signed", 'clamp.integer("signed", source.head.percent, -128, 127)'),
+        ("Head.Percent", "signed", 'drop_message.integer("signed", source.head.percent, -1'),
         ("Head.Word", "short", 'clamp.text("short", source.head.word, 0, 8)'),
         ("Head.Word", "text", "target.text = source.head.word"),
         ("Head.Blob", "octets", "target.octets = source.head.blob"),

@@ -41,6 +41,7 @@ class Counters:
         *,
         error: BaseException | None = None,
         level: int = logging.WARNING,
+        once: bool = False,
     ) -> None:
         """Count a drop or a failure and warn about it.
 
@@ -52,20 +53,21 @@ class Counters:
             detail: What a reader of the log needs to find the culprit.
             error: Exception whose traceback belongs into the log.
             level: Level of the log line.
+            once: Whether the first of a name is logged alone.
         """
         now = self._clock()
         with self._lock:
             total = self._counts.get(name, 0) + 1
             self._counts[name] = total
             last, before = self._logged.get(name, (None, 0))
-            if last is not None and now - last < self._log_interval:
+            if last is not None and (once or now - last < self._log_interval):
                 return
             self._logged[name] = (now, total)
         times = total - before
         LOGGER.log(level, "%s (%d times): %s", name, times, detail, exc_info=error)
 
     def drops(self) -> dict[str, int]:
-        """Return the counts of drops and failures alone, sorted by name."""
+        """Return the counts of what was warned about alone, sorted by name."""
         with self._lock:
             return {name: self._counts[name] for name in sorted(self._logged)}
 

@@ -85,7 +85,7 @@ class Connection(Generic[SourceT, TargetT]):
         self._watch: Timer | None = None
         self._ends: Ends
         self._counters: Counters | None = None
-        self._reported: tuple[float, int, int, int] | None = None
+        self._reported: tuple[float, int, int, int, int] | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
@@ -148,8 +148,9 @@ class Connection(Generic[SourceT, TargetT]):
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
         """Counts a value that its target field cannot carry.
 
-        A value that is clamped or left out is ordinary traffic, which the model foresees: ROS marks
-        what is unknown by values that no JAUS field carries. What is dropped goes into the log.
+        A value that is left out is ordinary traffic: ROS marks what is unknown by values that no
+        JAUS field carries. One that is clamped stands for another one, of which the log tells once
+        and the end of the process again. What is dropped goes into the log.
         """
         counts = self.statistics.out_of_range
         counts[policy, field] = counts.get((policy, field), 0) + 1
@@ -157,11 +158,11 @@ class Connection(Generic[SourceT, TargetT]):
         if self._counters is None:  # a translation that is tried before the bridge is open
             return
         name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
-        if policy in {CLAMP, DROP_FIELD}:
+        if policy == DROP_FIELD:
             self._counters.add(name)
         else:
             level = logging.ERROR if policy == ERROR else logging.WARNING
-            self._counters.count(name, reason, level=level)
+            self._counters.count(name, reason, level=level, once=policy == CLAMP)
 
     def _refuse(self, error: OutOfRangeError) -> None:
         """Counts a message that is not passed on because of one of its values."""
@@ -247,14 +248,16 @@ class Connection(Generic[SourceT, TargetT]):
         counts = self.statistics
         now = self._ends.loop.now()
         dropped = sum(counts.drops.values())
-        present = (now, counts.arrivals, dropped, counts.errors)
-        then, arrivals_then, dropped_then, errors_then = self._reported or present
+        present = (now, counts.arrivals, dropped, counts.errors, counts.limited)
+        then, arrivals_then, dropped_then, errors_then, limited_then = self._reported or present
         self._reported = present
         elapsed = now - then
         rate = (counts.arrivals - arrivals_then) / elapsed if elapsed > 0 else 0.0
         level, message = self._judge(rate, measured=elapsed > 0, dropping=dropped > dropped_then)
         if counts.errors > errors_then:
             level, message = "error", "values out of range"
+        elif counts.limited > limited_then and level == "ok":
+            level, message = "warning", "values are clamped"
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         values = [
             ("messages taken", str(counts.arrivals)),

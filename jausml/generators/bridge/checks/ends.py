@@ -96,10 +96,23 @@ class Ends:
         first = path.partition(".")[0]
         return next((join for join in self.view.joins if join.model_name == first), None)
 
-    def policy(self, assignment: bridge.FieldAssignment) -> str:
+    def policy(self, chain: Chain) -> str:
         """Returns what becomes of values out of range, as a literal of the metamodel."""
-        own = str(assignment.outOfRange.name)
-        return str(self.view.connection.outOfRange.name) if own == "asConnection" else own
+        own = str(chain.assignment.outOfRange.name)
+        if own != "asConnection":
+            return own
+        policy = str(self.view.connection.outOfRange.name)
+        return "dropMessage" if policy == "clamp" and self._identifies(chain) else policy
+
+    def _identifies(self, chain: Chain) -> bool:
+        """Whether the result is an identifier or a count, which is never clamped."""
+        source, target = self.source, self.target
+        if isinstance(target, JausMessage):
+            field = target.field(chain.targets[0])
+            return field.is_identifier and not field.values
+        if not isinstance(source, JausMessage) or chain.assignment.conversions:
+            return False
+        return source.field(chain.sources[0]).is_identifier
 
     def is_alone(self, path: str) -> bool:
         """Whether one assignment at most writes to a target path, or to what is in it."""

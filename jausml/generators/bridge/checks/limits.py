@@ -136,7 +136,7 @@ def _touches_nothing_else(ends: Ends, case: _Case) -> bool:
 
 
 def _check(ends: Ends, sample: Sample, case: _Case) -> Check:
-    policy = ends.policy(case.chain.assignment)
+    policy = ends.policy(case.chain)
     values = {**sample.values, case.source.path: case.value}
     lines = ends.source.fill(values)
     name = f"{ends.name}_{short_name(case.target.path)}_{case.word}"

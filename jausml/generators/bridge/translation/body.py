@@ -63,7 +63,12 @@ class Body:
     def limit(self, assignment: bridge.FieldAssignment) -> Limit:
         """Returns what keeps the value of an assignment within its target."""
         own = assignment.outOfRange.name
-        return self.limit_of(self.policy if own == "asConnection" else own)
+        if own != "asConnection":
+            return self.limit_of(own)
+        limit = self.limit_of(self.policy)
+        if self.policy == "clamp":
+            return replace(limit, identifiers=self.limit_of("dropMessage").path)
+        return limit
 
     def limit_of(self, policy: str) -> Limit:
         """Returns the limit of a policy, which is a literal of the metamodel."""

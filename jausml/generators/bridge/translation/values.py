@@ -8,7 +8,7 @@ nothing.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
@@ -64,10 +64,17 @@ class Limit:
     Attributes:
         path: Its Python path, e.g. `self.speed.clamp`; empty for values that need none.
         drops_field: Whether it answers None for what does not fit.
+        identifiers: Python path of the limit of identifiers and counts; empty for the same one.
     """
 
     path: str = ""
     drops_field: bool = False
+    identifiers: str = ""
+
+    @property
+    def of_identifiers(self) -> Limit:
+        """The limit of integers that measure nothing: the next one means something else."""
+        return replace(self, path=self.identifiers) if self.identifiers else self
 
 
 NO_LIMIT = Limit()
@@ -132,7 +139,10 @@ def fitted_to_ros(value: Value, target: RosField) -> Fitted:
     """
     wanted = ros_kind(target)
     if wanted == INTEGER and value.kind in NUMBERS:
-        return _integer(value, target.path, INTEGER_RANGES[target.type])
+        # What measures is a real, has a unit, or is converted.
+        is_identifier = value.kind == INTEGER and not (value.units or value.is_computed)
+        limit = value.limit.of_identifiers if is_identifier else value.limit
+        return _integer(value, limit, target.path, INTEGER_RANGES[target.type])
     if wanted == REAL and value.kind in {INTEGER, BOOLEAN}:
         return Fitted(call("float", value.code))
     if wanted == value.kind == REAL and target.type == "float32":
@@ -155,7 +165,8 @@ def fitted_to_jaus(value: Value, target: JausField) -> Fitted:
     if target.kind == INTEGER and value.kind in NUMBERS:
         if target.values:
             return _listed(value, target)
-        return _integer(value, target.path, target.limits)
+        limit = value.limit.of_identifiers if target.is_identifier else value.limit
+        return _integer(value, limit, target.path, target.limits)
     if target.kind == REAL and value.kind in NUMBERS:
         code = value.code if value.kind == REAL else call("float", value.code)
         if value.limits is None or not _within(value.limits, target.limits):
@@ -201,11 +212,11 @@ def limited(limit: Limit, method: str, code: str, name: str, limits: tuple[float
     return Fitted(call(function, *arguments), can_be_none=limit.drops_field)
 
 
-def _integer(value: Value, name: str, limits: Limits) -> Fitted:
+def _integer(value: Value, limit: Limit, name: str, limits: Limits) -> Fitted:
     if value.kind == INTEGER and value.limits is not None and _within(value.limits, limits):
         return Fitted(value.code)
     ends = (int(limits[0]), int(limits[1]))
-    return limited(value.limit, "integer", value.code, name, ends)
+    return limited(limit, "integer", value.code, name, ends)
 
 
 def _listed(value: Value, target: JausField) -> Fitted:

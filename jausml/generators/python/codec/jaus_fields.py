@@ -156,6 +156,11 @@ class JausField:
     element: Value | None = None
 
     @property
+    def is_identifier(self) -> bool:
+        """Whether its numbers identify or count: integers without a scale and without a unit."""
+        return self.kind == INTEGER and not self.units
+
+    @property
     def code(self) -> str:
         """The value that stands there, as Python text."""
         return self.place if self.index is None else f"{self.place}.value"

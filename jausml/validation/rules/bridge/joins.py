@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.model.diagnostics import Severity
+from jausml.semantics.attributes import Attribute
+from jausml.semantics.directions import directions
 from jausml.semantics.paths import source_paths
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from jausml.semantics.paths import Placed
     from jausml.semantics.subject import Subject
 
 
@@ -36,6 +39,42 @@ def joins(subject: Subject) -> Iterator[Finding]:
     for connection in subject.instances(bridge.Connection):
         if connection.map is not None and subject.is_intact(connection):
             yield from _topic_findings(connection)
+
+
+@rule("JML457", Severity.ERROR, "mandatory field that a silent join would make up")
+def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
+    """A mandatory JAUS field takes a value of a join only where the message cannot do without it.
+
+    While a joined topic is silent, `whenStale="leave"` leaves out the optional fields that it
+    feeds. A mandatory one is there all the same and would be 0, measured by nobody.
+
+    Bad: `target="Attitude_RMS"` from the join imu, where Attitude_RMS is mandatory
+
+    Good: the same with `whenStale="dropMessage"` of the join, or with `whenAbsent="dropMessage"` or
+    `whenAbsent="useDefault"` and a `defaultValue` of the assignment
+    """
+    for direction in directions(subject):
+        if direction.to_ros:
+            continue
+        lenient = {each.name: each for each in direction.map.joins if each.whenStale.name == "leave"}
+        for placed in direction.of_kind(bridge.FieldAssignment):
+            if lenient and placed.assignment.whenAbsent.name == "leave":
+                yield from _made_up(placed, lenient)
+
+
+def _made_up(
+    placed: Placed[bridge.FieldAssignment], lenient: dict[str, bridge.Join]
+) -> Iterator[Finding]:
+    firsts = (path.lstrip("/").partition(".")[0] for path, _ in placed.sources)
+    join = next((lenient[first] for first in firsts if first in lenient), None)
+    if join is None:
+        return
+    for path, target in placed.targets:
+        if isinstance(target, Attribute) and not target.optional:
+            message = f"'{path}' is mandatory: without a fresh '{join.name}' it would be made up"
+            hint = "give the join whenStale dropMessage, or the assignment a whenAbsent"
+            note = Note(join, f"join '{join.name}'", "name")
+            yield Finding(placed.assignment, message, "target", hint, (note,))
 
 
 def _join_findings(join: bridge.Join, fields: set[str], used: set[str]) -> Iterator[Finding]:
