@@ -84,9 +84,9 @@ class Process:
         for line in self.popen.stdout:
             self.facts.append(json.loads(line))
 
-    def of_kind(self, kind: str) -> list[dict]:
-        """What the process said of a kind so far."""
-        return [fact for fact in list(self.facts) if fact["kind"] == kind]
+    def of_kind(self, *kinds: str) -> list[dict]:
+        """What the process said of some kinds so far."""
+        return [fact for fact in list(self.facts) if fact["kind"] in kinds]
 
     def kill(self) -> None:
         """Ends the process at once, as a crash does."""

@@ -1,4 +1,4 @@
-"""An observer for the live test of joined topics: asks the bridge for its pose again and again."""
+"""An observer for the live test of joined topics: asks the bridge for its reports again and again."""
 
 from __future__ import annotations
 
@@ -13,7 +13,12 @@ from jausml_runtime import (
     ServiceIdentity,
     run_component,
 )
-from pose_bridge.messages import QueryGlobalPose, ReportGlobalPose
+from pose_bridge.messages import (
+    QueryGlobalPose,
+    QueryTravelSpeed,
+    ReportGlobalPose,
+    ReportTravelSpeed,
+)
 
 BRIDGE = JausAddress(10, 1, 9)
 
@@ -29,11 +34,21 @@ class Observer(JausComponent):
     def tick(self):
         self.loop.call_later(0.1, self.tick)
         query = QueryGlobalPose(presence_vector=0xFFFF >> 6)
-        self.query(BRIDGE, query, ReportGlobalPose, self.answered)
+        self.query(BRIDGE, query, ReportGlobalPose, self.posed)
+        self.query(
+            BRIDGE,
+            QueryTravelSpeed(),
+            ReportTravelSpeed,
+            lambda report, _: self.tell("speed", speed=report.speed),
+            on_failure=lambda: self.tell("no speed"),
+            retries=0,
+        )
 
-    def answered(self, report, _sender):
-        fact = {"kind": "pose", "latitude": report.latitude, "yaw": report.yaw}
-        sys.stdout.write(json.dumps(fact) + "\n")
+    def posed(self, report, _sender):
+        self.tell("pose", latitude=report.latitude, yaw=report.yaw)
+
+    def tell(self, kind, **values):
+        sys.stdout.write(json.dumps({"kind": kind, **values}) + "\n")
 
 
 if __name__ == "__main__":

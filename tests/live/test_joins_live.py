@@ -30,15 +30,24 @@ pytestmark = [
 OBSERVER = str(Path(__file__).with_name("join_observer.py"))
 SYSTEM = """
 import mappings.global_pose_sensor
+import mappings.travel_speed
 bridge pose_bridge {
   address: 10.1.9
-  provides: GlobalPoseSensor
+  provides: GlobalPoseSensor, mobility.GlobalWaypointDriver
   connection pose {
     map: global_pose
     direction: rosToJaus
     exchange: query
     topic fix { }
     topic `imu/data` { join: global_pose.imu }
+  }
+  connection speed {
+    map: travel_speed_report
+    direction: rosToJaus
+    exchange: query
+    whenStale: absent
+    freshness: 0.5
+    topic speed { }
   }
 }
 """
@@ -80,7 +89,9 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
     observer, ros = system
 
     def poses(*, with_yaw):
-        return [each for each in observer.of_kind("pose") if (each["yaw"] is not None) is with_yaw]
+        # Before the first fix, poses say that there is none.
+        told = [each for each in observer.of_kind("pose") if each["latitude"] is not None]
+        return [each for each in told if (each["yaw"] is not None) is with_yaw]
 
     fix = NavSatFix(latitude=48.5, longitude=-11.25, altitude=519.75)
     east = Imu()  # REP 103: no turn is east
@@ -93,3 +104,38 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
             assert joined[0]["yaw"] == pytest.approx(1.5707963, abs=1e-4)
         known = len(poses(with_yaw=False))
         wait_for(lambda: len(poses(with_yaw=False)) > known, "pose with a stale joined topic")
+
+
+def test_a_report_says_that_its_sensor_is_dead_and_that_it_lives_again(system):
+    from sensor_msgs.msg import NavSatFix
+
+    observer, ros = system
+
+    def latitudes():
+        return [each["latitude"] for each in observer.of_kind("pose")]
+
+    fix = NavSatFix(latitude=48.5, longitude=-11.25, altitude=519.75)
+    publisher = ros.publisher(NavSatFix, "fix")
+    for _ in range(2):
+        with Repeater(publisher, fix):
+            known = len(latitudes())
+            wait_for(lambda: any(latitudes()[known:]), "pose of the sensor")
+        # The map takes a fix of 3 s ago for none: each field of the report is absent then.
+        wait_for(lambda: latitudes()[-1] is None, "pose without a fix")
+
+
+def test_a_report_that_cannot_say_so_is_not_given_while_its_sensor_is_dead(system):
+    from std_msgs.msg import Float64
+
+    observer, ros = system
+
+    def answers():
+        return [each["kind"] for each in observer.of_kind("speed", "no speed")]
+
+    publisher = ros.publisher(Float64, "speed")
+    for _ in range(2):
+        with Repeater(publisher, Float64(data=2.0)):
+            known = len(answers())
+            wait_for(lambda: "speed" in answers()[known:], "speed of the sensor")
+        # The message has its speed in any case, and nobody measures one.
+        wait_for(lambda: answers()[-1] == "no speed", "silence of the bridge")

@@ -19,6 +19,7 @@ from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
 from jausml.semantics.commands import needs_control, needs_ready
+from jausml.semantics.freshness import freshness_of
 from jausml.semantics.services import provided_services
 
 if TYPE_CHECKING:
@@ -207,6 +208,8 @@ class ConnectionView:
             found.append(("when", condition(self.message_element, self._handler_guard)))
         if self.kind == "TopicsToMessage":
             found += self._sending()
+        if self.kind == "TopicsToReport":
+            found += self._reporting()
         if connection.silenceTimeout > 0:
             found.append(("silence_timeout", python_literal(float(connection.silenceTimeout))))
         if self.has_safe_value:
@@ -222,6 +225,15 @@ class ConnectionView:
             found.append(("priority", f"Priority.{names[self.connection.priority.name]}"))
         if self.connection.acknowledge:
             found.append(("acknowledge", "True"))
+        return found
+
+    def _reporting(self) -> list[tuple[str, str]]:
+        found = []
+        freshness = freshness_of(self.connection)
+        if freshness:
+            found.append(("freshness", python_literal(freshness)))
+        if all(member.is_optional for member in self.message.body.members):
+            found.append(("empty", self.message_name))
         return found
 
     @property

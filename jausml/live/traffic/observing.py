@@ -123,9 +123,10 @@ class _Reasons(Counters):
         *,
         error: BaseException | None = None,
         level: int = logging.WARNING,
+        once: bool = False,
     ) -> None:
         """Keeps a reason instead of logging it."""
-        del detail, error, level
+        del detail, error, level, once
         self.names.append(name)
 
 

@@ -77,6 +77,24 @@ class StalePolicy(EEnumLiteral):
         "dropMessage",
     ]
 
+class SilentTopicPolicy(EEnumLiteral):
+    """What becomes of a report whose ROS topic has delivered nothing, or nothing fresh."""
+
+    name: Literal[
+        "absent",
+        "keep",
+    ]
+
+class ConnectionSilentTopicPolicy(EEnumLiteral):
+    """What becomes of the report of one connection whose ROS topic has delivered nothing, or
+    nothing fresh."""
+
+    name: Literal[
+        "asMap",
+        "absent",
+        "keep",
+    ]
+
 class ConversionKind(EEnumLiteral):
     """Named value conversions.
 
@@ -164,6 +182,13 @@ class AttributeMap(NamedElement):
 
     vectors: abc.Sequence[TestVector]
     """Messages with what they become, checked by the generated tests."""
+
+    freshness: float
+    """Seconds after which the latest message of the ROS topic counts as stale for the report
+    that it is made into; 0 states nothing."""
+
+    whenStale: SilentTopicPolicy
+    """What becomes of the report when there is no fresh message."""
 
     def eContainer(self) -> MapLibrary | Bridge | None:
         """Returns the element that owns this one, None for a root."""
@@ -479,6 +504,13 @@ class Connection(NamedElement):
     safeValue: abc.Sequence[ConstantAssignment]
     """Attributes of the target message that is sent when the source stays silent; the others
     keep their defaults."""
+
+    freshness: float
+    """Seconds after which the latest message of the ROS topics counts as stale for the report
+    that it is made into; 0 means as the map says."""
+
+    whenStale: ConnectionSilentTopicPolicy
+    """What becomes of the report when there is no fresh message."""
 
     def eContainer(self) -> Bridge | None:
         """Returns the element that owns this one, None for a root."""

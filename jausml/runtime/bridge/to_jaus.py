@@ -211,6 +211,9 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         query: type[Message],
+        freshness: float = 0.0,
+        empty: Callable[[], TargetT] | None = None,
+        silence_timeout: float = 0.0,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -219,10 +222,15 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             name: Name of the connection in the model.
             translate: Makes the JAUS report, or None to keep the one before.
             query: The query that asks for the report.
+            freshness: Seconds after which a message is too old to be reported; 0 means never.
+            empty: Makes the report that says that there is no data, when its fields are optional.
+            silence_timeout: Seconds without a message that count as silence; 0 means never.
             options: The other parameters of `FromTopics`.
         """
-        super().__init__(name, translate, **options)
+        super().__init__(name, translate, silence_timeout=silence_timeout or freshness, **options)
         self._query = query
+        self._empty = empty
+        self._present: TargetT | None = None
         self._report: ReportHolder
 
     def open(self, ends: Ends) -> None:
@@ -234,9 +242,23 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         """Makes the message the present report and tells subscribers of changes."""
         target.encode()  # an unfit value is refused here, not at the next query
         with self._ends.loop.lock:
-            self._report.value = target
-            self._ends.component.report_changed(self._message)
+            self._put(target)
         return True
+
+    def fall_silent(self) -> None:
+        """Reports the safe value; without one, that there is no data.
+
+        A number that is old is no report. Where the standard lets every field be absent, queries
+        and events say so; else queries stay without an answer, and events pause.
+        """
+        super().fall_silent()
+        # Of several connections to one report, the one that spoke last has the word.
+        if self._safe_value is None and self._report.value is self._present:
+            self._put(self._empty() if self._empty is not None else None)
+
+    def _put(self, report: TargetT | None) -> None:
+        self._present = self._report.value = report
+        self._ends.component.report_changed(self._message)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """Reports go to whoever asks."""
