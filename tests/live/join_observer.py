@@ -1,4 +1,4 @@
-"""An observer for the live test of joined topics: asks the bridge for its reports again and again."""
+"""An observer for the live test of joined topics: asks the bridge for its reports repeatedly."""
 
 from __future__ import annotations
 

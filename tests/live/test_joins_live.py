@@ -119,7 +119,7 @@ def test_a_report_says_that_its_sensor_is_dead_and_that_it_lives_again(system):
     for _ in range(2):
         with Repeater(publisher, fix):
             known = len(latitudes())
-            wait_for(lambda: any(latitudes()[known:]), "pose of the sensor")
+            wait_for(lambda known=known: any(latitudes()[known:]), "pose of the sensor")
         # The map takes a fix of 3 s ago for none: each field of the report is absent then.
         wait_for(lambda: latitudes()[-1] is None, "pose without a fix")
 
@@ -136,6 +136,6 @@ def test_a_report_that_cannot_say_so_is_not_given_while_its_sensor_is_dead(syste
     for _ in range(2):
         with Repeater(publisher, Float64(data=2.0)):
             known = len(answers())
-            wait_for(lambda: "speed" in answers()[known:], "speed of the sensor")
+            wait_for(lambda known=known: "speed" in answers()[known:], "speed of the sensor")
         # The message has its speed in any case, and nobody measures one.
         wait_for(lambda: answers()[-1] == "no speed", "silence of the bridge")

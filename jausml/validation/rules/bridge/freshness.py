@@ -56,7 +56,9 @@ def freshness_range(subject: Subject) -> Iterator[Finding]:
         yield from _time_findings(connection)
         if connection.freshness > 0 and not is_report(connection):
             message = f"'{connection.name}' makes no report of ROS topics"
-            yield Finding(connection, message, "freshness", "silenceTimeout is for other connections")
+            yield Finding(
+                connection, message, "freshness", "silenceTimeout is for other connections"
+            )
         elif connection.freshness > 0 and connection.silenceTimeout:
             message = f"'{connection.name}' has a freshness and a silenceTimeout"
             yield Finding(connection, message, "freshness", "keep one of them")

@@ -56,7 +56,9 @@ def made_up_by_joins(subject: Subject) -> Iterator[Finding]:
     for direction in directions(subject):
         if direction.to_ros:
             continue
-        lenient = {each.name: each for each in direction.map.joins if each.whenStale.name == "leave"}
+        lenient = {
+            each.name: each for each in direction.map.joins if each.whenStale.name == "leave"
+        }
         for placed in direction.of_kind(bridge.FieldAssignment):
             if lenient and placed.assignment.whenAbsent.name == "leave":
                 yield from _made_up(placed, lenient)
