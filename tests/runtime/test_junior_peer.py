@@ -9,6 +9,7 @@ import pytest
 from jts_component import REPORT_STATUS, STANDBY, JtsComponent
 from junior_peer import JuniorPeer
 
+from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.packet import Packet
 
@@ -164,3 +165,22 @@ def test_a_component_that_says_the_same_when_it_runs_again_is_heard(
     clock.time += 2.0
     assert junior.send(DRIVER, STATUS, acknowledge=True)
     wait_until(lambda: driver.payloads == [STATUS, STATUS])
+
+
+def test_a_component_that_starts_elsewhere_and_has_nothing_to_say_is_found(
+    station, junior, wait_until
+):
+    """Its address book never forgets where a component was."""
+    services = [ServiceIdentity("urn:jaus:jss:core:Liveness", 1, 1)]
+    settings = ComponentSettings(register_services=False)
+    station().attach(OCU)  # owns the port
+    for _ in range(2):
+        transport = station().transport
+        component = JausComponent(
+            transport, DRIVER, name="silent", services=services, settings=settings
+        )
+        component.start()
+        wait_until(lambda own=transport.endpoint: junior.knows(DRIVER) == own)
+        assert junior.send(DRIVER, STATUS, acknowledge=True)
+        component.stop()
+        transport.close()

@@ -37,12 +37,13 @@ def test_options_override_modelled_settings_and_extend_the_address_book() -> Non
     settings = parse(
         "--jaus-interface=192.0.2.7",
         "--jaus-multicast-ttl=1",
+        "--jaus-fragment-size=1400",
         "--jaus-peer=2.1.1=192.0.2.8:3794",
         "--jaus-peer=3.1.1=driver.local:4001",
         defaults=modelled,
     )
     assert settings.interface == "192.0.2.7"
-    assert (settings.port, settings.fragment_size, settings.multicast_ttl) == (4000, 1000, 1)
+    assert (settings.port, settings.fragment_size, settings.multicast_ttl) == (4000, 1400, 1)
     assert settings.address_book == {
         JausAddress(1, 1, 1): ("robot", 4000),
         JausAddress(2, 1, 1): ("192.0.2.8", 3794),

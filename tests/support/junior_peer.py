@@ -140,6 +140,10 @@ class JuniorPeer:
                     time.sleep(PAUSE_S)
         return True
 
+    def knows(self, address: JausAddress) -> tuple[str, int] | None:
+        """Returns where its node manager believes a component to be."""
+        return self._book.get(address.packed)
+
     def on_message(self, source: JausAddress, payload: bytes) -> None:
         """Takes a whole message, on the thread of the peer; a bare application does nothing."""
 

@@ -108,6 +108,7 @@ def search_call(search: jaus.PeerSearch) -> str:
 TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 """Values of the option `--jaus-transport` of a process, by literal of Transport."""
 
+_FRAGMENT_SIZE = 4079
 _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 
 
@@ -140,6 +141,8 @@ def transport_settings(system: System, component: jaus.Component) -> str:
         f"multicast_group={python_string(host.multicastGroup)}",
         f"multicast_ttl={int(host.multicastTtl)}",
     ]
+    if host.fragmentSize != _FRAGMENT_SIZE:
+        arguments.append(f"fragment_size={int(host.fragmentSize)}")
     if host.transport.name in _TRANSPORT_KINDS:
         arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
     others = _peers_elsewhere(system, host)

@@ -97,6 +97,13 @@ class Host(NamedElement):
     multicastTtl: int
     """Time to live of multicast datagrams, 0..255."""
 
+    fragmentSize: int
+    """Payload of one packet in bytes, 64..4079.
+
+    A small one, such as 1400, spares lossy networks the loss of a whole message with one frame;
+    messages of more than 40 such packets go in larger ones.
+    """
+
     def eContainer(self) -> System | None:
         """Returns the element that owns this one, None for a root."""
 

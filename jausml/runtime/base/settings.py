@@ -50,7 +50,8 @@ class TransportSettings:
             takes precedence, since a component may move to another host.
         acknowledge_timeout: Seconds to wait for an acknowledgement before a repetition.
         acknowledge_retries: Repetitions of an unacknowledged packet.
-        fragment_size: Largest payload of one packet in bytes, 2 to 4079.
+        fragment_size: Payload of one packet in bytes, 2 to 4079, which is exceeded only where
+            a message would take more than 40 packets, or is a broadcast.
         duplicate_window: Seconds in which the same packet with the same number is a repetition;
             less than the two in which a component on Junior is back, at the number 1.
         duplicate_history: Packets remembered for each source.
@@ -164,6 +165,13 @@ def add_arguments(
         help="routers that a multicast may pass (default %(default)s)",
     )
     group.add_argument(
+        "--jaus-fragment-size",
+        type=int,
+        default=known.fragment_size,
+        metavar="BYTES",
+        help="payload of one packet; 1400 suits lossy networks (default %(default)s)",
+    )
+    group.add_argument(
         "--jaus-peer",
         type=_peer,
         action="append",
@@ -200,6 +208,7 @@ def from_arguments(
         node_manager_directory=arguments.jaus_node_manager_directory,
         multicast_group=arguments.jaus_multicast_group,
         multicast_ttl=arguments.jaus_multicast_ttl,
+        fragment_size=arguments.jaus_fragment_size,
         address_book={**known.address_book, **dict(arguments.jaus_peer)},
     )
 

@@ -35,15 +35,24 @@ class LivenessService:
         self._rate = default if settings.heartbeat_rate is None else settings.heartbeat_rate
         subsystem = JausAddress(own.subsystem, WILDCARD_NODE, WILDCARD_COMPONENT)
         self._audience = BROADCAST if settings.heartbeat_scope is Scope.SYSTEM else subsystem
+        self._speaks_first = False
 
     def attach(self) -> None:
         """Take the messages of Liveness."""
+        # The search for a Discovery server is heard as well.
+        self._speaks_first = not self._component.settings.register_services
         self._component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
 
     def start(self) -> None:
-        """Begins to send unrequested heartbeats, if any are wanted."""
+        """Begin to send unrequested heartbeats if any are wanted, or at least be heard once.
+
+        Peers learn where a component is from what it sends, and some never forget where it was
+        (Junior): one that starts again elsewhere and says nothing would not be found.
+        """
         if self._rate > 0:
             self._beat()
+        elif self._speaks_first:
+            self._component.send(ReportHeartbeatPulse(), BROADCAST)
 
     def stop(self) -> None:
         """Send no heartbeat any more."""

@@ -21,6 +21,7 @@ _EMAIL = re.compile(r"[A-Za-z0-9._%+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+")
 _HIGHEST_DOMAIN = 101
 _HIGHEST_PORT = 65535
 _HIGHEST_TTL = 255
+_FRAGMENT_SIZES = (64, 4079)
 
 
 @rule("JML511", Severity.ERROR, "impossible package metadata")
@@ -51,7 +52,8 @@ def network(subject: Subject) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
     Higher domains reach into the ephemeral ports of Linux. Multicast groups are
-    224.0.0.0..239.255.255.255 (RFC 5771), times to live 0..255.
+    224.0.0.0..239.255.255.255 (RFC 5771), times to live 0..255. Packets carry 64..4079 bytes;
+    peers cut larger ones.
 
     Bad: `<hosts name="onboard" multicastGroup="10.0.0.1"/>`
 
@@ -62,6 +64,7 @@ def network(subject: Subject) -> Iterator[Finding]:
     for host in subject.instances(system.Host):
         yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
         yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
+        yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)
         if _ipv4(host.interface) is None:
             message = f"interface {host.interface!a} of '{host.name}' is no IPv4 address"
             yield Finding(host, message, "interface")
