@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import io
 import json
+import tokenize
 import warnings
 import xml.parsers.expat
 from pathlib import PurePosixPath
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def syntax_problem(text: str, path: str) -> str | None:
-    """Says why the text cannot be read as the format that the path's suffix names.
+    """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names.
 
     Args:
         text: The whole text of a file.
@@ -24,10 +26,10 @@ def syntax_problem(text: str, path: str) -> str | None:
         The problem with its line, or None.
     """
     try:
-        text.encode("utf-8")
+        data = text.encode("utf-8")
         check = _CHECKS.get(PurePosixPath(path).suffix)
-        if check is not None and text:
-            check(text)
+        if check is not None and data:
+            check(data)
     except (ValueError, SyntaxError, SyntaxWarning, RecursionError) as error:
         return f"{path} would not be readable: {error}"
     except xml.parsers.expat.ExpatError as error:
@@ -35,18 +37,21 @@ def syntax_problem(text: str, path: str) -> str | None:
     return None
 
 
-def _check_python(text: str) -> None:
+def _check_python(data: bytes) -> None:
+    encoding, _ = tokenize.detect_encoding(io.BytesIO(data).readline)
+    if encoding != "utf-8":
+        raise SyntaxError(f"it would be read as {encoding}")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        ast.parse(text)
+        ast.parse(data)
 
 
-def _check_xml(text: str) -> None:
+def _check_xml(data: bytes) -> None:
     parser = xml.parsers.expat.ParserCreate()
-    parser.Parse(text.encode("utf-8"), True)  # noqa: FBT003 - expat takes it by position only
+    parser.Parse(data, True)  # noqa: FBT003 - expat takes it by position only
 
 
-_CHECKS: dict[str, Callable[[str], object]] = {
+_CHECKS: dict[str, Callable[[bytes], object]] = {
     ".py": _check_python,
     ".pyi": _check_python,
     ".xml": _check_xml,

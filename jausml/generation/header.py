@@ -82,8 +82,10 @@ def _split_first_line(text: str) -> tuple[str, str]:
 
 
 def _notice(source: str, opening: str, closing: str) -> str:
-    # "--" must not stand inside an XML comment (XML 1.0, section 2.5).
-    name = re.sub(r"-(?=-)", "- ", " ".join(printable(source).split()))
+    # "--" must not stand inside an XML comment (XML 1.0, section 2.5). With ":" or "=" a comment at
+    # the top tells Python its encoding (PEP 263), and editors their settings.
+    plain = " ".join(re.sub("[:=]", " ", printable(source)).split())
+    name = re.sub(r"-(?=-)", "- ", plain)
     start = f"{opening}{_NOTICE}{__version__} from "
     end = f"{_ADVICE}{closing}"
     room = LINE_WIDTH - len(start) - len(end)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import re
 import shutil
 import subprocess
 import sys
+import tokenize
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 
 from jausml import __version__
 from jausml import generation as gen
+from jausml.generation.checks import syntax_problem
 from jausml.generation.header import add_header, has_valid_header
 
 
@@ -91,6 +94,45 @@ def test_a_hostile_source_name_stays_in_its_comment(source):
     assert len(first) <= 100
     assert second.startswith("<!-- jausml-sha256: ")
     assert rest == "<a/>\n"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "coding:utf-7;m.xmi",
+        "coding=latin-1.xmi",
+        "my encoding=5.xmi",
+        "decoding:v2.xmi",
+        "codingcoding::==utf-7.xmi",
+        "coding\x00:utf-7.xmi",
+        "coding\u200b=utf-7.xmi",
+        "-*- coding: utf-7 -*-.xmi",
+        "vim:fileencoding=utf-7.xmi",
+        "a\r# coding: utf-7\n.xmi",
+    ],
+)
+@pytest.mark.parametrize("text", ["body = 1\n", "#!/bin/python\nbody = 1\n"])
+def test_a_source_name_says_nothing_of_the_encoding(source, text):
+    whole = add_header(text, "a.py", source).encode("utf-8")
+
+    assert tokenize.detect_encoding(io.BytesIO(whole).readline)[0] == "utf-8"
+    assert not re.search(rb"coding[:=]|vim:", whole)
+    assert has_valid_header(whole.decode("utf-8"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# coding: utf-7\nx = '+ACI-'\n",
+        "# coding: latin-1\nx = 'é'\n",
+        "# coding: v2.xmi\nx = 1\n",
+        "\ufeffx = 1\n",
+        "x = '\0'\n",
+    ],
+)
+def test_python_that_is_read_as_something_else_is_refused(text):
+    assert syntax_problem(text, "a.py")
+    assert not syntax_problem("x = 1\n", "a.py")
 
 
 def failing(workspace, templates, template, text, vehicle):
