@@ -19,6 +19,7 @@ from jausml.generation.errors import InternalError
 from jausml.generation.header import add_header
 from jausml.generation.languages.python import layout, with_imports
 from jausml.generation.tasks import TextTask
+from jausml.model.collector import without_collector
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -56,7 +57,8 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
         InternalError: A template, a view or a produced text is wrong; the text names the template
             file and line.
     """
-    artifacts = [artifact for target in targets for artifact in _rendered(target, model)]
+    with without_collector():
+        artifacts = [artifact for target in targets for artifact in _rendered(target, model)]
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))
 
 

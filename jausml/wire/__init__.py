@@ -6,7 +6,7 @@ result.
 """
 
 from jausml.wire.comparing import comparable
-from jausml.wire.errors import LayoutError
+from jausml.wire.errors import LayoutError, LimitError
 from jausml.wire.kinds import (
     Alternative,
     Array,
@@ -46,6 +46,8 @@ from jausml.wire.numbers import INTEGERS, REALS, UNSIGNED, IntegerType, RealType
 from jausml.wire.resolving import (
     JAUS_MESSAGE,
     LARGEST,
+    MAXIMUM_DEPTH,
+    MOST_FIELDS,
     leaf_of,
     resolve,
     resolve_field,
@@ -56,6 +58,8 @@ __all__ = [
     "INTEGERS",
     "JAUS_MESSAGE",
     "LARGEST",
+    "MAXIMUM_DEPTH",
+    "MOST_FIELDS",
     "REALS",
     "UNSIGNED",
     "Alternative",
@@ -72,6 +76,7 @@ __all__ = [
     "Interval",
     "Kind",
     "LayoutError",
+    "LimitError",
     "Leaf",
     "LegalIntegers",
     "LegalReals",

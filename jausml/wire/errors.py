@@ -27,3 +27,7 @@ class LayoutError(ValueError):
         """
         self.path = f"{step}.{self.path}" if self.path else step
         return self
+
+
+class LimitError(LayoutError):
+    """A message definition that has a layout, but one beyond what machines should work on."""

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
-from jausml.wire.errors import LayoutError
+from jausml.wire.errors import LayoutError, LimitError
 from jausml.wire.kinds import (
     Alternative,
     Array,
@@ -44,7 +44,12 @@ JAUS_MESSAGE = "JAUS MESSAGE"
 LARGEST = 4 << 20
 """Most bytes of a text and elements of an array: larger messages are not put together."""
 
-_MAXIMUM_DEPTH = 64
+MAXIMUM_DEPTH = 64
+"""Most containers around a field."""
+
+MOST_FIELDS = 10_000
+"""Most fields of a message, each as often as types that hold it are used: types double quickly."""
+
 _BYTE = UNSIGNED["uint8"]
 
 
@@ -59,7 +64,7 @@ def resolve(message: jaus.MessageDef) -> Message:
     """
     owner = message.eContainer()
     try:
-        body = _Resolver().field(message.body) if message.body is not None else None
+        body = resolve_field(message.body) if message.body is not None else None
     except LayoutError as error:
         raise error.inside(str(message.name)) from None
     return Message(
@@ -81,7 +86,9 @@ def resolve_field(field: jaus.Field) -> Field:
     Raises:
         LayoutError: The definition cannot be encoded.
     """
-    return _Resolver().field(field)
+    found = _Resolver().field(field)
+    _check_values(found.kind)
+    return found
 
 
 def target_of(field: jaus.Field | None) -> jaus.Field | None:
@@ -132,6 +139,8 @@ class _Resolver:
     def __init__(self) -> None:
         self._open: list[jaus.Field] = []
         self._known: dict[jaus.Field, Kind] = {}
+        self._sizes: dict[jaus.Field, int] = {}
+        self._count = 0
 
     def field(self, element: jaus.Field, bit: int = 0) -> Field:
         """Returns a field in its place; errors tell the path to it."""
@@ -140,7 +149,14 @@ class _Resolver:
             if target is None:
                 raise LayoutError("the type reference leads to no type")
             if target not in self._known:
+                before = self._count
                 self._known[target] = self._entered(target)
+                self._sizes[target] = self._count - before
+            else:
+                self._count += self._sizes[target]
+            self._count += 1
+            if self._count > MOST_FIELDS:
+                raise LimitError(f"the message has more than {MOST_FIELDS} fields")
         except LayoutError as error:
             raise error.inside(str(element.name)) from None
         text = element.documentation or target.documentation
@@ -149,8 +165,8 @@ class _Resolver:
     def _entered(self, target: jaus.Field) -> Kind:
         if target in self._open:
             raise LayoutError("it contains itself")
-        if len(self._open) >= _MAXIMUM_DEPTH:
-            raise LayoutError(f"it is nested deeper than {_MAXIMUM_DEPTH}")
+        if len(self._open) >= MAXIMUM_DEPTH:
+            raise LimitError(f"it is nested deeper than {MAXIMUM_DEPTH}")
         self._open.append(target)
         kind = self._kind(target)
         self._open.pop()
@@ -197,12 +213,37 @@ class _Resolver:
         sizes = tuple(int(size) for size in field.dimensions)
         if any(size < 1 for size in sizes) or math.prod(sizes) > LARGEST:
             raise LayoutError(f"dimensions {list(sizes)} make no array")
-        return Array(self._element(field), sizes)
+        array = Array(self._element(field), sizes)
+        _check_values(array)
+        return array
 
     def _element(self, field: jaus.List | jaus.Array) -> Field:
         if field.element is None:
             raise LayoutError("it has no element")
         return self.field(field.element)
+
+
+def _check_values(kind: Kind) -> None:
+    if _values(kind) > LARGEST:
+        raise LimitError(f"its smallest instance has more than {LARGEST} values")
+
+
+def _values(kind: Kind) -> int:
+    """Returns how many values a field of a kind has when lists and texts are as short as stated."""
+    match kind:
+        case Record():
+            return max(1, sum(_values(each.kind) for each in kind.members))
+        case Array():
+            return kind.length * _values(kind.element.kind)
+        case Variant():
+            return max((_values(each.kind) for each in kind.options), default=1)
+        case List():
+            return max(1, kind.stated * _values(kind.element.kind))
+        case Text() | Octets() | FormattedOctets():
+            return max(1, kind.count.lower)
+        case FixedText():
+            return max(1, kind.length)
+    return 1
 
 
 def _number(part: jaus.FixedField | jaus.Alternative) -> Number:

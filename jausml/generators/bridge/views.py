@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections import defaultdict
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,7 +22,7 @@ from jausml.generators.common.components import (
     service_identities,
     transport_settings,
 )
-from jausml.generators.python.codec.message_builder import build_message, build_message_map
+from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import call
@@ -103,7 +104,10 @@ class BridgeView:
         pairs = zip(self.bridge.bridgeConnections, self.translations.connections, strict=True)
         return tuple(
             ConnectionView(
-                connection, translated, self.message_of, self._requested(connection.map.message)
+                connection,
+                translated,
+                self.message_of,
+                self._requested.get(connection.map.message, frozenset()),
             )
             for connection, translated in pairs
         )
@@ -125,11 +129,7 @@ class BridgeView:
 
     def message_of(self, element: jaus.MessageDef) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
-        return next(
-            view
-            for view in self.messages
-            if view.jaus_name == element.name and view == build_message(element, view.class_name)
-        )
+        return self.message_map[element]
 
     @property
     def settings(self) -> tuple[tuple[str, str], ...]:
@@ -226,14 +226,16 @@ class BridgeView:
             self.class_name, self.base_name, (*translations, *hooks, *conversions)
         )
 
-    def _requested(self, message: jaus.MessageDef) -> frozenset[str]:
-        """Fields of a report that some connection of the bridge reads."""
-        return frozenset(
-            path.split(".")[0].partition("[")[0]
-            for connection in self.bridge.bridgeConnections
-            if connection.direction.name == "jausToRos" and connection.map.message is message
-            for path in _read_paths(connection.map.toRos)
-        )
+    @functools.cached_property
+    def _requested(self) -> dict[jaus.MessageDef, frozenset[str]]:
+        """Fields of each report that some connection of the bridge reads."""
+        incoming = (c.map for c in self.bridge.bridgeConnections if c.direction.name == "jausToRos")
+        fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
+        for each in dict.fromkeys(incoming):
+            fields[each.message] |= {
+                path.split(".")[0].partition("[")[0] for path in _read_paths(each.toRos)
+            }
+        return {message: frozenset(names) for message, names in fields.items()}
 
 
 def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:

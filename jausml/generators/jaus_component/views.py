@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.system import System
 
 _MARGIN = " " * 4
+_LONGEST_EXAMPLE = 16_384  # bytes
 # Hooks of every component, with their parameters; the base does nothing in them.
 _HOOKS = {
     "on_initialize": (),
@@ -146,8 +147,12 @@ class ComponentView:
 
     @property
     def examples(self) -> tuple[str, ...]:
-        """Class name and bytes of an example of each message of the package, as tuples."""
-        return tuple(_example(v.class_name, example_bytes(v)) for v in self.messages)
+        """Class name and bytes of an example of each message of the package, as tuples.
+
+        Those that nobody could read in a test are left out.
+        """
+        found = ((view.class_name, example_bytes(view)) for view in self.messages)
+        return tuple(_example(*each) for each in found if len(each[1]) <= _LONGEST_EXAMPLE)
 
     def _query_of(self, connection: jaus.ServiceConnection) -> jaus.MessageDef:
         if connection.query is not None:

@@ -147,11 +147,13 @@ class Scope:
         self._reserved = reserved
         self._separator = separator
         self._taken: set[str] = set()
+        self._numbers: dict[str, int] = {}
 
     def copy(self) -> Scope:
         """Returns a scope with the same names, which goes its own way from now on."""
         other = Scope(self._reserved, self._separator)
         other._taken |= self._taken
+        other._numbers |= self._numbers
         return other
 
     def claim(self, name: str) -> str:
@@ -161,9 +163,10 @@ class Scope:
             name: A valid Python name.
         """
         first = name + self._separator if name in self._reserved else name
-        candidate, number = first, 1
+        candidate, number = first, self._numbers.get(name, 1)
         while candidate in self._taken or candidate in self._reserved:
             number += 1
             candidate = f"{name.rstrip('_')}{self._separator}{number}"
+        self._numbers[name] = number
         self._taken.add(candidate)
         return candidate

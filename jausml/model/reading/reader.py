@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import gc
 import os
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import Metamodels, load_metamodels
+from jausml.model.collector import without_collector
 from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
@@ -81,22 +80,10 @@ def read_models(
         root = Path(project_root)
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
     uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
-    with _without_collector():
+    with without_collector():
         reading = _Reading(metamodels or load_metamodels(), uris, notations, contents or {})
         model, diagnostics = reading.run(names)
     return ReadResult(model, diagnostics, root)
-
-
-@contextmanager
-def _without_collector() -> Iterator[None]:
-    """Keeps the cyclic collector from walking a model again and again while it grows."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 class _Reading:

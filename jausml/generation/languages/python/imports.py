@@ -98,11 +98,12 @@ def with_imports(text: str, imports: Imports) -> str:
     """
     module = ast.parse(text)
     origins = {**STANDARD, **imports.names}
-    annotations = {id(node) for root in _annotations(module) for node in ast.walk(root)}
-    defined = set(_defined(module))
+    nodes = list(ast.walk(module))
+    annotations = {id(node) for root in _annotations(nodes) for node in ast.walk(root)}
+    defined = set(_defined(nodes))
     running: set[str] = set()
     every: set[str] = set()
-    for node in ast.walk(module):
+    for node in nodes:
         if not isinstance(node, ast.Name) or node.id in defined:
             continue
         if node.id in origins:
@@ -121,16 +122,16 @@ def with_imports(text: str, imports: Imports) -> str:
     return text.replace(MARKER, "\n".join([MARKER, *(f"{each}\n" for each in blocks)]), 1)
 
 
-def _annotations(module: ast.Module) -> Iterator[ast.expr]:
-    for node in ast.walk(module):
+def _annotations(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
+    for node in nodes:
         if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation is not None:
             yield node.annotation
         elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.returns is not None:
             yield node.returns
 
 
-def _defined(module: ast.Module) -> Iterator[str]:
-    for node in ast.walk(module):
+def _defined(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    for node in nodes:
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             yield node.id
         elif isinstance(node, ast.arg):

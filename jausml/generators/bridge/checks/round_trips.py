@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.checks.figures import Chain
     from jausml.generators.bridge.checks.filling import Place
     from jausml.generators.bridge.checks.samples import Sample
+    from jausml.metamodel.classes import bridge
 
 _EXAMPLES = 50
 # Near the vertical, roll and yaw turn about the same axis and cannot be told apart.
@@ -59,12 +61,15 @@ def round_trips(sampled: Sequence[tuple[Ends, Sample]], class_name: str) -> Iter
         sampled: The connections of a bridge that have a sample, with it.
         class_name: Class of the bridge.
     """
+    homeward: dict[bridge.AttributeMap, list[Ends]] = defaultdict(list)
+    for ends, _ in sampled:
+        if not ends.to_ros:
+            homeward[ends.map].append(ends)
     for there, sample in sampled:
-        for back, _ in sampled:
-            if there.to_ros and not back.to_ros and there.map is back.map:
-                returning = _returning(there, back, sample)
-                if returning:
-                    yield _check(there, back, sample, returning, class_name)
+        for back in homeward[there.map] if there.to_ros else ():
+            returning = _returning(there, back, sample)
+            if returning:
+                yield _check(there, back, sample, returning, class_name)
 
 
 def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:

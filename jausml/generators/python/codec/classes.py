@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import docstrings as docs
@@ -201,7 +201,7 @@ class ContainerClass:
         summary: First line of the docstring.
         paragraphs: What follows in the docstring.
         members: The attributes.
-        segments: How they stand on the wire.
+        segments: How they stand on the wire, which follows from the members.
         presence_struct: Name of the constant for the presence vector, or empty.
         presence_size: Bytes of the presence vector.
         tag: Position in the variant that it is an option of.
@@ -216,7 +216,7 @@ class ContainerClass:
     summary: str
     paragraphs: tuple[str, ...]
     members: tuple[Member, ...]
-    segments: tuple[Run | Single, ...]
+    segments: tuple[Run | Single, ...] = field(compare=False, repr=False)
     presence_struct: str = ""
     presence_size: int = 0
     tag: int | None = None

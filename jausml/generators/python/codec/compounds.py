@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from jausml.generators.python.codec.scalars import struct_name
@@ -35,12 +35,12 @@ class PartValue:
     """An instance of a nested dataclass.
 
     Attributes:
-        part: The dataclass.
+        part: The dataclass. The message lists it too: there it is compared, once.
         python_type: Its full name, e.g. `ReportServices.NodeSeq`.
     """
 
     kind: ClassVar[str] = "part"
-    part: Part
+    part: Part = field(compare=False, repr=False)
     python_type: str
 
     @property

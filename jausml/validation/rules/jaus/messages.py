@@ -209,8 +209,7 @@ def sizes(subject: Subject) -> Iterator[Finding]:
         if any(size < 1 for size in array.dimensions):
             yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
         elif math.prod(array.dimensions) > wire.LARGEST:
-            count = math.prod(array.dimensions)
-            message = f"'{array.name}' has {count} elements, more than {wire.LARGEST}"
+            message = f"'{array.name}' has more than {wire.LARGEST} elements"
             yield Finding(array, message, "dimensions")
     for field in subject.instances(jaus.VariableField):
         yield from _index_findings(field.alternatives, field)
@@ -243,6 +242,28 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
                 yield Finding(value_set, f"{message}: {fault}", "offsetToLowerLimit")
         for value in values:
             yield from _value_findings(value, field, limits)
+
+
+@rule("JML360", Severity.ERROR, "message beyond all bounds")
+def bounds(subject: Subject) -> Iterator[Finding]:
+    """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
+
+    A field counts as often as the types that hold it are used, and arrays in arrays multiply:
+    few lines can ask for more than any machine has.
+
+    Bad: an array of 4194304 records that hold an array of 4194304 numbers
+
+    Good: a list of 0 to 4194304 records with a list of numbers
+    """
+    for message in subject.instances(jaus.MessageDef):
+        if message.body is None or not subject.is_intact(message):
+            continue
+        try:
+            wire.resolve_field(message.body)
+        except wire.LimitError as error:
+            yield Finding(message, f"'{message.name}' is too large: {error.reason}")
+        except wire.LayoutError:
+            continue  # which other rules tell
 
 
 def _reaches(reference: jaus.TypeReference, goal: jaus.Field) -> bool:

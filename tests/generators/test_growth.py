@@ -1,0 +1,63 @@
+"""How generation grows with the model, in calls of Python functions: no clock is asked."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+from jausml.generation import load_targets, render, select
+from jausml.validation.engine import validate
+
+GROWTH = Path(__file__).parents[2] / "benchmarks" / "growth.py"
+
+
+@pytest.fixture(scope="module")
+def growth():
+    """The benchmark, which makes the models."""
+    spec = importlib.util.spec_from_file_location("growth", GROWTH)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def calls(text, folder):
+    """Returns how many calls the rendering of a model takes."""
+    model = folder / "grown.xmi"
+    model.write_text(text, encoding="utf-8")
+    report = validate([model])
+    assert not report.has_errors, report.diagnostics[:3]
+    count = 0
+
+    def counted(_frame, event, _argument):
+        nonlocal count
+        count += event == "call"
+
+    targets = select(load_targets(), ["bridge", "jaus_component", "messages", "bringup"]).targets
+    before = sys.getprofile()
+    sys.setprofile(counted)
+    try:
+        render(report.model, targets)
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+@pytest.mark.parametrize("own_maps", [False, True])
+def test_generation_is_linear_in_connections(growth, tmp_path, own_maps):
+    few, more, most = (
+        calls(growth.connections(n, own_maps=own_maps), tmp_path) for n in (1, 31, 91)
+    )
+    assert most - few < 3.3 * (more - few)
+
+
+def test_generation_is_not_exponential_in_nesting(growth, tmp_path):
+    few, more, most = (calls(growth.nested(n), tmp_path) for n in (10, 20, 30))
+    assert most - more < 2 * (more - few)
+
+
+def test_generation_is_no_more_than_fields_in_types_that_double(growth, tmp_path):
+    few, more = (calls(growth.doubling(n), tmp_path) for n in (8, 9))
+    assert more < 2.2 * few
