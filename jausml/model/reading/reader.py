@@ -22,7 +22,7 @@ from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_ro
 from jausml.model.xmi.parsing import Node, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from jausml.model.notation import Fault, Notation, Written
     from jausml.model.reading.elements import Reference

@@ -75,7 +75,9 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
     scope = names.Scope(names.RESERVED_CLASSES, separator="")
     classes: dict[MessageView, MessageView] = {}
     found: dict[jaus.MessageDef, MessageView] = {}
-    for element in sorted(dict.fromkeys(elements), key=lambda e: (int(str(e.code), 16), str(e.name))):
+    for element in sorted(
+        dict.fromkeys(elements), key=lambda e: (int(str(e.code), 16), str(e.name))
+    ):
         view = build_message(element)
         if view not in classes:
             name = scope.claim(view.class_name)
