@@ -14,8 +14,9 @@ from jausml.cli.network import (
     network_from,
     network_options,
 )
+from jausml.live.messages.errors import did_you_mean, similar
 from jausml.live.peers.conformance.formats import RENDERERS, text
-from jausml.live.peers.conformance.groups import all_groups, fixed_checks
+from jausml.live.peers.conformance.groups import Selection, fixed_checks, known_names, unknown
 from jausml.live.peers.conformance.opening import TargetNotReached, opened
 from jausml.live.peers.conformance.runner import run
 from jausml.live.peers.conformance.session import Limits
@@ -38,7 +39,15 @@ _REMEDY = (
 CLIENTS = 3
 """Ids that the checks use."""
 
-_GROUPS = [group.name for group in all_groups()]
+
+def _checks(
+    _context: click.Context, _option: click.Parameter, names: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Refuses names that no group and no check has."""
+    for name in unknown(names):
+        hint = did_you_mean(similar(name, known_names())) or "; --list names the checks"
+        raise click.BadParameter(f"no check {name!a}{hint}")
+    return names
 
 
 @click.command("conformance")
@@ -55,8 +64,16 @@ _GROUPS = [group.name for group in all_groups()]
 @click.option(
     "--only",
     multiple=True,
-    type=click.Choice(_GROUPS),
-    help="Only this group of checks; may be repeated.",
+    callback=_checks,
+    metavar="NAME",
+    help="Only this group of checks, or this check; may be repeated.",
+)
+@click.option(
+    "--skip",
+    multiple=True,
+    callback=_checks,
+    metavar="NAME",
+    help="Leave out this group of checks, or this check; may be repeated.",
 )
 @click.option("--list", "list_checks", is_flag=True, help="List the checks and end.")
 @click.option("--slow", is_flag=True, help="Also wait for time-outs that take minutes.")
@@ -81,6 +98,7 @@ def command(
     output_format: str,
     output: str | None,
     only: tuple[str, ...],
+    skip: tuple[str, ...],
     list_checks: bool,
     slow: bool,
     destructive: bool,
@@ -98,18 +116,19 @@ def command(
     Tests its transport, its core services by the state tables of AS5710, and the messages of every
     service that it announces. No command that moves anything is sent; control and emergencies that
     the checks cause are undone, also after Ctrl-C. Three ids are used: the own id and the two after
-    it.
+    it. What a target that is not robust may not survive comes last; a target that is started again
+    is tested further.
 
     Exit status: 0 no check failed, 1 checks failed, 2 the target is not reached or an option is
     wrong, 3 internal error.
     """
+    selection = Selection(frozenset(only), frozenset(skip))
     if list_checks:
-        _list_checks(only or _GROUPS)
+        _list_checks(selection)
         return
     if target is None:
         raise click.UsageError("Missing argument 'TARGET_ID', e.g. 100.1.1.")
     network = network_from(own_id, interface, port, multicast_group, peers)
-    groups = [group for group in all_groups() if group.name in (only or _GROUPS)]
     limits = Limits(slow=slow, destructive=destructive)
     try:
         with (
@@ -125,7 +144,7 @@ def command(
             ) as session,
         ):
             live = output is None and output_format == "text"
-            report = _checked(session, groups, live=live)
+            report = _checked(session, selection.groups(), live=live)
     except TargetNotReached as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -147,14 +166,15 @@ def _target(target: str, network: Network) -> JausAddress:
 
 def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> ConformanceReport:
     """Runs the checks and, on a terminal, shows each result as it comes."""
-    shown: list[str] = []
+    latest = ""
 
     def show(result: Result) -> None:
+        nonlocal latest
         if not live:
             return
-        if result.check.group not in shown:
-            shown.append(result.check.group)
-            click.echo(f"\n{result.check.group}")
+        if result.check.group != latest:
+            latest = result.check.group
+            click.echo(f"\n{latest}")
         for line in text.result_lines(result):
             click.echo(line)
 
@@ -177,11 +197,12 @@ def _write(
         click.echo(text.summary(report), err=True)
 
 
-def _list_checks(groups: Sequence[str]) -> None:
+def _list_checks(selection: Selection) -> None:
     for check in fixed_checks():
-        if check.group not in groups:
+        if not selection.takes(check.id):
             continue
         mark = " (only with --destructive)" if check.destructive else ""
+        mark = " (late: a target may not survive it)" if check.risky else mark
         click.echo(f"{check.id:44} {check.title}{mark}")
-    if "codecs" in groups:
+    if selection.takes("codecs"):
         click.echo(f"{'codecs.SERVICE.QUERY':44} One for each query of the announced services")

@@ -65,7 +65,7 @@ def test_junit_is_read_by_build_servers(jausml, peer):
     case = suites["liveness"].find("testcase")
     assert case.get("name").startswith("liveness.pulse: ")
     assert "not answered" in case.find("failure").get("message")
-    assert suites["time"].find("testcase/skipped").get("message").startswith("the target does not")
+    assert suites["time"].find("testcase/skipped").get("message").startswith("the target announces")
 
 
 def test_list_names_every_check(jausml):
@@ -93,7 +93,8 @@ def test_list_of_one_group(jausml):
         (("65000.1.7",), "choose another --id"),
         (("100.1.1", "--peer", "100.1.1"), "is not ID=HOST:PORT"),
         (("100.1.1", "--interface", "224.0.0.1"), "must be the IPv4 address"),
-        (("100.1.1", "--only", "nothing"), "--only"),
+        (("100.1.1", "--only", "nothing"), "no check 'nothing'"),
+        (("100.1.1", "--skip", "access.reqest"), "did you mean access.request"),
         (("100.1.1", *QUICK), "100.1.1 does not answer"),
         (("100.1.1", "--interface", "192.0.2.1", *QUICK), "the network cannot be used"),
     ],

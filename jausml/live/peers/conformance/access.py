@@ -38,8 +38,11 @@ _LATEST = 1.5
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    if not session.provides("AccessControl"):
-        return "the target does not announce AccessControl"
+    missing = session.missing("AccessControl")
+    if missing:
+        return missing
+    if not session.tells_controller:
+        return _why_no_control(session)
     report = session.control()
     if controller_of(report) != NOBODY:
         return (
@@ -51,6 +54,18 @@ def requires(session: Session) -> str:
         if status not in (Status.STANDBY, Status.READY):
             return f"the target is in {status.name}, where control is not available"
     return ""
+
+
+def _why_no_control(session: Session) -> str:
+    """Returns why control cannot be had, found out by asking for it."""
+    session.first.send(RequestControl(authority_code=session.low))
+    answer = session.first.expect(ConfirmControl, "RequestControl")
+    if answer.response_code == ACCEPTED:
+        return ""
+    return (
+        f"the target gives no control (ConfirmControl {answer.response_code}), and does not answer "
+        "QueryControl, which would say who has it"
+    )
 
 
 def timeout_in_reach(session: Session) -> int:
@@ -122,7 +137,7 @@ def request(session: Session) -> None:
 )
 def insufficient(session: Session) -> None:
     """RequestControl below the default authority is answered with 2 and changes nothing."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0")
+    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
     _request(session.first, session.default_authority - 1, INSUFFICIENT)
     _uncontrolled(session)
 
@@ -148,7 +163,7 @@ def keep_alive(session: Session) -> None:
 )
 def controller_below_default(session: Session) -> None:
     """The controller is told RejectControl 0, and nobody has control."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0")
+    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
     session.take(session.first, session.low)
     session.first.send(RequestControl(authority_code=session.default_authority - 1))
     _rejected(session.first, "RequestControl below the default authority")
@@ -226,7 +241,7 @@ def set_authority_raised(session: Session) -> None:
 )
 def set_authority_below_default(session: Session) -> None:
     """SetAuthority below the default authority has no effect."""
-    session.skip_unless(session.default_authority > 0, "the default authority is 0")
+    session.skip_unless(session.default_authority > 0, "the default authority is 0, or not told")
     session.take(session.first, session.low)
     session.first.send(SetAuthority(authority_code=session.default_authority - 1))
     _controlled_by(session, session.first, session.low)
@@ -374,7 +389,9 @@ def _rejected(client: Client, what: str) -> None:
 
 
 def _controlled_by(session: Session, client: Client, authority: int) -> None:
-    report = session.control()
+    report = session.seen_control()
+    if report is None:
+        return
     session.require(
         controller_of(report) == str(client.address),
         f"ReportControl names {controller_of(report)} instead of {client.address}",
@@ -386,7 +403,9 @@ def _controlled_by(session: Session, client: Client, authority: int) -> None:
 
 
 def _uncontrolled(session: Session) -> None:
-    report = session.control()
+    report = session.seen_control()
+    if report is None:
+        return
     session.require(
         controller_of(report) == NOBODY,
         f"ReportControl still names {controller_of(report)}",

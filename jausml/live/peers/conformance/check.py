@@ -28,6 +28,8 @@ class Check:
         source: Where the standard says so.
         body: The function.
         destructive: Whether the target cannot go on afterwards; such checks run last, if at all.
+        risky: Whether a target that is not robust may not survive it; such checks run after all
+            others that leave the target alive.
     """
 
     id: str
@@ -35,6 +37,7 @@ class Check:
     source: str
     body: CheckFunction
     destructive: bool = False
+    risky: bool = False
 
     @property
     def group(self) -> str:
@@ -48,7 +51,7 @@ class Check:
 
 
 def check(
-    check_id: str, title: str, source: str, *, destructive: bool = False
+    check_id: str, title: str, source: str, *, destructive: bool = False, risky: bool = False
 ) -> Callable[[CheckFunction], Check]:
     """Makes a check of a function, whose docstring is its explanation.
 
@@ -57,10 +60,11 @@ def check(
         title: What the target shall do, in a few words.
         source: Where the standard says so.
         destructive: Whether the target cannot go on afterwards.
+        risky: Whether a target that is not robust may not survive it.
     """
 
     def make(body: CheckFunction) -> Check:
-        return Check(check_id, title, source, body, destructive)
+        return Check(check_id, title, source, body, destructive, risky)
 
     return make
 

@@ -36,7 +36,7 @@ _TYPES = {
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    return "" if session.provides("Discovery") else "the target does not announce Discovery"
+    return session.missing("Discovery")
 
 
 @check(

@@ -61,7 +61,7 @@ _QUERY_OFFSET = 6
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    return "" if session.provides("Events") else "the target does not announce Events"
+    return session.missing("Events")
 
 
 @check(

@@ -36,7 +36,7 @@ _USER_DEFINED = 1
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    return "" if session.provides("ListManager") else "the target does not announce ListManager"
+    return session.missing("ListManager")
 
 
 @check(

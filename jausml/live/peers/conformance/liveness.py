@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    return "" if session.provides("Liveness") else "the target does not announce Liveness"
+    return session.missing("Liveness")
 
 
 @check("liveness.pulse", "Reports its heartbeat", "AS5710A Liveness, QueryHeartbeatPulse")
@@ -34,7 +34,7 @@ def pulse(session: Session) -> None:
 )
 def event(session: Session) -> None:
     """A periodic event on the heartbeat is confirmed and delivers it; others watch it so."""
-    session.skip_unless(session.provides("Events"), "the target does not announce Events")
+    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
     answer = session.first.create_event(QueryHeartbeatPulse(), rate=10.0)
     session.require(
         isinstance(answer, ConfirmEventRequest), "a periodic event on the heartbeat is rejected"

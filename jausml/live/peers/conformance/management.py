@@ -46,9 +46,7 @@ NOT_AVAILABLE = RejectControl.ResponseCode.NOT_AVAILABLE
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    if not session.provides("Management"):
-        return "the target does not announce Management"
-    return access.requires(session)
+    return session.missing("Management") or access.requires(session)
 
 
 @check(
@@ -469,7 +467,9 @@ def _ignored(session: Session, client: Client, command: Message, status: Status)
 
 
 def _nobody_controls(session: Session, after: str) -> None:
-    report = session.control()
+    report = session.seen_control()
+    if report is None:
+        return
     session.require(
         controller_of(report) == NOBODY,
         f"{controller_of(report)} still has control after {after}",

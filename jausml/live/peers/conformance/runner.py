@@ -53,10 +53,16 @@ def run(
 
 
 def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
-    last: list[tuple[Check, str]] = []
+    """Yields the results: of all checks that a target survives, then of risky ones, then the end.
+
+    A target that fell silent is looked for again at the beginning of each group, and before each
+    check that is left for the end.
+    """
+    later: list[tuple[Check, str]] = []
     gone = False
     for group in groups:
         checks = group.checks(session)
+        gone = gone and not _comes_back(session, session.probe.timeout)
         obstacle = _GONE if gone else ""
         if not gone and checks:
             obstacle, failure = _obstacle(session, group, checks[0])
@@ -64,17 +70,22 @@ def _results(session: Session, groups: Sequence[Group]) -> Iterator[Result]:
                 checks = checks[1:]
                 yield failure
         for check in checks:
-            if check.destructive:
-                last.append((check, obstacle))
+            if check.destructive or check.risky:
+                later.append((check, obstacle))
                 continue
             result = _result(session, check, _GONE if gone else obstacle)
             if result.left_silent:
-                gone = not _comes_back(session)
+                gone = not _comes_back(session, session.limits.restart)
             yield result
-    for check, obstacle in last:
-        allowed = session.limits.destructive
+    for check, obstacle in sorted(later, key=lambda each: each[0].destructive):
+        allowed = session.limits.destructive or not check.destructive
         reason = obstacle or ("" if allowed else "ends the target; --destructive runs it")
-        yield _result(session, check, _GONE if gone else reason)
+        if gone and not reason:
+            gone = not _comes_back(session, session.probe.timeout)
+        result = _result(session, check, reason or (_GONE if gone else ""))
+        if result.left_silent:
+            gone = not _comes_back(session, session.limits.restart)
+        yield result
 
 
 def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result | None]:
@@ -87,6 +98,8 @@ def _obstacle(session: Session, group: Group, first: Check) -> tuple[str, Result
     except CheckFailed as failure:
         result = Result(first, Verdict.FAIL, (str(failure),), session.trace.lines)
         return f"the group could not begin; see {first.id}", result
+    finally:
+        session.undo()
 
 
 def _result(session: Session, check: Check, obstacle: str) -> Result:
@@ -111,6 +124,16 @@ def _result(session: Session, check: Check, obstacle: str) -> Result:
     return Result(check, verdict, messages, evidence, time.monotonic() - begin, silent)
 
 
-def _comes_back(session: Session) -> bool:
-    """Whether the target answers after all; it may have been restarted."""
-    return session.probe.find_target() and session.answers()
+def _comes_back(session: Session, seconds: float) -> bool:
+    """Whether the target answers after all; it may have been restarted.
+
+    Args:
+        session: The target.
+        seconds: How long to look for it, at least once.
+    """
+    end = time.monotonic() + seconds
+    while True:
+        if session.probe.find_target() and session.answers():
+            return True
+        if time.monotonic() >= end:
+            return False

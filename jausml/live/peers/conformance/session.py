@@ -60,11 +60,13 @@ class Limits:
 
     Attributes:
         longest_wait: Seconds that a check may wait for a time-out of the target.
+        restart: Seconds in which a target that fell silent may be started again.
         slow: Whether checks may take minutes.
         destructive: Whether the target may be shut down.
     """
 
     longest_wait: float = 10.0
+    restart: float = 5.0
     slow: bool = False
     destructive: bool = False
 
@@ -92,6 +94,7 @@ class Session:
     notes: list[str] = field(default_factory=list)
     _answered: dict[str, bool] = field(default_factory=dict)
     _default_authority: int | None = None
+    _tells_controller: bool | None = None
 
     # ---- clients ----------------------------------------------------------------------------
 
@@ -139,13 +142,48 @@ class Session:
     # ---- what the target provides -----------------------------------------------------------
 
     def provides(self, name: str) -> bool:
-        """Whether the target has a core service: announced, or answering when nothing is."""
-        if self.services:
-            return self._announced(name) is not None
+        """Whether the target has a core service: announced, or inherited by what is announced.
+
+        A target that announces nothing has what it answers.
+        """
+        return self._announced(name) is not None if self.services else self.serves(name)
+
+    def serves(self, name: str) -> bool:
+        """Whether the target answers a query of a core service; AccessControl may grant as well."""
         if name not in self._answered:
             query, report = _BY_SERVICE[name]
-            self._answered[name] = self.tried(query, report, attempts=2) is not None
+            answered = self.tried(query, report, attempts=2) is not None
+            if name == "AccessControl" and not answered:
+                self.first.send(core.RequestControl(authority_code=255))
+                answered = self.first.find(core.ConfirmControl) is not None
+                self.undo()
+            self._answered[name] = answered
         return self._answered[name]
+
+    def missing(self, name: str) -> str:
+        """Returns why a core service cannot be checked, or nothing.
+
+        Raises:
+            CheckFailed: The target announces a service that inherits it, and does not serve it.
+        """
+        if not self.provides(name):
+            if self.services:
+                return f"the target announces neither {name} nor a service that inherits it"
+            return f"the target does not answer {_BY_SERVICE[name][0].NAME}, and announces nothing"
+        heir = self._heir(name)
+        if heir is not None and not self.serves(name):
+            raise CheckFailed(
+                f"{heir.urn.rpartition(':')[2]}, which the target announces, inherits {name}, "
+                f"but {_BY_SERVICE[name][0].NAME} is not answered"
+            )
+        return ""
+
+    @property
+    def tells_controller(self) -> bool:
+        """Whether the target says who controls it."""
+        if self._tells_controller is None:
+            self._tells_controller = self.tried(*PINGS[1], attempts=2) is not None
+        return self._tells_controller
 
     def tried(self, query: Message, report_class: type[M], attempts: int = 1) -> M | None:
         """Returns the report that answers a query, or None when none comes that decodes."""
@@ -174,8 +212,18 @@ class Session:
         return self.catalogue.services.get((service.urn, f"{service.major}.{service.minor}"))
 
     def _announced(self, name: str) -> ServiceIdentity | None:
-        urns = (CORE + name, *_OTHER_NAMES.get(name, ()))
-        return next((each for each in self.services if each.urn in urns), None)
+        """Returns a core service as it is announced, or as what is announced inherits it."""
+        urns = _urns(name)
+        heirs = (base for each in self.services for base in self.known_bases(each))
+        return next((each for each in (*self.services, *heirs) if each.urn in urns), None)
+
+    def _heir(self, name: str) -> ServiceIdentity | None:
+        """Returns the service through which alone a core service is announced."""
+        urns = _urns(name)
+        if any(each.urn in urns for each in self.services):
+            return None
+        bases = ((each, {base.urn for base in self.known_bases(each)}) for each in self.services)
+        return next((each for each, found in bases if found.intersection(urns)), None)
 
     def answers(self) -> bool:
         """Whether the target still answers a query."""
@@ -199,7 +247,11 @@ class Session:
     def default_authority(self) -> int:
         """Lowest authority code that may control the target, as it reports it uncontrolled."""
         if self._default_authority is None:
-            report = self.first.ask(core.QueryAuthority(), core.ReportAuthority)
+            if self.tells_controller:
+                report = self.first.ask(core.QueryAuthority(), core.ReportAuthority)
+            else:
+                found = self.tried(core.QueryAuthority(), core.ReportAuthority, attempts=2)
+                report = found or core.ReportAuthority(authority_code=0)
             self._default_authority = report.authority_code
         return self._default_authority
 
@@ -223,13 +275,26 @@ class Session:
         return self.low + 2
 
     def control(self) -> core.ReportControl:
-        """Returns who controls the target."""
+        """Returns who controls the target.
+
+        Raises:
+            CheckFailed: It does not say so.
+        """
         return self.third.ask(core.QueryControl(), core.ReportControl)
 
+    def seen_control(self) -> core.ReportControl | None:
+        """Returns who controls the target; None, and a note, when it never says so."""
+        if self.tells_controller:
+            return self.control()
+        note = "who has control is not seen, for QueryControl is not answered"
+        if note not in self.notes:
+            self.note(note)
+        return None
+
     def controls(self, client: Client) -> bool:
-        """Whether a client of ours controls the target."""
-        report = self.control()
-        return controller_of(report) == str(client.address)
+        """Whether a client of ours controls the target, as far as that is seen."""
+        report = self.seen_control()
+        return report is None or controller_of(report) == str(client.address)
 
     def take(self, client: Client, authority: int) -> None:
         """Takes control as a step before what is to be checked.
@@ -304,6 +369,10 @@ class Session:
 
     def _clients(self) -> tuple[Client, Client, Client]:
         return self.first, self.second, self.third
+
+
+def _urns(name: str) -> tuple[str, ...]:
+    return (CORE + name, *_OTHER_NAMES.get(name, ()))
 
 
 def _version(text: str) -> tuple[int, int]:

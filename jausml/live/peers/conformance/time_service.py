@@ -20,7 +20,7 @@ _LARGEST_DIFFERENCE = timedelta(seconds=5)
 
 def requires(session: Session) -> str:
     """Returns why the group cannot run, or nothing."""
-    return "" if session.provides("Time") else "the target does not announce Time"
+    return session.missing("Time")
 
 
 @check("time.report", "Reports time and date", "AS5710A Time, QueryTime, ReportTime")

@@ -184,6 +184,7 @@ def wrong_version(session: Session) -> None:
     "transport.size-too-large",
     "Drops a message whose size exceeds the datagram",
     "AS5669A, data size",
+    risky=True,
 )
 def size_too_large(session: Session) -> None:
     """The data size says 200 bytes more than there are."""
@@ -196,6 +197,7 @@ def size_too_large(session: Session) -> None:
     "transport.size-too-small",
     "Drops a message whose size is below the header",
     "AS5669A, data size: at least 14",
+    risky=True,
 )
 def size_too_small(session: Session) -> None:
     """The data size says 5."""
@@ -208,6 +210,7 @@ def size_too_small(session: Session) -> None:
     "transport.short-datagrams",
     "Survives datagrams that end too early",
     "AS5669A, general transport header",
+    risky=True,
 )
 def short_datagrams(session: Session) -> None:
     """A query cut after each of its bytes; the target goes on."""
@@ -220,6 +223,7 @@ def short_datagrams(session: Session) -> None:
     "transport.no-message-code",
     "Survives a message without a message code",
     "AS5669A, payload",
+    risky=True,
 )
 def no_message_code(session: Session) -> None:
     """Payloads of no byte and of one byte; the target goes on."""
@@ -244,6 +248,7 @@ def message_type(session: Session) -> None:
     "transport.header-compression",
     "Survives header compression that it did not agree to",
     "AS5669A, header compression flags",
+    risky=True,
 )
 def header_compression(session: Session) -> None:
     """A message marked as compressed comes out of the blue; the target goes on."""
@@ -391,6 +396,7 @@ def unknown_message(session: Session) -> None:
     "transport.truncated-bodies",
     "Survives known messages without their bodies",
     "AS5684, encoding; AS5710A, core messages",
+    risky=True,
 )
 def truncated_bodies(session: Session) -> None:
     """Queries whose body is missing; the target may ignore them and goes on."""
@@ -493,7 +499,7 @@ def _dropped(session: Session, datagram: bytes, what: str) -> None:
 
 def _fragments(session: Session, client: Client) -> Sequence[Packet]:
     """Returns the packets of a request that is answered and leaves nothing behind."""
-    session.skip_unless(session.provides("Events"), "the target does not announce Events")
+    session.skip_unless(session.serves("Events"), "the target answers nothing of Events")
     payload = CreateEvent(
         request_id=7,
         event_type=CreateEvent.EventType.EVERY_CHANGE,

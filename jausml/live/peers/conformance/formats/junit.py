@@ -19,7 +19,10 @@ def render(report: ConformanceReport) -> str:
     Args:
         report: The report.
     """
-    groups = groupby(report.results, key=lambda each: each.check.group)
+    # Checks that are left for the end stand with their group.
+    places = {each.check.group: place for place, each in reversed([*enumerate(report.results)])}
+    results = sorted(report.results, key=lambda each: places[each.check.group])
+    groups = groupby(results, key=lambda each: each.check.group)
     suites = (Suite(group, [_case(group, each) for each in results]) for group, results in groups)
     return junit_document(f"JAUS {report.target}", suites)
 
