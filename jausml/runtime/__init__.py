@@ -28,7 +28,8 @@ from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.topics import Qos, Topic
 from .bridge.values import by_name, set_quaternion, set_time
 from .clients.command_client import PendingCommand
-from .clients.control_session import ControlSession, ControlState
+from .clients.control_session import ControlSession
+from .clients.controlled_target import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
 from .clients.list_client import ListRequest

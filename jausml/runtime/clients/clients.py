@@ -10,6 +10,7 @@ from .discovery_client import DiscoveryClient
 from .event_client import EventClient
 from .list_client import ListClient
 from .peer_client import PeerClient
+from .presence import Presence
 from .query import QueryClient
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ class Clients:
     """The clients of one component.
 
     Attributes:
+        presence: When the components that are used were last heard.
         events: Subscriptions to reports of others.
         control: Sessions that control others.
         queries: Questions that wait for an answer.
@@ -35,8 +37,9 @@ class Clients:
         Args:
             host: The component.
         """
-        self.events = EventClient(host)
-        self.control = ControlClient(host)
+        self.presence = Presence(host.loop)
+        self.events = EventClient(host, self.presence)
+        self.control = ControlClient(host, self.presence)
         self.queries = QueryClient(host)
         self.discovery = DiscoveryClient(host)
         self.peers = PeerClient(host, self.discovery)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
     from ..wire.message import Message
+    from .presence import Presence
 
 EVENT_REQUESTS = range(224)
 """Request ids of the events of one provider."""
@@ -39,9 +40,10 @@ DEFAULT_EVENT_TIMEOUT = 1
 class EventClient:
     """All subscriptions of one component, and the messages of Events that concern them."""
 
-    def __init__(self, component: Host) -> None:
+    def __init__(self, component: Host, presence: Presence) -> None:
         """Listen to the answers of providers."""
         self._component = component
+        self._presence = presence
         self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}
         self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
         self._by_event: dict[tuple[JausAddress, int], EventStream] = {}
@@ -71,7 +73,7 @@ class EventClient:
         payload = query.encode()
         stream = self._streams.get((provider, payload))
         if stream is None:
-            stream = EventStream(self, self._component, provider, payload)
+            stream = EventStream(self, self._component, provider, payload, self._presence)
             self._by_request[provider, self._free_request(provider, stream)] = stream
             self._streams[provider, payload] = stream
         subscription = EventSubscription(stream, on_report, rate, silence_timeout, on_silence)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..messages import CancelEvent, CreateEvent, UpdateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..wire.message import DecodeError, Message
+from .presence import Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ..messages import Event
     from ..services.host import Host
     from .event_subscription import EventSubscription
+    from .presence import Presence
 
 SILENT_PERIODS = 3
 """Periods of a periodic event without a report after which it is created again."""
@@ -27,7 +29,7 @@ MIN_SILENCE = 1.0
 MAX_SILENCE = 30.0
 """Longest wait in seconds for the reports of a provider that confirms but does not report."""
 
-MAX_RENEWALS = 3
+MAX_RENEWALS = 8
 """Unanswered renewals after which an event is created again."""
 
 HALF_SEQUENCE = 128
@@ -79,6 +81,7 @@ class EventStream:
         component: Host,
         provider: JausAddress,
         payload: bytes,
+        presence: Presence,
     ) -> None:
         """Prepare a stream without subscribers."""
         self.component = component
@@ -95,7 +98,8 @@ class EventStream:
         self._rate: float | None = None
         self._asked_rate: float | None = None
         self._confirmed_rate = 0.0
-        self._delay = self._settings.retry_min
+        self._presence = presence
+        self._pace = Pace(component.settings, presence, provider)
         self._renewals = 0
         self._asked_at = float("-inf")
         self._timer: Timer | None = None
@@ -144,7 +148,8 @@ class EventStream:
         self._cancel_timers()
         if self._state is not _State.IDLE and self.event_id is not None:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
-            self.component.send(message, self.provider)
+            self._send(message)
+        self._presence.forget(self.provider, self.hurry)
         self._listener.forget(self)
         self._state = _State.IDLE
 
@@ -191,7 +196,7 @@ class EventStream:
         self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
-        self._delay = self._settings.retry_min
+        self._pace.answered()
         self._renewals = 0
         self._schedule_renewal()
         if is_new:
@@ -230,6 +235,7 @@ class EventStream:
 
     def _start(self) -> None:
         if self._groups and self._state is _State.IDLE:
+            self._presence.watch(self.provider, self.hurry)
             self._create()
 
     def _recreate(self) -> None:
@@ -246,15 +252,14 @@ class EventStream:
         self._cancel_timers()
         self._asked_at = self._loop.now()
         self._asked_rate = self._rate
-        self._set_timer(self._delay, self._create)
-        self._delay = min(self._delay * 2, self._settings.retry_max)
+        self._set_timer(self._pace.next_pause(), self._create)
         message = CreateEvent(
             request_id=self.request_id,
             event_type=EVERY_CHANGE if self._rate is None else PERIODIC,
             requested_periodic_rate=self._rate or 0.0,
             query_message=self.payload,
         )
-        self.component.send(message, self.provider)
+        self._send(message)
 
     def _renew(self) -> None:
         if self._renewals == MAX_RENEWALS or self.event_id is None:
@@ -272,7 +277,12 @@ class EventStream:
             event_id=self.event_id,
             query_message=self.payload,
         )
-        self.component.send(message, self.provider)
+        self._send(message)
+
+    def _send(self, message: Message) -> None:
+        """Send a request; the transport repeats it where somebody is there to acknowledge."""
+        is_heard = self._presence.heard_lately(self.provider)
+        self.component.send(message, self.provider, acknowledge=is_heard)
 
     def _schedule_renewal(self) -> None:
         """Renew at half the provider's timeout, and an every-change event not much later.

@@ -297,11 +297,19 @@ class ComponentBase(ComponentHooks):
         """Whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
-        if sender != self._jaus_core.access_control.controller:
+        access = self._jaus_core.access_control
+        if sender != access.controller or not access.managed:
             return False
         return guard is Guard.CONTROLLED or self._jaus_core.management.status is Status.READY
 
     # ---- for the services and clients of the component --------------------------------------
+
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back.
+
+        It happens in the next round of the loop: what hooks send to stop them comes before.
+        """
+        self.loop.call_soon(lambda: self._jaus_clients.control.permit(permitted))
 
     def when_started(self, action: Callable[[], None]) -> None:
         """Run an action now, or at the start of a component that does not run yet."""
@@ -357,6 +365,7 @@ class ComponentBase(ComponentHooks):
             return None
 
     def _jaus_receive(self, received: ReceivedMessage) -> None:
+        self._jaus_clients.presence.note(received.source)
         self._jaus_router.receive(received.payload, received.source)
 
     def _jaus_answer(

@@ -123,6 +123,11 @@ def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddres
         help="what the component's Discovery service answers for",
     )
     group.add_argument(
+        "--control-survives-emergency",
+        action="store_true",
+        help="let the controller keep control in an emergency, for clients that count on it",
+    )
+    group.add_argument(
         "--log-level", choices=LOG_LEVELS, default="info", help="default %(default)s"
     )
 
@@ -137,6 +142,8 @@ def component_settings(
         defaults: Modelled settings.
     """
     known = ComponentSettings() if defaults is None else defaults
+    if arguments.control_survives_emergency:
+        known = replace(known, control_survives_emergency=True)
     if arguments.discovery_scope is None:
         return known
     return replace(known, discovery_scope=Scope[arguments.discovery_scope.upper()])

@@ -18,6 +18,7 @@ from ..messages import (
     SetAuthority,
 )
 from .definitions import CORE, VERSION_1_1, Guard
+from .refusals import Refusals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Set
@@ -42,6 +43,7 @@ class AccessControlService:
         authority: Its authority code; the default authority without a controller.
         offered: Whether the component offers control at all.
         managed: Whether the state of the Management service permits control.
+        kept: Whether the controller keeps control while nobody else may have it.
         emergency_clients: Who has set an emergency.
         on_lost: Called when control ends, before the controller is told.
     """
@@ -58,8 +60,10 @@ class AccessControlService:
         self.authority = self._default
         self.offered = True
         self.managed = True
+        self.kept = False
         self.emergency_clients: Set[JausAddress] = frozenset()
         self.on_lost: Callable[[], None] = _nothing
+        self._refusals = Refusals(component.loop)
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
 
     def attach(self) -> None:
@@ -87,7 +91,7 @@ class AccessControlService:
         self.authority = self._default
         self.on_lost()
         self._component.call(self._component.on_control_lost)
-        self._component.send(RejectControl(response_code=reason), former)
+        self._component.send(RejectControl(response_code=reason), former, acknowledge=True)
         self._controller_changed()
 
     def restore(self, controller: JausAddress, authority: int) -> None:
@@ -99,15 +103,15 @@ class AccessControlService:
 
     def _request(self, message: RequestControl, sender: JausAddress) -> None:
         code = message.authority_code
-        if not self.available:
-            self._confirm(sender, Confirm.NOT_AVAILABLE)
+        if not self.available and not (self.kept and sender == self.controller):
+            self._refuse(message, sender, Confirm.NOT_AVAILABLE)
         elif sender == self.controller:
             if code < self._default:
                 self.drop(Reject.CONTROL_RELEASED)
             else:
                 self._grant(sender, code)
         elif code < self._default or (self.controller is not None and code <= self.authority):
-            self._confirm(sender, Confirm.INSUFFICIENT_AUTHORITY)
+            self._refuse(message, sender, Confirm.INSUFFICIENT_AUTHORITY)
         else:
             self._grant(sender, code)
 
@@ -117,7 +121,8 @@ class AccessControlService:
         self._restart_timer()
         if former is not None and former != sender:
             self._component.call(self._component.on_control_lost)
-            self._component.send(RejectControl(response_code=Reject.CONTROL_RELEASED), former)
+            reject = RejectControl(response_code=Reject.CONTROL_RELEASED)
+            self._component.send(reject, former, acknowledge=True)
         self._confirm(sender, Confirm.CONTROL_ACCEPTED)
         if former != sender:
             self._controller_changed()
@@ -160,6 +165,13 @@ class AccessControlService:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+
+    def _refuse(self, message: RequestControl, sender: JausAddress, code: Confirm) -> None:
+        """Refuse control, but do not answer a client faster and faster that asks again at once."""
+        if self._refusals.put_off(sender, code, lambda: self._request(message, sender)):
+            self._component.counters.add("access_control.request_put_off")
+        else:
+            self._confirm(sender, code)
 
     def _confirm(self, client: JausAddress, code: Confirm) -> None:
         self._component.send(ConfirmControl(response_code=code), client)

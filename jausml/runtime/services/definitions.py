@@ -69,6 +69,8 @@ class ComponentSettings:
         default_authority: Lowest authority code that may control the component, 0 to 255.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 to
             255; 0 means never (AS5710, QueryTimeout).
+        control_survives_emergency: Whether the controller keeps control in an emergency, for
+            clients that count on it; AS5710 ends it. It is not obeyed before the end either.
         event_timeout: Minutes after which an event lapses unless it is updated, 0 to 255;
             0 means never (AS5710, QueryEventTimeout).
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
@@ -90,9 +92,10 @@ class ComponentSettings:
         discovery_timeout: Seconds without an answer of that Discovery service after which it is
             taken for lost, and looked for.
         retry_min: Seconds before an unanswered request is sent again for the first time.
-        retry_max: Longest time in seconds between two requests that stay unanswered.
+        retry_max: Longest time in seconds between two requests to a component that is silent.
         refused_retry: Seconds between two requests after a refusal.
-        watch_interval: Longest time in seconds between two checks of a controlled component.
+        watch_interval: Longest time in seconds between two checks of a controlled component, and
+            between two requests to one that is heard, but does not answer.
         check_interval: Longest time in seconds between two renewals of an every-change event,
             whose provider may rightly be silent; finds a provider that was restarted.
 
@@ -102,6 +105,7 @@ class ComponentSettings:
 
     default_authority: int = 0
     control_timeout: int = 5
+    control_survives_emergency: bool = False
     event_timeout: int = 1
     event_rate_min: float = 0.1
     event_rate_max: float = 100.0
@@ -114,7 +118,7 @@ class ComponentSettings:
     registration_lifetime: float = 300.0
     register_services: bool = True
     discovery_timeout: float = 60.0
-    retry_min: float = 0.5
+    retry_min: float = 0.1
     retry_max: float = 5.0
     refused_retry: float = 5.0
     watch_interval: float = 1.0

@@ -121,6 +121,9 @@ class Host(Protocol):
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more."""
 
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back."""
+
     def when_started(self, action: Callable[[], None]) -> None:
         """Run an action now, or at the start of a component that does not run yet."""
 

@@ -31,6 +31,9 @@ EMERGENCY_CODES = (0, 1)
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
 """States that no message ends: an emergency on top of them leads back to them."""
 
+PASSIVE = (Status.EMERGENCY, Status.FAILURE, Status.SHUTDOWN)
+"""States in which a component controls no others: what it commands must stop with it."""
+
 MAX_EMERGENCY_CLIENTS = 1024
 """Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
 
@@ -149,7 +152,12 @@ class ManagementService:
             LOGGER.warning("%s: emergency set by %s", self._component.address, sender)
             self._interrupted = (self.status, self._access.controller, self._access.authority)
             self._enter(Status.EMERGENCY)
-            self._access.drop(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
+            # JAUS-DEVIATION: AS5710 ends control with the emergency. Clients that are made with the
+            # JAUS Tool Set count on keeping it, and ask for it again without end.
+            if self._component.settings.control_survives_emergency:
+                self._access.kept = True
+            else:
+                self._access.drop(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
             self._component.call(self._component.on_emergency, True)  # noqa: FBT003
 
     def _clear_emergency(self, message: ClearEmergency, sender: JausAddress) -> None:
@@ -171,7 +179,7 @@ class ManagementService:
         if not self._is_1_0 and status not in FINAL:
             self._enter(Status.STANDBY)
             return
-        if controller is not None:
+        if controller is not None and self._access.controller is None:
             self._access.restore(controller, authority)
         if self.status is Status.EMERGENCY:  # no hook has reported a failure meanwhile
             self._enter(status)
@@ -185,12 +193,14 @@ class ManagementService:
         if former is status:
             return
         self._access.managed = status in (Status.STANDBY, Status.READY)
+        self._access.kept = False
         if former is Status.READY:
             self._component.call(self._component.on_not_ready)
             self._component.permissions_changed()
         elif status is Status.READY:
             self._component.call(self._component.on_ready)
         self._component.core_state_changed()
+        self._component.permit_control(status not in PASSIVE)
         self._component.report_changed(ReportStatus)
 
     def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:

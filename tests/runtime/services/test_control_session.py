@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime import ControlState, ServiceIdentity, Status
+from jausml.runtime import ControlState, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
+    QueryControl,
     QueryStatus,
     QueryTimeout,
     RejectControl,
@@ -94,7 +95,7 @@ def test_control_is_kept(world, client, timeout):
     assert "access_control.timed_out" not in world.counters.snapshot()
 
 
-def test_control_is_confirmed_within_half_the_timeout(world):
+def test_control_is_renewed_four_times_in_the_timeout(world):
     patient = world.component("2.1.1", services=(), watch_interval=100.0)
     patient.start()
     target(world, control_timeout=10)
@@ -103,16 +104,25 @@ def test_control_is_confirmed_within_half_the_timeout(world):
     assert world.count(QueryTimeout.CODE) == 1
     world.log.clear()
     world.run(50.0)
-    assert world.count(RequestControl.CODE) == 10
+    assert world.count(RequestControl.CODE) == 20
 
 
 def test_target_that_comes_later(world, client):
     session = client.control(TARGET, authority=127)
     world.run(60.0)
     assert session.state is SEEKING
-    assert world.count(RequestControl.CODE) == pytest.approx(15, abs=2)
+    assert world.count(RequestControl.CODE) == pytest.approx(24, abs=2)
     target(world)
     world.run(5.1)
+    assert session.state is READY
+
+
+def test_target_that_comes_later_and_speaks_is_asked_at_once(world, client):
+    session = client.control(TARGET, authority=127)
+    world.run(60.0)
+    late = target(world)
+    late.send(QueryStatus(), client.address)
+    world.run(0.3)
     assert session.state is READY
 
 
@@ -157,7 +167,7 @@ def test_target_that_does_not_obey_resume_is_not_flooded(world, client):
     world.lost = lambda *message: message[2] == Resume.CODE
     client.control(TARGET, authority=127)
     world.run(20.0)
-    assert world.count(Resume.CODE) == pytest.approx(20, abs=2)
+    assert world.count(Resume.CODE) == pytest.approx(27, abs=2)  # eight soon, then one a second
 
 
 def test_higher_authority_elsewhere(world, client):
@@ -191,17 +201,126 @@ def test_preempted_and_regained(world, client):
     assert tested.controller == client.address
 
 
-def test_emergency_and_recovery(world, client):
-    tested = target(world)
+def test_take_over_and_release_are_known_at_once(world, client):
+    tested = target(world, control_timeout=0)
     session = client.control(TARGET, authority=127)
-    world.settle()
+    world.run(3.0)
+    rival = world.probe("3.1.1", strict=False)
+    rival.ask(RequestControl(authority_code=200), tested)
+    world.run(0.2)
+    assert session.state is REFUSED
+    assert session.controller == rival.address
+    assert session.reason == "3.1.1 controls 1.1.1"
+    world.run(20.0)
+    assert session.state is REFUSED
+    rival.ask(ReleaseControl(), tested)
+    world.run(1.1)  # as long as the target is asked again who controls it
+    assert session.state is READY
+    assert session.controller == client.address
+    assert session.reason == ""
+
+
+@pytest.mark.parametrize("version", [0, 1])
+def test_emergency_and_recovery(world, client, version):
+    services = tuple(
+        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, version)
+        for name in ("Events", "AccessControl", "Management")
+    )
+    tested = target(world, services=services)
+    session = client.control(TARGET, authority=127)
+    world.run(1.0)
     guard = world.probe("3.1.1")
     guard.ask(SetEmergency(emergency_code=1), tested)
-    world.run(3.0)
+    world.run(0.2)
     assert session.state is REFUSED
+    assert session.status is Status.EMERGENCY
+    assert session.reason == "1.1.1 is in EMERGENCY"
     assert tested.status is Status.EMERGENCY
+    world.log.clear()
+    world.run(10.0)
+    assert world.count(RequestControl.CODE) <= 2
     guard.ask(ClearEmergency(emergency_code=1), tested)
-    world.run(6.0)
+    world.run(1.1)
+    assert session.state is READY
+
+
+def test_refused_target_that_dies_is_sought(world, client):
+    tested = target(world)
+    world.probe("3.1.1").ask(RequestControl(authority_code=200), tested)
+    session = client.control(TARGET, authority=127)
+    world.run(1.0)
+    assert session.state is REFUSED
+    kill(world, tested)
+    world.run(8.0)
+    assert session.state is SEEKING
+    assert session.reason == "1.1.1 has not granted control"
+
+
+def test_questions_that_stay_unanswered_are_given_up(world, client):
+    """Some components answer neither QueryTimeout nor QueryControl."""
+    target(world, control_timeout=0)
+    world.lost = lambda *message: message[2] in (QueryTimeout.CODE, QueryControl.CODE)
+    session = client.control(TARGET, authority=127)
+    world.run(60.0)
+    assert session.state is READY
+    assert world.count(QueryTimeout.CODE) == 8
+    world.probe("3.1.1", strict=False).ask(RequestControl(authority_code=200), TARGET)
+    world.run(60.0)
+    assert session.state is REFUSED
+    assert world.count(QueryControl.CODE) == 8
+
+
+def test_a_target_that_grants_and_takes_away_is_not_flooded(world, client):
+    tested = target(world)
+    tested.on_controller_changed = lambda controller: (
+        world.loop.call_soon(lambda: tested._jaus_core.access_control.drop(0))
+        if controller
+        else None
+    )
+    client.control(TARGET, authority=127)
+    world.run(10.0)
+    assert world.count(RequestControl.CODE) < 110
+
+
+@pytest.mark.parametrize("end", ["emergency", "failure", "shutdown"])
+def test_a_component_that_must_not_work_controls_nobody(world, end):
+    commander = world.component("2.1.1", kind=JausComponent)
+    commander.start()
+    tested = target(world)
+    states = []
+    session = commander.control(TARGET, authority=127, on_change=states.append)
+    world.run(1.0)
+    assert tested.status is Status.READY
+    guard = world.probe("3.1.1")
+    if end == "emergency":
+        guard.ask(SetEmergency(emergency_code=1), commander)
+    elif end == "failure":
+        commander.fail("broken")
+    else:
+        commander._jaus_core.management.shut_down()
+    world.run(30.0)
+    assert tested.controller is None
+    assert tested.status is Status.STANDBY
+    assert states == [CONTROLLED, READY, SEEKING]
+    assert session.reason == "this component may not command now"
+    if end == "emergency":
+        guard.ask(ClearEmergency(emergency_code=1), commander)
+        world.run(0.5)
+        assert tested.controller == commander.address
+        assert session.state is READY
+
+
+def test_a_session_of_a_component_in_emergency_waits(world):
+    commander = world.component("2.1.1")
+    commander.start()
+    tested = target(world)
+    guard = world.probe("3.1.1")
+    guard.ask(SetEmergency(emergency_code=1), commander)
+    session = commander.control(TARGET, authority=127)
+    world.run(5.0)
+    assert tested.controller is None
+    guard.ask(ClearEmergency(emergency_code=1), commander)
+    world.run(0.5)
     assert session.state is READY
 
 

@@ -94,7 +94,7 @@ def test_provider_that_comes_later(world, client):
     subscription = statuses(client, inbox)
     world.run(30.0)
     assert not subscription.active
-    assert world.count(CreateEvent.CODE) == pytest.approx(9, abs=2)
+    assert world.count(CreateEvent.CODE) == pytest.approx(14, abs=2)
     provider(world)
     world.run(4.1)
     assert subscription.active

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime import JausComponent, Status
+from jausml.runtime import Guard, JausComponent, Status
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -16,10 +16,12 @@ from jausml.runtime.messages import (
     Reset,
     Resume,
     SetEmergency,
+    SetTime,
     Shutdown,
     Standby,
 )
 
+ACCEPTED = ConfirmControl(response_code=0)
 RELEASED = RejectControl(response_code=0)
 NOT_AVAILABLE = RejectControl(response_code=1)
 
@@ -299,3 +301,86 @@ def test_hook_that_stops_the_component_at_its_start_leaves_nothing_behind(world)
     world.run(60.0, step=1.0)
     assert not robot.running
     assert len(world.log) == sent
+
+
+class TestControlThatSurvivesAnEmergency:
+    @pytest.fixture
+    def robot(self, world):
+        component = world.component("1.1.1", kind=Robot, control_survives_emergency=True)
+        component.start()
+        return component
+
+    def test_the_controller_stays_and_is_not_obeyed(self, ready, client, other):
+        ready.handle(SetTime, lambda *_: ready.calls.append("obeyed"), when=Guard.CONTROLLED)
+        client.send(SetTime(), ready)
+        other.ask(SetEmergency(emergency_code=1), ready)
+        assert client.take() == []
+        assert ready.take() == ["obeyed", "not ready", "emergency True"]
+        assert ready.controller == client.address
+        assert client.ask(RequestControl(authority_code=100), ready) == [ACCEPTED]
+        assert client.ask(Resume(), ready) == []
+        assert client.ask(Reset(), ready) == []
+        client.send(SetTime(), ready)
+        assert other.ask(RequestControl(authority_code=200), ready) == [
+            ConfirmControl(response_code=1)
+        ]
+        assert ready.status is Status.EMERGENCY
+        assert ready.take() == []
+
+    def test_the_end_of_the_emergency_is_standby(self, ready, client, other):
+        other.ask(SetEmergency(emergency_code=1), ready)
+        other.ask(ClearEmergency(emergency_code=1), ready)
+        assert ready.status is Status.STANDBY
+        assert ready.controller == client.address
+        client.ask(Resume(), ready)
+        assert ready.status is Status.READY
+
+    def test_a_controller_that_is_gone_loses_control_after_it(self, world, ready, other):
+        other.ask(SetEmergency(emergency_code=1), ready)
+        world.run(20.0)
+        assert ready.controller is not None
+        other.ask(ClearEmergency(emergency_code=1), ready)
+        world.run(5.1)
+        assert ready.controller is None
+
+
+class TestFloodOfRequests:
+    def test_a_client_that_asks_again_at_once_is_answered_less_often(self, world, ready, other):
+        """Such a client asks whenever it is refused."""
+        refusals = []
+
+        def again(_message, sender):
+            refusals.append(world.time)
+            rival.send(RequestControl(authority_code=1), sender)
+
+        rival = world.component("4.1.1", services=())
+        rival.on_message(ConfirmControl, again)
+        rival.start()
+        rival.send(RequestControl(authority_code=1), ready.address)
+        world.run(5.0)
+        assert len(refusals) == pytest.approx(50, abs=10)
+        assert other.ask(RequestControl(authority_code=1), ready) == [
+            ConfirmControl(response_code=2)
+        ]
+
+    def test_a_request_that_was_put_off_is_judged_when_it_is_answered(self, world, robot, other):
+        robot.control_available = False
+        for _ in range(30):
+            other.send(RequestControl(authority_code=1), robot)
+        world.settle()
+        robot.control_available = True
+        other.take()
+        world.run(1.1)
+        assert other.take() == [ACCEPTED]
+        assert robot.controller == other.address
+
+    def test_the_controller_is_confirmed_however_often_it_asks(self, ready, client):
+        for _ in range(100):
+            client.send(RequestControl(authority_code=100), ready)
+        assert client.take() == [ACCEPTED] * 100
+
+    def test_many_requesters_do_not_fill_the_memory(self, world, ready):
+        for number in range(2000):
+            world.probe(f"{number + 10}.1.1").send(RequestControl(authority_code=1), ready)
+        world.settle()
+        assert len(ready._jaus_core.access_control._refusals._counts) <= 256

@@ -1,0 +1,436 @@
+"""Control of one target, kept over a network that loses datagrams (AS5710, AccessControl)."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING, Protocol
+
+from ..messages import (
+    ConfirmControl,
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReleaseControl,
+    RequestControl,
+    Resume,
+)
+from ..services.definitions import Status
+from .presence import QUICK_TRIES, Pace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from ..base.loop import Timer
+    from ..messages import ReportControl
+    from ..services.host import Host
+    from ..wire.message import Message
+    from .presence import Presence
+
+RENEWALS = 4
+"""Renewals of control in the target's timeout, each repeated until it is confirmed; when none of
+so many is confirmed, control is taken for lost."""
+
+_ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
+_NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
+_LONG_AGO = float("-inf")
+_STATES = frozenset(Status)
+
+
+class ControlState(Enum):
+    """What a component knows of its control over another one."""
+
+    SEEKING = "seeking"
+    """The target does not answer, or control was lost; it is requested."""
+    CONTROLLED = "controlled"
+    """The target is controlled, and not (yet) Ready."""
+    READY = "ready"
+    """The target is controlled and obeys every command."""
+    REFUSED = "refused"
+    """The target is not available or has a controller of the same or higher authority."""
+
+
+class Session(Protocol):
+    """One user's share, as the control sees it.
+
+    Attributes:
+        authority: Authority code that was asked for.
+        resume: Whether the target is to be resumed.
+    """
+
+    authority: int
+    resume: bool
+
+    def changed(self) -> None:
+        """Learn that the state is another one."""
+
+
+class ControlledTarget:
+    """Requests control of a target, renews it in time, resumes the target, and asks again.
+
+    Each request is repeated until it is answered, without a long pause as long as anything is heard
+    of the target. While control is refused the target is asked who controls it and how it is, so
+    that control is requested as soon as it can be had.
+
+    Attributes:
+        component: The component that controls.
+        target: The component to control.
+        state: What is known now.
+        status: State of the target as it last reported it; None before.
+        controller: Who controls the target, as it last reported; None when nobody or unknown.
+    """
+
+    def __init__(
+        self,
+        component: Host,
+        target: JausAddress,
+        presence: Presence,
+        on_end: Callable[[ControlledTarget], None],
+    ) -> None:
+        """Begin without sessions.
+
+        Args:
+            component: The component that controls.
+            target: The component to control.
+            presence: Knows when the target was last heard.
+            on_end: Called when the last session has left.
+        """
+        self.component = component
+        self.target = target
+        self.state = ControlState.SEEKING
+        self.status: Status | None = None
+        self.controller: JausAddress | None = None
+        self._presence = presence
+        self._on_end = on_end
+        self._loop = component.loop
+        self._settings = component.settings
+        self._pace = Pace(component.settings, presence, target)
+        self._sessions: list[Session] = []
+        self._is_permitted = True
+        self._is_started = False
+        # Questions that wait for an answer, and how often each was asked in vain in a row.
+        self._open: set[type[Message]] = set()
+        self._tries: dict[type[Message], int] = {}
+        self._timeout: int | None = None
+        self._refusal: int = _ACCEPTED
+        self._authority_in_force: int | None = None
+        self._requested_at = _LONG_AGO
+        self._confirmed_at = _LONG_AGO
+        self._resumed_at = _LONG_AGO
+        self._resumes = 0
+        self._awaits_answer = False
+        self._timer: Timer | None = None
+        presence.watch(target, self._returned)
+
+    # ---- what users want ----------------------------------------------------------------------
+
+    @property
+    def authority(self) -> int:
+        """The highest authority that a session asks for."""
+        return max((each.authority for each in self._sessions), default=0)
+
+    @property
+    def reason(self) -> str:
+        """Why the target does not obey, in words; empty while it does."""
+        if self.state is ControlState.READY:
+            return ""
+        if not self._is_permitted:
+            return "this component may not command now"
+        if self.status is not None and self.status not in (Status.STANDBY, Status.READY):
+            return f"{self.target} is in {self.status.name}"
+        if self.state is ControlState.CONTROLLED:
+            return f"{self.target} is not in READY"
+        if self.state is ControlState.SEEKING:
+            return f"{self.target} has not granted control"
+        if self._refusal == _NOT_AVAILABLE:
+            return f"{self.target} is not available"
+        if self.controller is not None:
+            return f"{self.controller} controls {self.target}"
+        return f"{self.target} demands a higher authority than {self.authority}"
+
+    def join(self, session: Session) -> None:
+        """Add a session; the first one starts."""
+        self._sessions.append(session)
+        if len(self._sessions) == 1:
+            self.component.when_started(self._start)
+        elif self._is_started and self._is_permitted:
+            self._request()  # with its authority, which may be higher
+        if self.state is not ControlState.SEEKING:
+            self._loop.call_soon(session.changed)
+
+    def has(self, session: Session) -> bool:
+        """Tell whether a session has not left."""
+        return session in self._sessions
+
+    def leave(self, session: Session) -> None:
+        """Remove a session; control is released with the last one."""
+        if session in self._sessions:
+            self._sessions.remove(session)
+            if not self._sessions:
+                self.stop()
+
+    def stop(self) -> None:
+        """Release control; also when a request may just be on its way."""
+        self._sessions.clear()
+        self._release()
+        self._presence.forget(self.target, self._returned)
+        self._on_end(self)
+        self.state = ControlState.SEEKING
+
+    def permit(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the target while this component may not command, and ask again afterwards."""
+        if permitted is self._is_permitted:
+            return
+        self._is_permitted = permitted
+        if permitted:
+            self._pace.answered()
+            self._start()
+        else:
+            self._release()
+            self._change(ControlState.SEEKING)
+
+    # ---- what the target says -----------------------------------------------------------------
+
+    def confirmed(self, code: int) -> None:
+        """Take the answer to a request."""
+        self._awaits_answer = False
+        if not self._is_permitted:
+            self._release()  # the request was on its way when the permission ended
+            return
+        self._pace.answered()
+        if code != _ACCEPTED:
+            self._refused(code)
+            return
+        self._refusal = _ACCEPTED
+        self._confirmed_at = self._loop.now()
+        self.controller = self.component.address
+        if self._holds:
+            self._answered(RequestControl)
+            return
+        self._open.clear()
+        self._tries.clear()
+        self._resumes = 0
+        if self._change(ControlState.CONTROLLED):
+            self._ask(QueryTimeout())
+            self._ask(QueryStatus())
+            self._check_in(self._settings.retry_min)
+
+    def rejected(self) -> None:
+        """Take the word that control has ended, and ask again at once."""
+        if self._holds:
+            self._lose()
+
+    def timeout_reported(self, seconds: int) -> None:
+        """Take the time after which the target lets control lapse."""
+        self._timeout = seconds
+        self._answered(QueryTimeout)
+
+    def status_reported(self, code: int) -> None:
+        """Take the state of the target; a code that no standard has is none of those that obey."""
+        status = self.status = Status(code) if code in _STATES else Status.FAILURE
+        if not self._holds:
+            self._answered(QueryStatus)
+            self._try_again()
+            return
+        if status is Status.READY:
+            self._resumes = 0
+        if not self._change(
+            ControlState.READY if status is Status.READY else ControlState.CONTROLLED
+        ):
+            return
+        if status is Status.STANDBY and any(each.resume for each in self._sessions):
+            self._tries[QueryStatus] = 0
+            self._resume()
+        else:
+            self._answered(QueryStatus)
+
+    def control_reported(self, message: ReportControl, controller: JausAddress | None) -> None:
+        """Take who controls the target."""
+        self.controller = controller
+        self._authority_in_force = message.authority_code
+        self._answered(QueryControl)
+        self._try_again()
+
+    # ---- what is sent to the target -----------------------------------------------------------
+
+    @property
+    def _holds(self) -> bool:
+        return self.state in (ControlState.CONTROLLED, ControlState.READY)
+
+    def _start(self) -> None:
+        if self._sessions:
+            self._is_started = True
+            if self._is_permitted:
+                self._check()
+
+    def _returned(self) -> None:
+        """The target speaks again: do not wait for the end of a long pause."""
+        is_wanted = self._is_started and self._is_permitted and self._sessions
+        if is_wanted and self.state is ControlState.SEEKING:
+            self._pace.answered()
+            self._seek_when_due()
+
+    def _check(self) -> None:
+        if self._holds:
+            self._keep()
+        elif self.state is ControlState.REFUSED:
+            self._look()
+        else:
+            self._request()
+            self._check_in(self._pace.next_pause())
+
+    def _keep(self) -> None:
+        """Renew control and ask how the target is; again soon, as long as an answer is missing."""
+        if self._loop.now() >= self._confirmed_at + RENEWALS * self._interval:
+            self._lose()
+            return
+        missing = [kind for kind in self._open if self._tries.get(kind, 0) < QUICK_TRIES]
+        if not missing:
+            missing = [RequestControl, QueryStatus]
+            if self._timeout is None and self._tries.get(QueryTimeout, 0) < QUICK_TRIES:
+                missing.append(QueryTimeout)
+        if RequestControl in missing:
+            self._request()
+        if QueryStatus in missing:
+            self._ask(QueryStatus())
+        if QueryTimeout in missing:
+            self._ask(QueryTimeout())
+        is_urgent = any(self._tries[kind] < QUICK_TRIES for kind in self._open)
+        self._check_in(self._settings.retry_min if is_urgent else self._interval)
+
+    def _look(self) -> None:
+        """Ask why control is refused, and now and then for control itself."""
+        now = self._loop.now()
+        settings = self._settings
+        silence = max(settings.refused_retry, RENEWALS * settings.watch_interval)
+        if not self._presence.heard_since(self.target, now - silence):
+            self._lose()
+            return
+        if now >= self._requested_at + settings.refused_retry:
+            self._request()
+        for question in (QueryStatus(), QueryControl()):
+            if self._tries.get(type(question), 0) < QUICK_TRIES:
+                self._ask(question)
+        self._check_in(settings.watch_interval)
+
+    def _lose(self) -> None:
+        self.component.counters.add("control_client.lost")
+        self._open.clear()
+        self._tries.clear()
+        self._pace.answered()
+        if self._change(ControlState.SEEKING):
+            self._seek_when_due()
+
+    def _refused(self, code: int) -> None:
+        self.component.counters.add("control_client.refused")
+        self._refusal = code
+        self._open.clear()
+        if self.state is ControlState.REFUSED:
+            return
+        self._tries.clear()
+        self._authority_in_force = None
+        if self._change(ControlState.REFUSED):
+            self._ask(QueryStatus())
+            self._ask(QueryControl())
+            self._check_in(self._settings.watch_interval)
+
+    def _try_again(self) -> None:
+        """Request control that was refused, when the target says that it can be had now."""
+        if (
+            self.state is ControlState.REFUSED
+            and self._is_free
+            and self._loop.now() >= self._requested_at + self._settings.retry_min
+        ):
+            self._request()
+
+    @property
+    def _is_free(self) -> bool:
+        if self._authority_in_force is None:
+            return False
+        if self.status is None and self._refusal == _NOT_AVAILABLE:
+            return False
+        if self.status not in (None, Status.STANDBY, Status.READY):
+            return False
+        if self.controller in (None, self.component.address):
+            return self._authority_in_force <= self.authority
+        return self._authority_in_force < self.authority
+
+    def _seek_when_due(self) -> None:
+        """Request control now, unless that was done a moment ago."""
+        due = self._requested_at + self._settings.retry_min - self._loop.now()
+        if due > 0:
+            self._check_in(due)
+        else:
+            self._check()
+
+    def _resume(self) -> None:
+        """Resume the target, but not again at every answer of one that does not obey."""
+        settings = self._settings
+        is_quick = self._resumes < QUICK_TRIES
+        pause = settings.retry_min if is_quick else settings.watch_interval
+        if self._loop.now() < self._resumed_at + pause:
+            return
+        self._resumes += 1
+        self._resumed_at = self._loop.now()
+        self._send(Resume())
+        if is_quick:
+            self._ask(QueryStatus())
+            self._check_in(settings.retry_min)
+        else:
+            self._answered(QueryStatus)
+
+    def _request(self) -> None:
+        self._awaits_answer = True
+        self._requested_at = self._loop.now()
+        self._ask(RequestControl(authority_code=self.authority))
+
+    def _ask(self, question: Message) -> None:
+        kind = type(question)
+        self._open.add(kind)
+        self._tries[kind] = self._tries.get(kind, 0) + 1
+        self._send(question)
+
+    def _answered(self, kind: type[Message]) -> None:
+        """Take a question off the list; after the last one the next round begins in time."""
+        self._tries[kind] = 0
+        if kind in self._open:
+            self._open.discard(kind)
+            if self._holds and not self._open:
+                self._check_in(self._interval)
+
+    def _release(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        is_asked = self._requested_at > _LONG_AGO
+        if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
+            self._send(ReleaseControl())
+
+    @property
+    def _interval(self) -> float:
+        """Seconds between two renewals."""
+        watch = self._settings.watch_interval
+        return min(watch, self._timeout / RENEWALS) if self._timeout else watch
+
+    def _check_in(self, delay: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_later(delay, self._check)
+
+    def _send(self, message: Message) -> None:
+        """Send a message.
+
+        The transport repeats commands until they are acknowledged, as long as anyone may be there.
+        """
+        is_command = not message.NAME.startswith("Query")
+        is_new = self._tries.get(RequestControl, 0) <= QUICK_TRIES
+        is_hopeful = is_new or self._presence.heard_lately(self.target)
+        self.component.send(message, self.target, acknowledge=is_command and is_hopeful)
+
+    def _change(self, state: ControlState) -> bool:
+        """Tell the sessions a new state; return whether control is wanted any longer then."""
+        if state is not self.state:
+            self.state = state
+            for session in tuple(self._sessions):
+                session.changed()
+        return bool(self._sessions)

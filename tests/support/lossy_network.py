@@ -1,0 +1,153 @@
+"""Two hosts with real sockets, between which datagrams are lost by a seeded chance.
+
+The clock is turned by the test, so that a minute takes no minute and the same seed loses the same.
+"""
+
+from __future__ import annotations
+
+import random
+import socket
+from typing import TYPE_CHECKING, Any
+
+from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.messages import SetTime
+from jausml.runtime.transports.udp.judp import JudpTransport
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+CORE = tuple(
+    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+    for name in ("Transport", "Events", "AccessControl", "Management")
+)
+VEHICLE = JausAddress(1, 1, 1)
+OPERATOR = JausAddress(2, 1, 1)
+STEP = 0.005
+
+
+class LossyTransport(JudpTransport):
+    """Loses a share of what its sockets receive."""
+
+    def __init__(self, settings: TransportSettings, loop: Loop, share: float, seed: int) -> None:
+        super().__init__(settings, loop)
+        self.share = share
+        self._random = random.Random(seed)
+
+    def receive_datagram(
+        self, data: bytes, sender: tuple[str, int], *, by_multicast: bool = False
+    ) -> None:
+        if self._random.random() < self.share:
+            self.counters.add("lost")
+        else:
+            super().receive_datagram(data, sender, by_multicast=by_multicast)
+
+
+class LossyNetwork:
+    """A vehicle and an operator on two hosts; usable as a context.
+
+    Attributes:
+        vehicle: Obeys SetTime in Ready.
+        operator: Has no session yet.
+        obeyed: When the vehicle obeyed a command.
+        uncontrolled: When the vehicle was not in Ready and controlled, at each step.
+    """
+
+    def __init__(self, share: float, seed: int, **settings: Any) -> None:
+        self.time = 1000.0
+        self.loop = Loop(clock=lambda: self.time)
+        ports = _free_ports()
+        places = {VEHICLE: ("127.0.0.1", ports[0]), OPERATOR: ("127.0.0.1", ports[1])}
+        self._transports = [
+            LossyTransport(
+                TransportSettings(port=port, address_book=places), self.loop, share, seed + number
+            )
+            for number, port in enumerate(ports)
+        ]
+        self._settings = ComponentSettings(**{"register_services": False, **settings})
+        self.vehicle = self._vehicle()
+        self.operator = self._component(1, OPERATOR, ())
+        self.obeyed: list[float] = []
+        self.uncontrolled: list[float] = []
+
+    def __enter__(self) -> LossyNetwork:
+        for transport in self._transports:
+            transport.open()
+        self.vehicle.start()
+        self.operator.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for transport in self._transports:
+            transport.close()
+        self.loop.stop()
+
+    def restart_vehicle(self) -> None:
+        """End the vehicle without a word and start a new one in its place."""
+        self._transports[0].detach(VEHICLE)
+        self.vehicle = self._vehicle()
+        self.vehicle.start()
+
+    def _vehicle(self) -> JausComponent:
+        made = self._component(0, VEHICLE, CORE)
+        made.handle(SetTime, lambda *_: self.obeyed.append(self.time), when=Guard.READY)
+        return made
+
+    def _component(
+        self, host: int, address: JausAddress, services: tuple[ServiceIdentity, ...]
+    ) -> JausComponent:
+        return JausComponent(
+            self._transports[host],
+            address,
+            name=str(address),
+            services=services,
+            settings=self._settings,
+        )
+
+    def lose(self, share: float) -> None:
+        """Change the share that is lost."""
+        for transport in self._transports:
+            transport.share = share
+
+    def settle(self) -> None:
+        """Let everything happen that is due now."""
+        while self.loop.run_once(0):
+            pass
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        self.settle()
+        for _ in range(round(seconds / STEP)):
+            self.time += STEP
+            self.settle()
+            if self.vehicle.controller != OPERATOR or self.vehicle.status is not Status.READY:
+                self.uncontrolled.append(self.time)
+
+    def longest_gap(self, since: float = 0.0) -> float:
+        """Return the longest time that the vehicle was not in Ready and controlled in one go."""
+        longest = run = 0.0
+        last = float("-inf")
+        for each in self.uncontrolled:
+            if each < since:
+                continue
+            run = run + STEP if each - last < 1.5 * STEP else STEP
+            last, longest = each, max(longest, run)
+        return longest
+
+
+def _free_ports() -> list[int]:
+    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
+    try:
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [each.getsockname()[1] for each in sockets]
+    finally:
+        for each in sockets:
+            each.close()
