@@ -21,6 +21,7 @@ from .bridge.bridge import Bridge
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.joins import Join
+from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
 from .bridge.to_jaus import TopicsToMessage, TopicsToReport
@@ -62,6 +63,7 @@ __all__ = [
     "AbsentFieldError",
     "Action",
     "ApiVersionError",
+    "AttributeParameter",
     "Bridge",
     "BridgeSettings",
     "Completion",

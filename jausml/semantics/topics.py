@@ -28,6 +28,7 @@ class Endpoint:
         topic: Full topic name, such as `/robot/odometry`.
         type: Its type.
         publishes: Whether it publishes.
+        reliability: Its reliability policy, decided where the model leaves that open.
     """
 
     element: ros.TopicEndpoint | bridge.Topic
@@ -36,6 +37,7 @@ class Endpoint:
     topic: str
     type: ros.MessageType
     publishes: bool
+    reliability: str
 
 
 def topic_fault(name: str) -> str:
@@ -97,7 +99,8 @@ def _node_endpoints(node: ros.Node) -> Iterator[Endpoint]:
         if each.type is not None and each.topic and not topic_fault(each.topic):
             topic = resolve_topic(each.topic, node.namespace or "", node.name or "")
             publishes = isinstance(each, ros.Publisher)
-            yield Endpoint(each, "topic", node, topic, each.type, publishes)
+            policy = _stated(each.qos) or "reliable"
+            yield Endpoint(each, "topic", node, topic, each.type, publishes, policy)
 
 
 def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
@@ -110,7 +113,33 @@ def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
                 topic = resolve_topic(each.name, owner.namespace or "", owner.name or "")
                 type_ = connection.map.type if each.join is None else each.join.type
                 if type_ is not None:
-                    yield Endpoint(each, "name", owner, topic, type_, publishes)
+                    policy = reliability(connection, each)
+                    yield Endpoint(each, "name", owner, topic, type_, publishes, policy)
+
+
+def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
+    """Returns the reliability policy of a topic of a bridge.
+
+    Where the model leaves it open, it is what meets every other end. A subscription that is
+    best_effort hears publishers of both kinds; one of commands is reliable all the same, since a
+    command may be sent only once.
+
+    Args:
+        connection: The connection, whose map is known.
+        topic: One of its topics.
+    """
+    if policy := _stated(topic.qos):
+        return policy
+    publishes = connection.direction.name == "jausToRos"
+    message = connection.map.message
+    is_command = topic.join is None and message is not None and message.isCommand
+    return "reliable" if publishes or is_command else "best_effort"
+
+
+def _stated(profile: ros.QoSProfile | None) -> str:
+    """Returns the reliability that the model states, or an empty string."""
+    policy = "automatic" if profile is None else profile.reliability.name
+    return "" if policy == "automatic" else policy
 
 
 def _tokens_fault(tokens: list[str]) -> str:

@@ -229,18 +229,10 @@ def test_quantities_of_the_bridge_come_before_those_of_maps(made):
 
 
 def test_quantities_are_parameters(made):
-    bridge = type(made.bridge)()
-
-    asked = []
-
-    class Ros:
-        def parameter(self, *arguments):
-            asked.append(arguments)
-            raise InterruptedError
-
-    with pytest.raises(InterruptedError):
-        bridge.open(Ros(), None)
-    assert asked == [("reach", 80.0, "reach (m).")]
+    (parameter,) = made.bridge.parameters
+    assert (parameter.name, parameter.attribute) == ("reach", "reach")
+    assert parameter.description == "reach (m)."
+    assert made.bridge.reach == 80.0
 
 
 def test_rates_that_are_not_stated_are_that_of_the_bridge(made):

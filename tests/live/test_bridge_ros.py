@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from jausml.runtime.bridge.diagnostics import ConnectionStatus
+from jausml.runtime.bridge.parameters import Parameter, ParameterError
 from jausml.runtime.bridge.topics import Qos, Topic
 
 from .bridge_support import RosPeer, wait_for
@@ -93,13 +94,11 @@ def test_quality_of_service_can_be_overridden(node, peer):
 
 
 def test_parameters(node):
-    from rclpy.exceptions import InvalidParameterValueException
-
     tested = node("-p", "rate:=5.0", "-p", "depth:=70000")
-    assert tested.parameter("rate", 20.0, "Rate.", (0.1, 100.0)) == 5.0
-    assert tested.parameter("other", "text", "Text.") == "text"
-    with pytest.raises(InvalidParameterValueException):
-        tested.parameter("depth", 1, "Depth.", (1, 65535))
+    assert tested.parameter(Parameter("rate", 20.0, "Rate.", (0.1, 100.0))) == 5.0
+    assert tested.parameter(Parameter("other", "text", "Text.")) == "text"
+    with pytest.raises(ParameterError, match=r"depth out of range\. Min: 1, Max: 65535"):
+        tested.parameter(Parameter("depth", 1, "Depth.", (1, 65535)))
 
 
 def test_subscription_delivers_on_the_ros_thread(node, peer):

@@ -12,10 +12,36 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.translation import Surroundings
     from jausml.generators.bridge.translation.surroundings import (
         Constant,
+        FrameView,
         NestedTranslation,
         QuantityView,
         UserMethod,
     )
+
+
+@dataclass(frozen=True)
+class ParameterView:
+    """An attribute of the bridge that a parameter of the node may change.
+
+    Attributes:
+        name: Name of the parameter.
+        attribute: Name of the attribute.
+        value: Modelled value.
+        description: What it is, with its unit.
+        is_positive: Whether it is above 0.
+    """
+
+    name: str
+    attribute: str
+    value: float | str
+    description: str
+    is_positive: bool = False
+
+    @property
+    def arguments(self) -> str:
+        """Arguments of AttributeParameter, as Python text."""
+        texts = map(python_string, (self.name, self.attribute, self.description))
+        return ", ".join([*texts, *(["is_positive=True"] if self.is_positive else [])])
 
 
 @dataclass(frozen=True)
@@ -39,19 +65,31 @@ class BaseModule:
         return tuple(self.uses.quantities.values())
 
     @property
+    def frames(self) -> tuple[FrameView, ...]:
+        """The names of frames that translations set."""
+        return tuple(self.uses.frames.values())
+
+    @property
     def attributes(self) -> tuple[str, ...]:
         """Statements that give the attributes of the class their first values."""
         quantities = [
             f"self.{each.name} = {python_literal(each.value)}{_unit_comment(each.units)}"
             for each in self.quantities
         ]
+        frames = [f"self.{each.name} = {python_string(each.value)}" for each in self.frames]
         memories = [f"self.{each.name}: {each.annotation} = None" for each in self.uses.memories]
-        return (*quantities, *memories)
+        return (*quantities, *frames, *memories)
 
     @property
-    def parameters(self) -> tuple[tuple[str, str], ...]:
-        """Names of the quantities, and descriptions of them as parameters of the node."""
-        return tuple((each.name, _description(each)) for each in self.quantities)
+    def parameters(self) -> tuple[ParameterView, ...]:
+        """The attributes that parameters of the node may change."""
+        return (
+            *(
+                ParameterView(e.name, e.name, e.value, _description(e), e.is_maximum)
+                for e in self.quantities
+            ),
+            *(ParameterView(e.parameter, e.name, e.value, e.about) for e in self.frames),
+        )
 
     @property
     def nested(self) -> tuple[NestedTranslation, ...]:

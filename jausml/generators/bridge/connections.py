@@ -21,6 +21,7 @@ from jausml.generators.python.statements import call
 from jausml.semantics.commands import needs_control, needs_ready
 from jausml.semantics.freshness import freshness_of
 from jausml.semantics.services import provided_services
+from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -247,7 +248,8 @@ class ConnectionView:
     @property
     def topics(self) -> tuple[str, ...]:
         """The topics with their quality of service."""
-        return tuple(_topic(topic) for topic in self.connection.topics if topic.join is None)
+        topics = self.connection.topics
+        return tuple(_topic(self.connection, topic) for topic in topics if topic.join is None)
 
     @property
     def argument_lines(self) -> tuple[str, ...]:
@@ -257,7 +259,7 @@ class ConnectionView:
             lines.append(f"peers={self.peers}")
         lines.append(f"topics={_list(self.topics)}")
         if self.joins:
-            lines.append(f"joins={_list(map(_join, self.joins))}")
+            lines.append(f"joins={_list(_join(self.connection, each) for each in self.joins)}")
         return tuple(lines)
 
     @property
@@ -344,8 +346,8 @@ def _list(items: Iterable[str]) -> str:
     return f"[{', '.join(items)}]"
 
 
-def _join(join: JoinView) -> str:
-    topics = _list(map(_topic, join.topics))
+def _join(connection: bridge.Connection, join: JoinView) -> str:
+    topics = _list(_topic(connection, topic) for topic in join.topics)
     arguments = [python_string(join.name), join.type_name, topics]
     arguments.append(f"freshness={python_literal(float(join.join.freshness))}")
     if join.join.whenStale.name == "dropMessage":
@@ -353,15 +355,22 @@ def _join(join: JoinView) -> str:
     return call("Join", *arguments)
 
 
-def _topic(topic: bridge.Topic) -> str:
+def _topic(connection: bridge.Connection, topic: bridge.Topic) -> str:
+    policies = {"reliability": reliability(connection, topic), **_further_policies(topic.qos)}
+    stated = [
+        f"{snake_case(feature)}={python_literal(value)}"
+        for feature, value in policies.items()
+        if value != _QOS[feature]
+    ]
     arguments = [python_string(topic.name)]
-    if topic.qos is not None:
-        policies = []
-        for feature, default in _QOS.items():
-            value = getattr(topic.qos, feature)
-            value = getattr(value, "name", value)
-            if value != default:
-                policies.append(f"{snake_case(feature)}={python_literal(value)}")
-        if policies:
-            arguments.append(call("Qos", *policies))
+    if stated:
+        arguments.append(call("Qos", *stated))
     return call("Topic", *arguments)
+
+
+def _further_policies(profile: ros.QoSProfile | None) -> dict[str, object]:
+    """Returns all but the reliability."""
+    if profile is None:
+        return {}
+    values = {each: getattr(profile, each) for each in _QOS if each != "reliability"}
+    return {feature: getattr(value, "name", value) for feature, value in values.items()}

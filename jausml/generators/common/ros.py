@@ -101,7 +101,7 @@ def qos(profile: ros.QoSProfile | None) -> Qos:
     if profile is not None:
         for feature, (policy, default) in _POLICIES.items():
             value = getattr(profile, feature).name
-            if value != default:
+            if value not in (default, "automatic"):
                 arguments.append(f"{feature}={policy}.{value.upper()}")
         for feature, argument in _DURATIONS.items():
             seconds = getattr(profile, feature)

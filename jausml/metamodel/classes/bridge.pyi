@@ -444,7 +444,7 @@ class Topic(EObject):
     """Topic name; relative names are resolved in the namespace of the bridge."""
 
     qos: ros.QoSProfile | None
-    """Quality of service."""
+    """Quality of service; the default is automatic reliability, volatile, keep last 10."""
 
     join: Join | None
     """The join that the topic feeds; without it the topic is the one that the map is for."""

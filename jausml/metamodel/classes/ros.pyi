@@ -64,6 +64,7 @@ class Reliability(EEnumLiteral):
         "reliable",
         "best_effort",
         "system_default",
+        "automatic",
     ]
 
 class Durability(EEnumLiteral):

@@ -10,11 +10,13 @@ on the thread that waits for ROS messages. Nothing is polled and nothing is hand
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..component.component import JausComponent
 from ..conversions import Time
-from ..services.definitions import MAX_EVENT_RATE, Guard
+from ..services.definitions import Guard
+from . import parameters
 from .ends import ReportHolder
 
 if TYPE_CHECKING:
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .connection import AnyConnection
     from .ends import RosSide
+    from .parameters import AttributeParameter
     from .settings import BridgeSettings
     from .topics import Topic
 
@@ -36,6 +39,7 @@ class Bridge:
     Attributes:
         settings: What the model says.
         connections: What is carried across.
+        parameters: Attributes that parameters of the node may change.
         ros: The ROS side, while the bridge is open.
         component: The JAUS side, while the bridge is open.
     """
@@ -51,9 +55,10 @@ class Bridge:
         """
         self.settings = settings
         self.connections: list[AnyConnection] = []
+        self.parameters: Sequence[AttributeParameter] = ()
         self._is_open = False
-        self._publishers: dict[tuple[type[Any], str], Callable[[Any], None]] = {}
-        self._takers: dict[tuple[type[Any], str], list[Callable[[Any], None]]] = {}
+        self._publishers: dict[tuple[type[Any], Topic], Callable[[Any], None]] = {}
+        self._takers: dict[tuple[type[Any], Topic], list[Callable[[Any], None]]] = {}
         self._reports: dict[type[Message], ReportHolder] = {}
         self._commands: dict[type[Message], list[Callable[[Any, JausAddress], None]]] = {}
         self._period = 1.0
@@ -72,13 +77,10 @@ class Bridge:
         """
         self.ros = ros
         self.component = _BridgeComponent(self, transport)
-        frequency = ros.parameter(
-            "diagnostics_frequency",
-            min(self.settings.frequency, 1.0),
-            "Diagnostics published each second (Hz).",
-            (0.01, 100.0),
-        )
-        self._period = 1 / frequency
+        diagnostics = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
+        self._period = 1 / ros.parameter(diagnostics)
+        for each in self.parameters:
+            self._read(each)
         with transport.loop.lock:
             for connection in self.connections:
                 connection.open(self)
@@ -118,15 +120,15 @@ class Bridge:
         return self.component.loop
 
     def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Returns what publishes on a topic; connections to one topic share its publisher."""
-        key = (message_type, topic.name)
+        """Returns what publishes on a topic; connections that name it alike share its publisher."""
+        key = (message_type, topic)
         if key not in self._publishers:
             self._publishers[key] = self.ros.publisher(message_type, topic)
         return self._publishers[key]
 
     def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
-        """Subscribes to a topic; connections from one topic share its subscription."""
-        key = (message_type, topic.name)
+        """Subscribes to a topic; connections that name it alike share its subscription."""
+        key = (message_type, topic)
         takers = self._takers.setdefault(key, [])
         takers.append(take)
         if len(takers) == 1:
@@ -167,25 +169,10 @@ class Bridge:
             self.component.provide(query, report, lambda _query, _sender: holder.value)
         return self._reports[query]
 
-    def rate_parameter(self, connection: str, rate: float) -> float:
-        """Returns the rate of a connection, which a parameter may change."""
-        value: float = self.ros.parameter(
-            f"{connection}.rate",
-            rate,
-            f"Messages of the connection {connection} each second (Hz).",
-            (0.02, MAX_EVENT_RATE),
-        )
-        return value
-
-    def silence_parameter(self, connection: str, seconds: float) -> float:
-        """Returns the silence timeout of a connection, which a parameter may change; 0 is never."""
-        value: float = self.ros.parameter(
-            f"{connection}.silence_timeout",
-            seconds,
-            f"Seconds without a message that count as silence of the source of {connection}.",
-            (0.0, 3600.0),
-        )
-        return value
+    def _read(self, each: AttributeParameter) -> None:
+        """Gives an attribute the value of its parameter, now and whenever that changes."""
+        assign = partial(setattr, self, each.attribute)
+        assign(self.ros.parameter(each.of(getattr(self, each.attribute)), assign))
 
     # ------------------------------------------------------------------ diagnostics
 

@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..conversions import ConversionError
 from ..wire.message import DecodeError, EncodeError
+from . import parameters
 from .diagnostics import ConnectionStatus, Statistics
 from .errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from ..base.counters import Counters
     from ..base.loop import Timer
     from .ends import Ends
+    from .quality import TopicFault
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -85,6 +87,7 @@ class Connection(Generic[SourceT, TargetT]):
         self._watch: Timer | None = None
         self._ends: Ends
         self._counters: Counters | None = None
+        self._faults: list[TopicFault] = []
         self._reported: tuple[float, int, int, int, int] | None = None
 
     # ------------------------------------------------------------------ for the kinds
@@ -97,8 +100,9 @@ class Connection(Generic[SourceT, TargetT]):
         """
         self._ends = ends
         self._counters = ends.component.counters
-        if self.silence_timeout > 0:
-            self.silence_timeout = ends.silence_parameter(self.name, self.silence_timeout)
+        self.silence_timeout = ends.ros.parameter(
+            parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
+        )
 
     def deliver(self, target: TargetT) -> bool:
         """Hands a message to the target side; False when it was dropped and counted."""
@@ -115,6 +119,10 @@ class Connection(Generic[SourceT, TargetT]):
     def describe_joins(self) -> list[tuple[str, str]]:
         """Names and ages of the joined topics, for diagnostics."""
         return []
+
+    def topic_faults(self) -> Iterable[TopicFault]:
+        """What is wrong with the topics at present."""
+        return ()
 
     @property
     def declared_rate(self) -> float:
@@ -214,6 +222,14 @@ class Connection(Generic[SourceT, TargetT]):
         else:
             self.fall_silent()
 
+    def _set_silence_timeout(self, seconds: float) -> None:
+        with self._ends.loop.lock:
+            self.silence_timeout = seconds
+            if self._watch is not None:
+                self._watch.cancel()
+            if not self.is_silent:
+                self.watch()
+
     def fall_silent(self) -> None:
         """Sends the safe value, once: the next message from the source ends the silence."""
         if self._watch is not None:
@@ -254,6 +270,9 @@ class Connection(Generic[SourceT, TargetT]):
         elapsed = now - then
         rate = (counts.arrivals - arrivals_then) / elapsed if elapsed > 0 else 0.0
         level, message = self._judge(rate, measured=elapsed > 0, dropping=dropped > dropped_then)
+        faults = self._told_faults()
+        if faults:
+            level, message = "warning", faults[0].text
         if counts.errors > errors_then:
             level, message = "error", "values out of range"
         elif counts.limited > limited_then and level == "ok":
@@ -266,6 +285,7 @@ class Connection(Generic[SourceT, TargetT]):
             ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
             *self.describe_joins(),
+            *((fault.kind.replace("_", " "), fault.text) for fault in faults),
             ("safe values", str(counts.safe_values)),
             ("values limited", str(counts.limited)),
             *(
@@ -280,6 +300,15 @@ class Connection(Generic[SourceT, TargetT]):
         return ConnectionStatus(
             self.name, level, message, str(self._ends.settings.address), tuple(values)
         )
+
+    def _told_faults(self) -> list[TopicFault]:
+        """Returns the faults of the topics; the log tells of each when it begins."""
+        faults = list(self.topic_faults())
+        for fault in faults:
+            if fault not in self._faults:
+                self._ends.component.counters.count(f"bridge.{self.name}.{fault.kind}", fault.text)
+        self._faults = faults
+        return faults
 
     def _judge(self, rate: float, *, measured: bool, dropping: bool) -> tuple[str, str]:
         lacking = self.lacks_peers()

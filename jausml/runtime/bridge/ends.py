@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..services.definitions import Guard
     from ..wire import Message
     from .diagnostics import ConnectionStatus
+    from .parameters import Parameter
+    from .quality import TopicFault
     from .settings import BridgeSettings
     from .topics import Topic
 
@@ -30,10 +32,8 @@ class RosSide(Protocol):
     def now(self) -> Time:
         """Time of the ROS clock."""
 
-    def parameter(
-        self, name: str, default: Any, description: str, limits: tuple[float, float] | None = None
-    ) -> Any:
-        """Declares a parameter and returns its value."""
+    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
+        """Declares a parameter and returns its value; `changed` takes each later one."""
 
     def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
         """Makes a publisher and returns what publishes on it, callable from any thread."""
@@ -42,6 +42,9 @@ class RosSide(Protocol):
         self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
     ) -> None:
         """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
+
+    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does."""
 
     def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
         """Publishes one status for each connection."""
@@ -60,9 +63,11 @@ class Ends(Protocol):
     Attributes:
         settings: What the model says.
         component: The JAUS side.
+        ros: The ROS side.
     """
 
     settings: BridgeSettings
+    ros: RosSide
     component: JausComponent
 
     @property
@@ -85,9 +90,3 @@ class Ends(Protocol):
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report."""
-
-    def rate_parameter(self, connection: str, rate: float) -> float:
-        """Returns the rate of a connection, which a parameter may change."""
-
-    def silence_parameter(self, connection: str, seconds: float) -> float:
-        """Returns the silence timeout of a connection, which a parameter may change."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from . import parameters
 from .errors import StaleJoinError
 
 if TYPE_CHECKING:
@@ -48,13 +49,24 @@ class JoinedTopic:
             join: What the model says.
         """
         self.join = join
+        self.freshness = join.freshness
+        self.topics: tuple[Topic, ...] = ()
         self._ends: Ends
         self._latest: tuple[float, Any] | None = None
 
-    def open(self, ends: Ends) -> None:
-        """Makes the subscriptions."""
+    def open(self, ends: Ends, connection: str) -> None:
+        """Makes the subscriptions.
+
+        Args:
+            ends: The bridge.
+            connection: Name of the connection, with which those of parameters begin.
+        """
         self._ends = ends
-        for topic in self.join.topics:
+        name = f"{connection}.{self.join.name}"
+        stale = parameters.freshness(name, self.freshness)
+        self.freshness = ends.ros.parameter(stale, self._set_freshness)
+        self.topics = parameters.topics(ends.ros, name, self.join.topics)
+        for topic in self.topics:
             ends.subscribe(self.join.type, topic, self._keep)
 
     def fresh(self) -> Any:
@@ -81,7 +93,10 @@ class JoinedTopic:
     def is_stale(self) -> bool:
         """Whether there is nothing fresh."""
         age = self.age
-        return age is None or age > self.join.freshness
+        return age is None or age > self.freshness
+
+    def _set_freshness(self, seconds: float) -> None:
+        self.freshness = seconds
 
     def _keep(self, message: Any) -> None:
         self._latest = self._ends.loop.now(), message

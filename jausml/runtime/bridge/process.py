@@ -12,13 +12,17 @@ from ..base.settings import add_arguments, from_arguments
 from ..component.process import (
     EXIT_FAILED,
     EXIT_OK,
+    EXIT_USAGE,
     StopRequest,
     add_component_arguments,
     component_settings,
     configure_log,
+    given_options,
     log_counts,
     running_transport,
 )
+from . import parameters
+from .parameters import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
     from ..base.settings import TransportSettings
     from .bridge import Bridge
     from .ros import RosNode
+    from .settings import BridgeSettings
 
 
 def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +42,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             when None.
 
     Returns:
-        The exit code: 0 after a clean shutdown, 1 when the bridge could not run.
+        The exit code: 0 after a clean shutdown, 1 when the bridge could not run, 2 when a parameter
+        has a value with which it cannot.
 
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
@@ -46,15 +52,21 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     from . import ros  # noqa: PLC0415
 
     line = sys.argv[1:] if arguments is None else list(arguments)
-    transport = _configure(bridge, ros.without_ros_arguments(line))
+    own = given_options(ros.without_ros_arguments(line))
+    parser = _parser(bridge.settings)
+    configure_log(parser.parse_args(own).log_level)
     stop = StopRequest()
     try:
         with stop.on_signals():
             node = ros.RosNode(bridge.settings.name, bridge.settings.namespace, line)
             try:
+                transport = _configure(bridge, node, parser, own)
                 _serve(bridge, node, transport, stop)
             finally:
                 node.close()
+    except ParameterError as error:
+        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
+        return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
         return EXIT_FAILED
@@ -81,20 +93,34 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     return EXIT_OK
 
 
-def _configure(bridge: Bridge, line: Sequence[str]) -> TransportSettings:
-    """Applies the command line to the bridge; returns the settings of the transport."""
-    model = bridge.settings
+def _parser(model: BridgeSettings) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=model.name, description=model.description)
     add_component_arguments(parser, model.address)
     add_arguments(parser, model.transport)
+    return parser
+
+
+def _configure(
+    bridge: Bridge, node: RosNode, parser: argparse.ArgumentParser, line: Sequence[str]
+) -> TransportSettings:
+    """Applies parameters and command line to the bridge; returns the settings of the transport.
+
+    The command line goes before parameters, and those before the model.
+    """
+    model = bridge.settings
+    # argparse reads defaults that are text as it reads options.
+    parser.set_defaults(**{each.name: node.parameter(each) for each in parameters.network(model)})
     options = parser.parse_args(line)
-    configure_log(options.log_level)
-    component = component_settings(options, model.component)
-    bridge.settings = replace(model, address=options.jaus_id, component=component)
+    bridge.settings = replace(
+        model,
+        address=options.jaus_id,
+        authority=node.parameter(parameters.authority(model.authority)),
+        component=component_settings(options, model.component),
+    )
     try:
         return from_arguments(options, model.transport)
     except ValueError as error:
-        parser.error(str(error))
+        raise ParameterError(str(error)) from error
 
 
 def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:

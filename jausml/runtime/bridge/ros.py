@@ -12,23 +12,32 @@ from __future__ import annotations
 import logging
 import signal
 import threading
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
     LivelinessPolicy,
+    QoSPolicyKind,
     QoSProfile,
     ReliabilityPolicy,
+    qos_policy_name_from_kind,
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
@@ -36,11 +45,15 @@ from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..base.counters import LOGGER
 from ..conversions import Time
+from .parameters import Parameter, ParameterError, nearest
+from .quality import EndpointHealth
+from .topics import Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from .diagnostics import ConnectionStatus
+    from .quality import TopicFault
     from .topics import Topic
 
 WAKE_UP_PERIOD = 1.0
@@ -52,6 +65,17 @@ _LEVELS = {
     "error": DiagnosticStatus.ERROR,
     "stale": DiagnosticStatus.STALE,
 }
+
+_OVERRIDABLE = (
+    QoSPolicyKind.RELIABILITY,
+    QoSPolicyKind.DURABILITY,
+    QoSPolicyKind.HISTORY,
+    QoSPolicyKind.DEPTH,
+)
+"""Policies that parameters may change; times are the business of the model."""
+
+_UNLIMITED = 2**63 - 1
+"""Nanoseconds that ROS reports for a time that nobody limits."""
 
 
 class RosNode:
@@ -67,17 +91,23 @@ class RosNode:
         """
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
-        rclpy.init(
-            args=list(arguments or ()),
-            context=self._context,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
+        with _as_parameter_error():
+            rclpy.init(
+                args=list(arguments or ()),
+                context=self._context,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
         self._log = _RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
+        self._checks: dict[str, Callable[[Any], object]] = {}
+        self._followers: dict[str, Callable[[Any], None]] = {}
+        self._node.add_on_set_parameters_callback(self._check_parameters)
+        self._node.add_post_set_parameters_callback(self._apply_parameters)
 
     @property
     def name(self) -> str:
@@ -88,47 +118,93 @@ class RosNode:
         """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
         return Time(*self._node.get_clock().now().seconds_nanoseconds())
 
-    def parameter(
-        self, name: str, default: Any, description: str, limits: tuple[float, float] | None = None
-    ) -> Any:
-        """Declares a read-only parameter and returns its value.
+    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
+        """Declares a parameter and returns its value.
 
         Args:
-            name: Name of the parameter.
-            default: Modelled value; its type is that of the parameter.
-            description: Text of the descriptor.
-            limits: Least and greatest value of a number.
+            parameter: The parameter.
+            changed: Takes each later value, on the thread that waits for ROS messages; without it
+                the parameter cannot change.
+
+        Raises:
+            ParameterError: The command line or a parameter file gives it a value of another type,
+                or one that does not do.
         """
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        if limits is not None and isinstance(default, int):
-            low, high = int(limits[0]), int(limits[1])
-            descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
-        elif limits is not None:
-            low_high = FloatingPointRange(from_value=limits[0], to_value=limits[1])
-            descriptor.floating_point_range = [low_high]
-        return self._node.declare_parameter(name, default, descriptor).value
+        if parameter.check is not None:
+            self._checks[parameter.name] = parameter.check
+        with _as_parameter_error():
+            declared = self._node.declare_parameter(
+                parameter.name, parameter.default, _descriptor(parameter, is_fixed=changed is None)
+            )
+        if changed is not None:
+            self._followers[parameter.name] = changed
+        return declared.value
 
     def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Makes a publisher and returns what publishes on it, callable from any thread."""
-        publish: Callable[[Any], None] = self._node.create_publisher(
-            message_type,
-            topic.name,
-            _profile(topic),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-        ).publish
+        """Makes a publisher and returns what publishes on it, callable from any thread.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        with _as_parameter_error(f"topic {topic.name!a}: "):
+            health = self._watched(topic, publishes=True)
+            made = self._node.create_publisher(
+                message_type,
+                topic.name,
+                _profile(topic.qos),
+                event_callbacks=_publisher_events(health),
+                qos_overriding_options=_overriding(health),
+            )
+        health.qos = _qos(made.qos_profile)
+        publish: Callable[[Any], None] = made.publish
         return publish
 
     def subscribe(
         self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
     ) -> None:
-        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
-        self._node.create_subscription(
-            message_type,
-            topic.name,
-            deliver,
-            _profile(topic),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        with _as_parameter_error(f"topic {topic.name!a}: "):
+            health = self._watched(topic, publishes=False)
+            made = self._node.create_subscription(
+                message_type,
+                topic.name,
+                deliver,
+                _profile(topic.qos),
+                event_callbacks=_subscription_events(health),
+                qos_overriding_options=_overriding(health),
+            )
+        health.qos = _qos(made.qos_profile)
+
+    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does.
+
+        Args:
+            topic: A topic that was subscribed to, or has a publisher.
+            publishes: Whether its publisher is meant.
+        """
+        return self._health[topic, publishes].faults()
+
+    def _watched(self, topic: Topic, *, publishes: bool) -> EndpointHealth:
+        """Returns what will know how a publisher or subscription fares."""
+        node, name = self._node, self._node.resolve_topic_name(topic.name)
+        find = (
+            node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
         )
+        kin = sum(
+            (each.topic, each.publishes) == (name, publishes) for each in self._health.values()
+        )
+        entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
+
+        def others() -> list[tuple[str, Qos]]:
+            return [(_node_name(each), _qos(each.qos_profile)) for each in find(name)]
+
+        health = EndpointHealth(publishes, name, topic.qos, entity, others)
+        self._health[topic, publishes] = health
+        return health
 
     def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
         """Publishes one status for each connection on `/diagnostics`."""
@@ -148,6 +224,7 @@ class RosNode:
 
     def start(self) -> None:
         """Starts to wait for messages, on a thread of its own, and to log through ROS."""
+        self._tell_unknown_parameters()
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False
         self._thread.start()
@@ -161,6 +238,29 @@ class RosNode:
             self._thread.join()
         self._node.destroy_node()
         try_shutdown(context=self._context)
+
+    def _check_parameters(self, parameters: Sequence[Any]) -> SetParametersResult:
+        for each in parameters:
+            try:
+                self._checks.get(each.name, bool)(each.value)
+            except ValueError as error:
+                return SetParametersResult(successful=False, reason=f"{each.name}: {error}")
+        return SetParametersResult(successful=True)
+
+    def _apply_parameters(self, parameters: Sequence[Any]) -> None:
+        for each in parameters:
+            if each.name in self._followers:
+                self._followers[each.name](each.value)
+
+    def _tell_unknown_parameters(self) -> None:
+        """Warns of parameters that nobody declared: they are misspelt, or of something else."""
+        known = self._node.list_parameters([], 0).names
+        # rclpy keeps what command line and files say here, and has no other way to ask for it.
+        for name in self._node._parameter_overrides:  # noqa: SLF001
+            if not self._node.has_parameter(name):
+                meant = nearest(name, known)
+                hint = f"; did you mean {meant}?" if meant else ""
+                LOGGER.warning("%s has no parameter %s%s", self.name, name, hint)
 
     def _spin(self) -> None:
         try:
@@ -221,9 +321,68 @@ class _RosLogHandler(logging.Handler):
             self._logger.debug(text)
 
 
-def _profile(topic: Topic) -> QoSProfile:
+@contextmanager
+def _as_parameter_error(about: str = "") -> Iterator[None]:
+    """Gives what ROS refuses of names, files and values one class, and one line of text."""
+    try:
+        yield
+    except (ParameterException, NameValidationException, RuntimeError) as error:
+        raise ParameterError(about + " ".join(str(error).split())) from error
+
+
+def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
+    descriptor = ParameterDescriptor(description=parameter.description, read_only=is_fixed)
+    if parameter.limits is None:
+        return descriptor
+    low, high = parameter.limits
+    if isinstance(parameter.default, int):
+        descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
+    else:
+        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    return descriptor
+
+
+def _overriding(health: EndpointHealth) -> QoSOverridingOptions:
+    """A second endpoint of a topic has parameters of its own."""
+    _, _, number = health.entity.partition("_")
+    return QoSOverridingOptions(_OVERRIDABLE, entity_id=number or None)
+
+
+def _publisher_events(health: EndpointHealth) -> PublisherEventCallbacks:
+    # ROS waits for each event apart, so only for those that may come.
+    qos = health.qos
+    return PublisherEventCallbacks(
+        incompatible_qos=lambda event: health.note_incompatible(_policy(event)),
+        deadline=(lambda _: health.note_missed_deadline()) if qos.deadline > 0 else None,
+        liveliness=(lambda _: health.note_lost_liveliness()) if qos.lease_duration > 0 else None,
+    )
+
+
+def _subscription_events(health: EndpointHealth) -> SubscriptionEventCallbacks:
+    def liveliness(event: Any) -> None:
+        if event.alive_count > 0:
+            health.note_liveliness()
+        elif event.not_alive_count > 0:
+            health.note_lost_liveliness()
+
+    qos = health.qos
+    return SubscriptionEventCallbacks(
+        incompatible_qos=lambda event: health.note_incompatible(_policy(event)),
+        deadline=(lambda _: health.note_missed_deadline()) if qos.deadline > 0 else None,
+        liveliness=liveliness if qos.lease_duration > 0 else None,
+    )
+
+
+def _policy(event: Any) -> str:
+    return str(qos_policy_name_from_kind(event.last_policy_kind))
+
+
+def _node_name(end: Any) -> str:
+    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
+
+
+def _profile(qos: Qos) -> QoSProfile:
     """The rclpy profile; its policies have the names that the model uses."""
-    qos = topic.qos
     profile = QoSProfile(
         reliability=ReliabilityPolicy[qos.reliability.upper()],
         durability=DurabilityPolicy[qos.durability.upper()],
@@ -238,3 +397,20 @@ def _profile(topic: Topic) -> QoSProfile:
     if qos.lease_duration > 0:
         profile.liveliness_lease_duration = Duration(seconds=qos.lease_duration)
     return profile
+
+
+def _qos(profile: QoSProfile) -> Qos:
+    """What `_profile` makes a profile of; of another node, history and depth are not known."""
+    return Qos(
+        reliability=profile.reliability.name.lower(),
+        durability=profile.durability.name.lower(),
+        deadline=_seconds(profile.deadline),
+        lifespan=_seconds(profile.lifespan),
+        liveliness=profile.liveliness.name.lower(),
+        lease_duration=_seconds(profile.liveliness_lease_duration),
+    )
+
+
+def _seconds(duration: Duration) -> float:
+    count = duration.nanoseconds
+    return count / 1e9 if 0 < count < _UNLIMITED else 0.0

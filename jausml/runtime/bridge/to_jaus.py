@@ -9,11 +9,12 @@ from ..clients.controlled_target import ControlState
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from ..transports.packets.packet import Priority
+from . import parameters
 from .connection import NO_PEER, NOT_READY, Connection
 from .joins import JoinedTopic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from typing import Concatenate
 
     from ..base.address import JausAddress
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .ends import Ends, ReportHolder
     from .joins import Join
+    from .quality import TopicFault
     from .topics import Topic
 
 SourceT = TypeVar("SourceT")
@@ -67,10 +69,17 @@ class FromTopics(Connection[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions; no message is taken before the bridge runs."""
         super().open(ends)
+        self._topics = parameters.topics(ends.ros, self.name, self._topics)
         for joined in self._joined:
-            joined.open(ends)
+            joined.open(ends, self.name)
         for topic in self._topics:
             ends.subscribe(self._type, topic, self.take)
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics, those of joins included."""
+        for source in (self._topics, *(each.topics for each in self._joined)):
+            for topic in source:
+                yield from self._ends.ros.faults(topic, publishes=False)
 
     def describe_joins(self) -> list[tuple[str, str]]:
         """The joined topics and the age of their latest message."""
@@ -135,6 +144,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
+        self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
     def _join(self, peer: JausAddress) -> None:

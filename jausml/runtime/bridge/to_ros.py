@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
+from . import parameters
 from .connection import Connection
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from ..base.address import JausAddress
     from ..clients.event_subscription import EventSubscription
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .ends import Ends
+    from .quality import TopicFault
     from .topics import Topic
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -64,6 +66,8 @@ class ToTopics(Connection[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, before any message can arrive."""
         super().open(ends)
+        self._topics = parameters.topics(ends.ros, self.name, self._topics)
+        self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._publish = [ends.publisher(self._type, topic) for topic in self._topics]
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
@@ -82,6 +86,11 @@ class ToTopics(Connection[SourceT, TargetT]):
         for publish in self._publish:
             publish(target)
         return True
+
+    def topic_faults(self) -> Iterator[TopicFault]:
+        """What is wrong with the topics."""
+        for topic in self._topics:
+            yield from self._ends.ros.faults(topic, publishes=True)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""
@@ -132,8 +141,16 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
-            self.rate = ends.rate_parameter(self.name, self.rate)
+            self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
         super().open(ends)
+
+    def _set_rate(self, hertz: float) -> None:
+        with self._ends.loop.lock:
+            self.rate = hertz
+            former, self._events = self._events, {}
+            for peer, event in former.items():
+                self._join(peer)
+                event.cancel()
 
     def _join(self, peer: JausAddress) -> None:
         self._events[peer] = self._ends.component.subscribe(
@@ -189,9 +206,12 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
         super().open(ends)
-        self.rate = ends.rate_parameter(self.name, self.rate)
+        self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
         self._next = ends.loop.now()
         ends.loop.call_soon(self._ask)
+
+    def _set_rate(self, hertz: float) -> None:
+        self.rate = hertz
 
     def _ask(self) -> None:
         loop = self._ends.loop

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import logging
+import re
 import signal
+import sys
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
@@ -31,8 +33,11 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
+_NOT_GIVEN = re.compile("--[a-z-]+=")
+
 EXIT_OK = 0
 EXIT_FAILED = 1
+EXIT_USAGE = 2
 
 
 @dataclass(frozen=True)
@@ -74,7 +79,7 @@ def run_component(
     parser = argparse.ArgumentParser(prog=name, description=program.description)
     add_component_arguments(parser, program.address)
     add_arguments(parser, program.transport)
-    arguments = parser.parse_args(argv)
+    arguments = parser.parse_args(given_options(sys.argv[1:] if argv is None else argv))
     configure_log(arguments.log_level)
     behaviour = component_settings(arguments, program.settings)
     try:
@@ -100,6 +105,15 @@ def run_component(
         LOGGER.exception("%s failed", name)
         return EXIT_FAILED
     return EXIT_OK
+
+
+def given_options(line: Sequence[str]) -> list[str]:
+    """Returns a command line without options that are empty, such as `--jaus-port=`.
+
+    Launch files pass all of their arguments on; those without a value leave what the model and the
+    parameters say.
+    """
+    return [word for word in line if not _NOT_GIVEN.fullmatch(word)]
 
 
 def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:

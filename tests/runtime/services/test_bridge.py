@@ -55,15 +55,22 @@ class Ros:
         self.deliver = {}
         self.statuses = []
         self.parameters = {}
+        self.changed = {}
+        self.found_faults = {}
         self.fails = False
 
     def now(self):
         return Time(1_780_000_000, 0)
 
-    def parameter(self, name, default, description, limits=None):
-        assert description
-        assert limits is None or limits[0] <= default <= limits[1]
-        return self.parameters.get(name, default)
+    def parameter(self, parameter, changed=None):
+        assert parameter.description
+        limits = parameter.limits
+        assert limits is None or limits[0] <= parameter.default <= limits[1]
+        self.changed[parameter.name] = changed
+        return self.parameters.get(parameter.name, parameter.default)
+
+    def faults(self, topic, *, publishes):
+        return self.found_faults.get((topic.name, publishes), [])
 
     def publisher(self, message_type, topic):
         self.made.append(("publisher", topic.name))

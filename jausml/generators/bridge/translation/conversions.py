@@ -157,7 +157,7 @@ class Chain:
             raise AssignmentError(f"{known.name} does not take {len(values)} values")
         arguments = [python_literal(float(each)) for each in conversion.arguments]
         if conversion.quantity is not None:
-            arguments = [self._surroundings.quantity(conversion.quantity)]
+            arguments = [self._surroundings.quantity(conversion.quantity, known.name)]
         if known.needs_clock:
             arguments.append("near=self.now()")
         code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.translation.values import AssignmentError
@@ -43,12 +43,31 @@ class QuantityView:
         value: Its number.
         units: Its unit; empty when the model has none.
         documentation: What the model says of it.
+        is_maximum: Whether it is what 100 percent mean, and so above 0.
     """
 
     name: str
     value: float
     units: str
     documentation: str
+    is_maximum: bool = False
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """A frame of a connection, an attribute of the bridge.
+
+    Attributes:
+        name: Its name in Python.
+        parameter: Its name as parameter, e.g. `pose.frame_id`.
+        value: The name of the frame that the map has.
+        about: Which one it is, in plain text.
+    """
+
+    name: str
+    parameter: str
+    value: str
+    about: str
 
 
 @dataclass(frozen=True)
@@ -111,6 +130,7 @@ class Surroundings:
         attributes: Names of attributes and methods of the class.
         constants: Constants of the module by what they are made from.
         quantities: The quantities that are used.
+        frames: The names of frames, by connection, last part of the path and value.
         methods: The conversions that the user writes, by name.
         memories: The attributes that keep values.
         nested: The translations of messages inside others, by connection, map and direction.
@@ -123,6 +143,7 @@ class Surroundings:
     constant_names: Scope = field(default_factory=Scope)
     constants: dict[object, Constant] = field(default_factory=dict)
     quantities: dict[object, QuantityView] = field(default_factory=dict)
+    frames: dict[tuple[str, str, str], FrameView] = field(default_factory=dict)
     methods: dict[str, UserMethod] = field(default_factory=dict)
     memories: list[Memory] = field(default_factory=list)
     nested: dict[object, NestedTranslation] = field(default_factory=dict)
@@ -145,11 +166,12 @@ class Surroundings:
             self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
         return self.constants[key].name
 
-    def quantity(self, quantity: bridge.Quantity) -> str:
+    def quantity(self, quantity: bridge.Quantity, conversion: str) -> str:
         """Returns the Python path of a quantity, whose value a parameter may change.
 
         Args:
             quantity: The quantity.
+            conversion: Name of the conversion that uses it.
         """
         key = self._quantity_key(quantity)
         if key not in self.quantities:
@@ -157,7 +179,29 @@ class Surroundings:
             about = found.documentation or quantity.documentation or ""
             name = self.attributes.claim(snake_case(quantity.name))
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
+        if "percent" in conversion:
+            self.quantities[key] = replace(self.quantities[key], is_maximum=True)
         return f"self.{self.quantities[key].name}"
+
+    def frame(self, connection: str, path: str, value: str) -> str:
+        """Returns the Python path of the name of a frame, which a parameter may change.
+
+        Args:
+            connection: The connection, by its name in Python.
+            path: Path of the field, e.g. `header.frame_id`. Those that end alike and have the same
+                value are one frame.
+            value: Its name in the model.
+        """
+        last = path.rpartition(".")[2]
+        key = (connection, last, value)
+        if key not in self.frames:
+            taken = {each.parameter for each in self.frames.values()}
+            short = f"{connection}.{last}"
+            parameter = short if short not in taken else f"{connection}.{path}"
+            name = self.attributes.claim(snake_case(parameter.replace(".", "_")))
+            about = f"Frame in {path} of {connection}."
+            self.frames[key] = FrameView(name, parameter, value, about)
+        return f"self.{self.frames[key].name}"
 
     def overridden(self, quantities: Iterable[bridge.Quantity]) -> dict[str, float]:
         """Returns what maps state for quantities that the bridge replaces.

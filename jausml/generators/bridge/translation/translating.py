@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _TAKEN_ATTRIBUTES = names_in(
     """
     accept close component connections loop now on_control_lost on_not_ready open publisher
-    rate_parameter report ros settings silence_parameter subscribe
+    parameters report ros settings subscribe
     """
 )
 

@@ -16,7 +16,7 @@ from jausml.generators.bridge.translation.values import (
     Value,
     constant,
 )
-from jausml.generators.python.codec.jaus_fields import BITS, joined
+from jausml.generators.python.codec.jaus_fields import BITS, TEXT, joined
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
@@ -111,7 +111,10 @@ class Translation(ABC):
 
     def _store_constant(self, path: str, text: str) -> None:
         value = self.target.constant(path, text)
-        self.target.put(self.body, path, Fitted(value.code))
+        code = value.code
+        if self.to_ros and value.kind == TEXT and path.endswith("frame_id"):
+            code = self.surroundings.frame(self.name, path, text)
+        self.target.put(self.body, path, Fitted(code))
 
     def _clock(self, assignment: bridge.ClockAssignment) -> None:
         self.target.prepare(self.body, assignment.target)

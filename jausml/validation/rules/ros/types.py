@@ -90,14 +90,15 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
     publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
     that is no longer at the publisher.
 
-    Bad: a best_effort publisher and a subscription that is reliable (the default)
+    Bad: a best_effort publisher and a subscription of a node, which is reliable unless it says
+    otherwise
 
     Good: `<qos reliability="best_effort"/>` at both ends
     """
     for ends in _topics(subject):
         for subscription in (end for end in ends if not end.publishes):
             for publisher in (end for end in ends if end.publishes):
-                reason = _incompatible(publisher.element.qos, subscription.element.qos)
+                reason = _incompatible(publisher, subscription)
                 if reason:
                     note = Note(publisher.element, f"'{publisher.owner.name}' publishes", "qos")
                     message = f"subscription to {subscription.topic} gets nothing from"
@@ -255,10 +256,11 @@ def _text_fault(text: str, kind: str) -> str:
     return ""
 
 
-def _incompatible(offered: ros.QoSProfile | None, asked: ros.QoSProfile | None) -> str:
+def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
     """Says what a subscription asks for and a publisher does not offer; no profile: defaults."""
-    if _reliability(offered) == "best_effort" and _reliability(asked) == "reliable":
+    if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
         return "it is best_effort, the subscription reliable"
+    offered, asked = publisher.element.qos, subscription.element.qos
     if _durability(offered) == "volatile" and _durability(asked) == "transient_local":
         return "it is volatile, the subscription transient_local"
     if asked is None:
@@ -268,10 +270,6 @@ def _incompatible(offered: ros.QoSProfile | None, asked: ros.QoSProfile | None) 
     if _seconds(offered.leaseDuration if offered else 0.0) > _seconds(asked.leaseDuration):
         return "its leaseDuration is longer than that of the subscription"
     return ""
-
-
-def _reliability(profile: ros.QoSProfile | None) -> str:
-    return "reliable" if profile is None else profile.reliability.name
 
 
 def _durability(profile: ros.QoSProfile | None) -> str:

@@ -1,0 +1,209 @@
+"""Parameters of a bridge: what a deployment may change without generating again.
+
+A parameter has the value of the model until a parameter file, the command line or, for those that
+may change while the bridge runs, `ros2 param set` says otherwise.
+"""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ..base.address import JausAddress
+from ..base.errors import JausError
+from ..base.settings import TransportKind
+from ..clients.peer_binding import PeerBinding
+from ..services.definitions import MAX_EVENT_RATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from .ends import RosSide
+    from .settings import BridgeSettings
+    from .topics import Topic
+
+LEAST = 1e-9
+"""Least value of a number that is above 0."""
+
+GREATEST = 1.7976931348623157e308
+"""Greatest number."""
+
+LONGEST_TIME = 3600.0
+"""Longest time in seconds that a parameter takes."""
+
+
+class ParameterError(JausError):
+    """A parameter of the node has a value with which the bridge cannot run."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the node.
+
+    Attributes:
+        name: Its name.
+        default: Modelled value; its type is that of the parameter.
+        description: Text of its descriptor.
+        limits: Least and greatest value of a number.
+        check: Raises ValueError for a value that does not do; None takes all.
+    """
+
+    name: str
+    default: Any
+    description: str
+    limits: tuple[float, float] | None = None
+    check: Callable[[Any], object] | None = None
+
+
+@dataclass(frozen=True)
+class AttributeParameter:
+    """A parameter that sets an attribute of the bridge, also while the bridge runs.
+
+    Attributes:
+        name: Name of the parameter.
+        attribute: Name of the attribute, which has the modelled value.
+        description: What it is, with its unit.
+        is_positive: Whether a number is above 0.
+    """
+
+    name: str
+    attribute: str
+    description: str
+    is_positive: bool = False
+
+    def of(self, value: Any) -> Parameter:
+        """Returns the parameter of the node, with the value that the attribute has."""
+        lowest = LEAST if self.is_positive else -GREATEST
+        limits = (lowest, GREATEST) if isinstance(value, float) else None
+        return Parameter(self.name, value, self.description, limits)
+
+
+def network(model: BridgeSettings) -> tuple[Parameter, ...]:
+    """Returns what says how the process takes part in JAUS, named as its options are.
+
+    Args:
+        model: The settings of the model.
+    """
+    known, kinds = model.transport, [kind.value for kind in TransportKind]
+
+    def check(kind: str) -> None:
+        if kind not in kinds:
+            raise ValueError(f"{kind} is none of {', '.join(kinds)}")
+
+    return (
+        Parameter("jaus_id", str(model.address), "JAUS address of the bridge.", check=address),
+        Parameter("jaus_interface", known.interface, "IPv4 address of the interface of JAUS."),
+        Parameter(
+            "jaus_transport", known.transport.value, f"One of {', '.join(kinds)}.", check=check
+        ),
+        Parameter("jaus_port", known.port, "UDP or TCP port of JAUS.", (1, 65535)),
+        Parameter("jaus_multicast_group", known.multicast_group, "Multicast group of JAUS."),
+        Parameter(
+            "jaus_multicast_ttl",
+            known.multicast_ttl,
+            "Routers that a multicast of JAUS may pass.",
+            (0, 255),
+        ),
+    )
+
+
+def authority(value: int) -> Parameter:
+    """Returns the authority code that control of others is requested with."""
+    text = "Authority that control of JAUS components is requested with."
+    return Parameter("jaus_authority", value, text, (0, 255))
+
+
+def diagnostics_frequency(value: float) -> Parameter:
+    """Returns how often diagnostics are published each second."""
+    text = "Diagnostics published each second (Hz)."
+    return Parameter("diagnostics_frequency", value, text, (0.01, 100.0))
+
+
+def rate(connection: str, value: float) -> Parameter:
+    """Returns the rate of a connection in messages each second."""
+    text = f"Messages of the connection {connection} each second (Hz)."
+    return Parameter(f"{connection}.rate", value, text, (0.02, MAX_EVENT_RATE))
+
+
+def silence_timeout(connection: str, seconds: float) -> Parameter:
+    """Returns the silence timeout of a connection in seconds; 0 is never."""
+    text = f"Seconds without a message that count as silence of the source of {connection}."
+    return Parameter(f"{connection}.silence_timeout", seconds, text, (0.0, LONGEST_TIME))
+
+
+def freshness(join: str, seconds: float) -> Parameter:
+    """Returns the time in seconds after which the latest message of a join is stale.
+
+    Args:
+        join: Connection and join, e.g. `pose.imu`.
+        seconds: The modelled time.
+    """
+    text = f"Seconds after which the latest message of {join} is stale."
+    return Parameter(f"{join}.freshness", seconds, text, (0.001, LONGEST_TIME))
+
+
+def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
+    """Returns the topics of a connection or join under the names that parameters give them.
+
+    Args:
+        ros: The ROS side.
+        owner: Connection, or connection and join.
+        modelled: The topics that the model names.
+    """
+    if not modelled:
+        return ()
+    if len(modelled) == 1:
+        name = ros.parameter(Parameter(f"{owner}.topic", modelled[0].name, f"Topic of {owner}."))
+        return (replace(modelled[0], name=name),)
+
+    def check(names: Sequence[str]) -> None:
+        if len(names) != len(modelled):
+            raise ValueError(f"{owner} has {len(modelled)} topics, not {len(names)}")
+
+    default = [each.name for each in modelled]
+    text = f"Topics of {owner}, in the order of the model."
+    names = ros.parameter(Parameter(f"{owner}.topics", default, text, check=check))
+    return tuple(replace(each, name=name) for each, name in zip(modelled, names, strict=True))
+
+
+def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
+    """Returns the JAUS components at the other end of a connection.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: Those that the model names, which a parameter may change; or how they are found.
+    """
+    if not modelled.present:
+        return modelled
+    text = f"JAUS components at the other end of {connection}."
+    default = [str(each) for each in modelled.present]
+    parameter = Parameter(f"{connection}.peers", default, text, check=addresses)
+    return PeerBinding(addresses(ros.parameter(parameter)))
+
+
+def address(text: str) -> JausAddress:
+    """Returns the address of one component.
+
+    Raises:
+        ValueError: The text names no component, or several.
+    """
+    found = JausAddress.parse(text)
+    if not found.is_concrete:
+        raise ValueError(f"{text} does not name one component")
+    return found
+
+
+def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
+    """Returns the addresses of several components.
+
+    Raises:
+        ValueError: A text names no component, or several.
+    """
+    return tuple(map(address, texts))
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Returns the known name that a misspelt one may mean; empty when none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1)), "")

@@ -1,0 +1,89 @@
+"""Rules about what a bridge is once it runs: its endpoints in ROS, its parameters."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge
+from jausml.model.diagnostics import Severity
+from jausml.semantics.topics import endpoints
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.subject import Subject
+    from jausml.semantics.topics import Endpoint
+
+PARAMETERS = frozenset(
+    {
+        "diagnostics_frequency",
+        "jaus_authority",
+        "jaus_id",
+        "jaus_interface",
+        "jaus_multicast_group",
+        "jaus_multicast_ttl",
+        "jaus_port",
+        "jaus_transport",
+        "start_type_description_service",
+        "use_sim_time",
+    }
+)
+"""Parameters that every bridge has."""
+
+_POLICIES: dict[str, object] = {
+    "durability": "volatile",
+    "history": "keep_last",
+    "depth": 10,
+    "deadline": 0.0,
+    "lifespan": 0.0,
+    "liveliness": "automatic",
+    "leaseDuration": 0.0,
+}
+"""Policies besides reliability, and what they are when no profile states them."""
+
+
+@rule("JML419", Severity.WARNING, "topic published to in two ways")
+def one_quality(subject: Subject) -> Iterator[Finding]:
+    """The connections of a bridge that publish to one topic state one quality of service.
+
+    Each quality of service is a publisher of its own. A subscription that fits one of them alone,
+    such as one that is reliable, gets the messages of its connections and none of the others.
+
+    Bad: two connections to pose, one of them with `<qos reliability="best_effort"/>`
+
+    Good: the same `<qos .../>` at both topics, or none
+    """
+    for owner in subject.instances(bridge.Bridge):
+        by_topic: dict[str, list[Endpoint]] = defaultdict(list)
+        for end in endpoints([owner]):
+            if end.publishes and not subject.is_broken(end.element):
+                by_topic[end.topic].append(end)
+        for first, *others in by_topic.values():
+            for end in others:
+                if _quality(end) != _quality(first):
+                    note = Note(first.element, "the other one", first.feature)
+                    message = f"topic {end.topic} has another quality of service here"
+                    hint = "state the same qos at both"
+                    yield Finding(end.element, message, "qos", hint, (note,))
+
+
+def _quality(end: Endpoint) -> tuple[object, ...]:
+    profile = end.element.qos
+    values = [getattr(profile, name, default) for name, default in _POLICIES.items()]
+    return (end.reliability, *(getattr(value, "name", value) for value in values))
+
+
+@rule("JML420", Severity.ERROR, "quantity with the name of another parameter")
+def parameter_names(subject: Subject) -> Iterator[Finding]:
+    """A quantity is a parameter of the node of its bridge, which has others already.
+
+    Bad: `<quantities name="jaus_port" value="8.5"/>`
+
+    Good: `<quantities name="max_speed" value="8.5"/>`
+    """
+    for quantity in subject.instances(bridge.Quantity):
+        if quantity.name in PARAMETERS:
+            message = f"every bridge has a parameter '{quantity.name}'"
+            yield Finding(quantity, message, "name", "choose another name")

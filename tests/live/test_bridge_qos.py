@@ -1,0 +1,240 @@
+"""Quality of service and parameters of bridges on real rclpy: who does not fit is named."""
+
+from __future__ import annotations
+
+import logging
+import os
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.runtime.bridge.parameters import Parameter, ParameterError
+from jausml.runtime.bridge.topics import Qos, Topic
+
+from .bridge_support import RosPeer, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+
+@pytest.fixture(scope="module")
+def peer():
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 61) % 90))
+        made = RosPeer()
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def node(peer):
+    from jausml.runtime.bridge.ros import RosNode
+
+    del peer  # it sets the domain
+    nodes = []
+
+    def make(*ros_arguments, namespace=""):
+        line = ["--ros-args", *ros_arguments] if ros_arguments else []
+        nodes.append(RosNode("tested", namespace, line))
+        return nodes[-1]
+
+    yield make
+    for made in nodes:
+        made.close()
+
+
+def policies(**named):
+    """A profile of the peer."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    kinds = {"reliability": ReliabilityPolicy, "durability": DurabilityPolicy}
+    return QoSProfile(depth=5, **{key: kinds[key][value] for key, value in named.items()})
+
+
+def test_best_effort_subscriptions_hear_publishers_of_both_kinds(node, peer):
+    from std_msgs.msg import Float64
+
+    tested, found = node(), []
+    topic = Topic("both", Qos(reliability="best_effort"))
+    tested.subscribe(Float64, topic, lambda message: found.append(message.data))
+    tested.start()
+    for number, kind in enumerate(("BEST_EFFORT", "RELIABLE"), start=1):
+        publisher = peer.node.create_publisher(Float64, "both", policies(reliability=kind))
+        message = Float64(data=float(number))
+        wait_for(
+            lambda made=publisher, sent=message: made.publish(sent) or sent.data in found, kind
+        )
+        peer.node.destroy_publisher(publisher)
+    assert tested.faults(topic, publishes=False) == []
+
+
+def test_a_publisher_that_does_not_fit_is_named_with_the_cure_until_it_goes(node, peer):
+    from std_msgs.msg import Float64
+
+    tested, topic = node(namespace="fleet"), Topic("scan")
+    tested.subscribe(Float64, topic, lambda _: None)
+    tested.start()
+    publisher = peer.node.create_publisher(
+        Float64, "/fleet/scan", policies(reliability="BEST_EFFORT")
+    )
+    faults = wait_for(
+        lambda: [each for each in tested.faults(topic, publishes=False) if "/peer" in each.text],
+        "fault",
+    )
+    assert [each.kind for each in faults] == ["incompatible_qos"]
+    assert faults[0].text == (
+        "nothing comes from /peer on /fleet/scan: it offers reliability best_effort, requested is"
+        " reliable; set qos: { reliability: best_effort }"
+        " or qos_overrides./fleet/scan.subscription.reliability:=best_effort"
+    )
+    peer.node.destroy_publisher(publisher)
+    wait_for(lambda: not tested.faults(topic, publishes=False), "end of the fault")
+
+
+def test_the_cure_that_is_named_cures(node, peer):
+    from std_msgs.msg import Float64
+
+    tested = node("-p", "qos_overrides./cured.subscription.reliability:=best_effort")
+    topic, found = Topic("cured"), []
+    tested.subscribe(Float64, topic, found.append)
+    tested.start()
+    publisher = peer.node.create_publisher(Float64, "cured", policies(reliability="BEST_EFFORT"))
+    wait_for(lambda: publisher.publish(Float64(data=1.0)) or found, "message")
+    assert tested.faults(topic, publishes=False) == []
+
+
+def test_a_subscription_that_does_not_fit_is_named(node, peer):
+    from std_msgs.msg import Float64
+
+    tested, topic = node(), Topic("pose")
+    tested.publisher(Float64, topic)
+    tested.start()
+    latched = peer.node.create_subscription(
+        Float64, "pose", lambda _: None, policies(durability="TRANSIENT_LOCAL")
+    )
+    faults = wait_for(
+        lambda: [each for each in tested.faults(topic, publishes=True) if "/peer" in each.text],
+        "fault",
+    )
+    assert faults[0].text == (
+        "/peer gets nothing from /pose: it requests durability transient_local, offered is"
+        " volatile; set qos: { durability: transient_local }"
+        " or qos_overrides./pose.publisher.durability:=transient_local"
+    )
+    peer.node.destroy_subscription(latched)
+
+
+def test_missed_deadlines_and_lost_liveliness_are_faults(node, peer):
+    from rclpy.duration import Duration
+    from rclpy.qos import LivelinessPolicy, QoSProfile
+    from std_msgs.msg import Float64
+
+    tested = node()
+    topic = Topic("limited", Qos(deadline=0.2, liveliness="manual_by_topic", lease_duration=0.4))
+    tested.subscribe(Float64, topic, lambda _: None)
+    tested.start()
+    profile = QoSProfile(
+        depth=5,
+        deadline=Duration(seconds=0.1),
+        liveliness=LivelinessPolicy.MANUAL_BY_TOPIC,
+        liveliness_lease_duration=Duration(seconds=0.3),
+    )
+    publisher = peer.publisher(Float64, "limited", profile)
+    publisher.publish(Float64())
+
+    def kinds():
+        return {each.kind: each.text for each in tested.faults(topic, publishes=False)}
+
+    found = wait_for(lambda: len(kinds()) > 1 and kinds(), "both faults")
+    assert found == {
+        "deadline_missed": "nothing came on /limited within the deadline of 0.2 s",
+        "liveliness_lost": (
+            "no publisher of /limited showed that it is alive within the lease of 0.4 s"
+        ),
+    }
+    wait_for(lambda: publisher.publish(Float64()) or "liveliness_lost" not in kinds(), "liveliness")
+
+
+def test_two_ways_to_name_a_topic_are_two_endpoints_with_parameters_of_their_own(node, peer):
+    from rclpy.qos import ReliabilityPolicy
+    from std_msgs.msg import Float64
+
+    tested = node("-p", "qos_overrides./twice.publisher_2.reliability:=best_effort")
+    tested.publisher(Float64, Topic("twice"))
+    tested.publisher(Float64, Topic("twice", Qos(durability="transient_local")))
+    infos = wait_for(
+        lambda: (
+            len(peer.node.get_publishers_info_by_topic("/twice")) == 2
+            and peer.node.get_publishers_info_by_topic("/twice")
+        ),
+        "publishers",
+    )
+    found = {each.qos_profile.reliability for each in infos}
+    assert found == {ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT}
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("reliability:=fast", "Unexpected QoS override for policy `reliability`: `fast`"),
+        ("depth:=many", "expecting type 'INTEGER'"),
+    ],
+)
+def test_policies_that_ros_refuses_are_parameter_errors(node, override, words):
+    from std_msgs.msg import Float64
+
+    tested = node("-p", f"qos_overrides./topic.publisher.{override}")
+    with pytest.raises(ParameterError, match=words):
+        tested.publisher(Float64, Topic("topic"))
+
+
+def test_a_topic_name_that_ros_refuses_is_a_parameter_error(node):
+    from std_msgs.msg import Float64
+
+    with pytest.raises(ParameterError, match=r"topic 'a b': .* must not contain") as caught:
+        node().publisher(Float64, Topic("a b"))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_parameter_file_that_cannot_be_read_is_a_parameter_error(node):
+    with pytest.raises(ParameterError, match=r"nowhere\.yaml"):
+        node("--params-file", "nowhere.yaml")
+
+
+def test_parameters_change_while_the_node_runs(node):
+    from rclpy.parameter import Parameter as RosParameter
+
+    def check(value):
+        if value == 7.0:
+            raise ValueError("seven is refused")
+
+    tested, seen = node(), []
+    tested.parameter(Parameter("live", 1.0, "Live.", (0.0, 10.0), check), seen.append)
+    tested.parameter(Parameter("fixed", 1.0, "Fixed."))
+    results = tested._node.set_parameters(
+        [
+            RosParameter("live", value=2.0),
+            RosParameter("live", value=11.0),
+            RosParameter("live", value=7.0),
+            RosParameter("live", value=float("nan")),
+            RosParameter("fixed", value=2.0),
+        ]
+    )
+    assert [each.successful for each in results] == [True, False, False, False, False]
+    assert results[2].reason == "live: seven is refused"
+    assert seen == [2.0]
+
+
+def test_misspelt_parameters_are_named_with_what_is_near(node, caplog):
+    tested = node("-p", "drive.rat:=5.0", "-p", "use_sim_time:=false", "-p", "zzz:=1")
+    tested.parameter(Parameter("drive.rate", 1.0, "Rate."))
+    with caplog.at_level(logging.WARNING, "jausml"):
+        tested.start()
+    assert [each.getMessage() for each in caplog.records] == [
+        "/tested has no parameter drive.rat; did you mean drive.rate?",
+        "/tested has no parameter zzz",
+    ]

@@ -1,0 +1,88 @@
+"""Endpoints of bridges in ROS: which reliability they have where the model leaves it open."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.metamodel.classes import system
+from jausml.model import read_models
+from jausml.semantics.topics import endpoints
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import check
+
+MODEL = """
+import mappings.global_pose_sensor
+import mappings.velocity_state_driver
+
+system fleet {
+    component vehicle {
+        address: 1.1.1
+        provides: VelocityStateDriver
+        uses: GlobalPoseSensor
+    }
+    bridge front {
+        address: 1.1.2
+        frequency: 10
+        provides: GlobalPoseSensor, VelocityStateDriver
+        connection pose {
+            map: global_pose
+            direction: rosToJaus
+            exchange: periodicEvent
+            topic fix {}
+            topic imu { join: imu  qos: { depth: 1 } }
+        }
+        connection stated {
+            map: global_pose
+            direction: rosToJaus
+            exchange: periodicEvent
+            topic stated { qos: { reliability: reliable } }
+            topic stated_imu { join: imu  qos: { reliability: system_default } }
+        }
+        connection command {
+            map: velocity_command
+            direction: rosToJaus
+            exchange: message
+            peers: vehicle
+            topic cmd_vel {}
+        }
+        connection obeyed {
+            map: velocity_command
+            direction: jausToRos
+            exchange: message
+            topic obeyed { qos: { depth: 1 } }
+        }
+    }
+    node driver {
+        publisher fix { topic: fix  type: sensor_msgs/NavSatFix  qos: { reliability: best_effort } }
+        subscription imu { topic: imu_in  type: sensor_msgs/Imu  qos: { depth: 3 } }
+    }
+}
+"""
+
+
+@pytest.fixture
+def model(tmp_path):
+    path = tmp_path / "fleet.ros2jaus"
+    path.write_text(MODEL, encoding="utf-8")
+    result = read_models([path], notations=NOTATIONS)
+    assert not result.diagnostics
+    return result
+
+
+def test_what_becomes_reports_hears_everybody_and_commands_are_reliable(model):
+    fleet = model.model.root
+    assert isinstance(fleet, system.System)
+    found = {end.topic: end.reliability for end in endpoints([*fleet.bridges, *fleet.nodes])}
+    assert found == {
+        "/fix": "best_effort",
+        "/imu": "best_effort",
+        "/stated": "reliable",
+        "/stated_imu": "system_default",
+        "/cmd_vel": "reliable",
+        "/obeyed": "reliable",
+        "/imu_in": "reliable",
+    }
+
+
+def test_a_best_effort_driver_and_a_report_are_no_finding(model):
+    assert [each.rule for each in check(model).diagnostics if each.rule == "JML403"] == []
