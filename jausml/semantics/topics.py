@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.commands import is_command
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -132,8 +133,8 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
         return policy
     publishes = connection.direction.name == "jausToRos"
     message = connection.map.message
-    is_command = topic.join is None and message is not None and message.isCommand
-    return "reliable" if publishes or is_command else "best_effort"
+    commands = topic.join is None and message is not None and is_command(message)
+    return "reliable" if publishes or commands else "best_effort"
 
 
 def _stated(profile: ros.QoSProfile | None) -> str:
