@@ -187,9 +187,9 @@ def test_parameters_have_descriptors(system):
     names = call(ListParameters, "list_parameters", ListParameters.Request()).result.names
     assert {"odometry.rate", "speed.rate", "pose.rate", "diagnostics_frequency"} <= set(names)
     assert "qos_overrides./cmd_vel.subscription.depth" in names
-    request = DescribeParameters.Request(names=["odometry.rate", "odometry.topic"])
-    descriptor, topic = call(DescribeParameters, "describe_parameters", request).descriptors
-    assert (descriptor.read_only, topic.read_only) == (False, True)
+    request = DescribeParameters.Request(names=["odometry.rate", "jaus_id"])
+    descriptor, fixed = call(DescribeParameters, "describe_parameters", request).descriptors
+    assert (descriptor.read_only, fixed.read_only) == (False, True)
     assert "odometry" in descriptor.description
     assert descriptor.floating_point_range[0].to_value == 1092.0
 
