@@ -58,6 +58,19 @@ class ImportedDocument:
     column: int
 
 
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why a name means nothing in a document.
+
+    Attributes:
+        hint: What to write, or empty.
+        is_certain: Whether that is it, and none of the names that are much like this one.
+    """
+
+    hint: str = ""
+    is_certain: bool = False
+
+
 class Known(Protocol):
     """Names that the documents around a document have."""
 
@@ -104,6 +117,14 @@ class Written(Protocol):
         """Returns further root nodes: of what is used as if it were known, and is not.
 
         It is called once, when all documents are built and before references are resolved.
+        """
+
+    def explain(self, qualified_class: str, name: str) -> Explanation:
+        """Returns why the document may know no element of a name.
+
+        Args:
+            qualified_class: Package and class, such as `bridge.AttributeMap`.
+            name: The name as it is written.
         """
 
     def check(self) -> Sequence[Fault]:

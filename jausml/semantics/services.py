@@ -140,9 +140,8 @@ def provides_access_control(provider: Provider) -> bool:
 
 
 def query_name(message: jaus.MessageDef) -> str:
-    """Returns the name of the query that asks for a report, or empty when it has none by name."""
-    name = message.name or ""
-    return f"Query{name[len('Report') :]}" if name.startswith("Report") else ""
+    """Returns the name of the query that asks for a report: QueryX for ReportX, or X."""
+    return f"Query{(message.name or '').removeprefix('Report')}"
 
 
 def find_query(

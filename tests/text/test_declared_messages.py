@@ -12,8 +12,11 @@ from jausml.text.notation import NOTATIONS
 
 
 def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own"):
-    model = texts.good(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
-    return model.instances(jaus.MessageDef, library=False)[0]
+    result = texts.one(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
+    # The query of a report is given a code.
+    assert [each.message for each in result.diagnostics if "'Query" not in each.message] == []
+    found = result.model.instances(jaus.MessageDef, library=False)
+    return next(each for each in found if each.name == name)
 
 
 def field(texts, member):
@@ -224,10 +227,10 @@ def test_fault(name, texts):
 
 
 def test_a_near_name_is_hinted_at(texts):
-    [finding] = texts.one(
-        "m { JAUS ReportVelocitySate ( uint8 a ) ROS std_msgs/Float64 }"
-    ).diagnostics
-    assert finding.rule == "JML711"
+    text = "m { JAUS ReportVelocitySate ( uint8 a ) ROS std_msgs/Float64 }"
+    query, finding = texts.one(text).diagnostics
+    assert (query.rule, finding.rule) == ("JML711", "JML711")
+    assert "QueryVelocitySate" in query.message
     assert "did you mean 'ReportVelocityState'" in finding.hint
 
 
@@ -243,3 +246,49 @@ def test_types_that_unfold_without_end_are_bounded(texts):
         f"struct [ uint8 a ] t0\n{doubling}m {{ JAUS X ( t30 a ) {{ code: 0xD100 }} ROS Y ( t30 a ) }}"
     )
     assert {each.rule for each in result.diagnostics} == {"JML712"}
+
+
+REPORT = (
+    "m { JAUS ReportWinch ( uint16 length ) ROS std_msgs/UInt16 ROS->JAUS ( data -> length ) }\n"
+)
+
+
+def messages_of(model):
+    [service] = model.instances(jaus.Service, library=False)
+    return {each.name: each.code for each in [*service.inputs, *service.outputs]}
+
+
+def test_reports_get_their_query(texts):
+    result = texts.one(REPORT)
+    assert messages_of(result.model) == {"QueryWinch": "0xD001", "ReportWinch": "0xD000"}
+    assert [each.rule for each in result.diagnostics] == ["JML711", "JML711"]
+    bridge = "bridge b { address: 100.1.2 provides: Demo connection c { map: m topic t } }"
+    assert not any(each.startswith("JML42") for each in texts.rules(REPORT + bridge))
+
+
+def test_a_query_that_is_declared_is_no_second_one(texts):
+    text = "ask { JAUS QueryWinch ( ) { code: 0xD000 } ROS std_msgs/Empty }\n" + REPORT
+    assert messages_of(texts.one(text).model) == {"QueryWinch": "0xD000", "ReportWinch": "0xD001"}
+
+
+def test_service_of_new_messages_has_the_name_that_the_text_gives_it(texts):
+    text = """\
+service Winch {
+    inputs: new message_def QueryWinch { code: 0xD00A }
+}
+bridge b { address: 100.1.2  provides: Winch  connection c { map: m  topic t } }
+"""
+    for name in ("depot.ros2jaus", "depot2.ros2jaus"):
+        model = texts.good(text + REPORT.replace("length )", "length ) { code: 0xD00B }", 1), name)
+        [service] = model.instances(jaus.Service, library=False)
+        assert (service.name, service.urn) == ("Winch", "urn:jausml:winch:Winch")
+        assert messages_of(model) == {"QueryWinch": "0xD00A", "ReportWinch": "0xD00B"}
+
+
+def test_name_of_the_service_after_another_file_is_explained(texts):
+    result = texts.one(f"bridge b {{ address: 100.1.2 provides: Depot }}\n{REPORT}")
+    [finding] = [each for each in result.diagnostics if each.rule == "JML215"]
+    assert finding.hint == (
+        "did you mean 'Demo'?; the messages of this file belong to 'Demo', named after the file: "
+        "'service Depot' gives it a name that stays"
+    )

@@ -7,6 +7,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.text.reading.explaining import library_maps
 
 LIBRARY = "http://www.jausml.org/library/jaus/"
 
@@ -180,3 +181,35 @@ def test_referring_twice_is_a_warning(texts):
         "component a { address: 1.1.1 provides: LocalPoseSensor, ⟦JML213⟧LocalPoseSensor }"
     )
     assert "'LocalPoseSensor'" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        (
+            "bridge b { connection c { map: velocity_state } }",
+            "the library has it: import mappings.velocity_state_sensor",
+        ),
+        (
+            "m { ROS my_msgs/Frobnicate }",
+            "list its members to declare it: my_msgs/Frobnicate ( float64 x ); "
+            "jausml import ros reads packages",
+        ),
+        (
+            "m { JAUS Frobnicate }",
+            "list its members to declare it: Frobnicate ( uint16 x ); "
+            "jausml import jsidl reads service sets",
+        ),
+    ],
+)
+def test_unknown_name_tells_what_makes_it_known(texts, text, hint):
+    findings = [each for each in texts.one(text).diagnostics if each.rule == "JML215"]
+    assert [each.hint for each in findings] == [hint]
+
+
+def test_every_map_of_the_library_is_found_by_its_name(texts):
+    for name, modules in library_maps().items():
+        [module] = modules
+        model = texts.one(f"import {module}\nbridge b {{ connection c {{ map: {name} }} }}").model
+        [connection] = model.instances(bridge.Connection)
+        assert connection.map.name == name

@@ -139,18 +139,21 @@ def test_wrong_way_is_answered_with_what_to_write(texts):
         texts,
         "provides: VelocityStateSensor",
         "map: velocity_state direction: rosToJaus exchange: message topic odom",
-    ) == [("JML423", f"name peers, or write exchange: periodicEvent ({reports})")]
+    ) == [
+        ("JML423", f"name peers or search for them, or write exchange: periodicEvent ({reports})")
+    ]
     assert hints(
         texts,
         "provides: VelocityStateSensor",
         "map: velocity_state direction: jausToRos topic odom",
-    ) == [("JML423", f"name peers, or write direction: rosToJaus ({reports})")]
+    ) == [("JML423", f"name peers or search for them, or write direction: rosToJaus ({reports})")]
     assert hints(
         texts, "provides: PrimitiveDriver", "map: wrench_effort direction: rosToJaus topic effort"
     ) == [
         (
             "JML423",
-            "name peers, or write direction: jausToRos (front takes it from whoever sends it)",
+            "name peers or search for them, "
+            "or write direction: jausToRos (front takes it from whoever sends it)",
         )
     ]
 

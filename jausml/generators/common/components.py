@@ -8,6 +8,7 @@ from jausml.generation.literals import python_string
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.core_services import CORE
+from jausml.semantics.services import query_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -171,8 +172,7 @@ def query_for(report: jaus.MessageDef, services: Iterable[jaus.Service]) -> jaus
         report: The report.
         services: Where to look for the query.
     """
-    name = str(report.name)
-    wanted = f"Query{name.removeprefix('Report')}"
+    wanted = query_name(report)
     for service in services:
         for query in service.inputs:
             if query.name == wanted:

@@ -13,11 +13,13 @@ from jausml.model.diagnostics import Diagnostic, Location, Severity
 from jausml.model.documents import Document
 from jausml.model.model import Model
 from jausml.model.names import NameFinder
+from jausml.model.notation import Explanation
 from jausml.model.reading.conformance import check_bounds
 from jausml.model.reading.elements import ElementBuilder
 from jausml.model.reading.known import KnownNames, in_order_of_import
 from jausml.model.reading.problems import NodePlace, Problems
 from jausml.model.reading.references import Resolution
+from jausml.model.reading.references_by_name import NameResolution
 from jausml.model.uris import FileTarget, UriFault, UriResolver, find_project_root
 from jausml.model.xmi.parsing import Node, parse
 
@@ -114,7 +116,8 @@ class _Reading:
             self._given(target)
         self._open_all()
         self._declare()
-        resolution = Resolution(self._model, self._problems, self._open, self._names)
+        by_name = NameResolution(self._names, self._problems, self._explain)
+        resolution = Resolution(self._model, self._problems, self._open, by_name)
         resolution.run(self._references)
         for document, written in self._written.items():
             self._report(document, written.check())
@@ -234,6 +237,10 @@ class _Reading:
                 document.imports.append(opened)
             lost = isinstance(opened, UriFault) or not opened.readable
             document.lacks_imports = document.lacks_imports or lost
+
+    def _explain(self, document: Document, qualified_class: str, name: str) -> Explanation:
+        written = self._written.get(document)
+        return Explanation() if written is None else written.explain(qualified_class, name)
 
     def _open_library(self, uri: str) -> Document | UriFault:
         return self._open(uri, self._model.documents[0])

@@ -13,7 +13,6 @@ from jausml.metamodel.filling import holds, link
 from jausml.model.diagnostics import Related
 from jausml.model.documents import Document
 from jausml.model.names import depth
-from jausml.model.reading.references_by_name import NameResolution
 from jausml.model.uris import UriFault
 from jausml.model.values import show
 from jausml.model.xmi.fragments import Found, FragmentFinder
@@ -21,9 +20,9 @@ from jausml.model.xmi.fragments import Found, FragmentFinder
 if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
-    from jausml.model.names import NameFinder
     from jausml.model.reading.elements import Reference
     from jausml.model.reading.problems import Problems
+    from jausml.model.reading.references_by_name import NameResolution
     from jausml.model.xmi.parsing import Node
 
 Open = Callable[[str, Document], "Document | UriFault"]
@@ -52,10 +51,10 @@ class Resolution:
     """
 
     def __init__(
-        self, model: Model, problems: Problems, open_document: Open, names: NameFinder
+        self, model: Model, problems: Problems, open_document: Open, names: NameResolution
     ) -> None:
         self._model = model
-        self._names = NameResolution(names, problems)
+        self._names = names
         self._metamodels: Metamodels = model.metamodels
         self._problems = problems
         self._open = open_document

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Related
+from jausml.model.documents import Document
 from jausml.model.names import NameFinder, qualified_name
+from jausml.model.notation import Explanation
 from jausml.model.reading.classes import target_class
 from jausml.model.values import show
 
@@ -13,6 +16,9 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.reading.elements import Reference
     from jausml.model.reading.problems import Problems
+
+Explain = Callable[[Document, str, str], Explanation]
+"""Tells why a document may know no element of a class by a name."""
 
 _FEW = 6
 _FEW_SUGGESTIONS = 50
@@ -24,11 +30,13 @@ class NameResolution:
     Args:
         names: Where they are looked for.
         problems: Where findings go.
+        explain: What the notation of a document knows of names that mean nothing in it.
     """
 
-    def __init__(self, names: NameFinder, problems: Problems) -> None:
+    def __init__(self, names: NameFinder, problems: Problems, explain: Explain) -> None:
         self._names = names
         self._problems = problems
+        self._explain = explain
         self._suggestions = 0
 
     def target(self, reference: Reference) -> EObject | None:
@@ -72,5 +80,10 @@ class NameResolution:
         self._suggestions += 1
         if self._suggestions > _FEW_SUGGESTIONS:
             return ""
-        near = self._names.alike(reference.name, target_class(reference.feature), document)
-        return f"did you mean {' or '.join(map(show, near))}?" if near else ""
+        wanted = target_class(reference.feature)
+        explanation = self._explain(document, wanted.qualified_name, reference.name)
+        if explanation.is_certain:
+            return explanation.hint
+        near = self._names.alike(reference.name, wanted, document)
+        meant = f"did you mean {' or '.join(map(show, near))}?" if near else ""
+        return "; ".join(filter(None, (meant, explanation.hint)))

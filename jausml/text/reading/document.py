@@ -9,21 +9,25 @@ from jausml.model.notation import Fault, ImportedDocument
 from jausml.text.reading import imports
 from jausml.text.reading.declaring.declaring import Declarer
 from jausml.text.reading.elements import ElementReader
+from jausml.text.reading.explaining import explain
 from jausml.text.reading.maps import MapReader
 from jausml.text.reading.members import MemberCheck
 from jausml.text.reading.nodes import NodeMaker
 from jausml.text.reading.roots import RootReader
 from jausml.text.reading.ways import settle_connections
-from jausml.text.tree import Import, Span
+from jausml.text.tree import Element, End, Import, Span, lists_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from jausml.metamodel import Metamodels
-    from jausml.model.notation import Known
+    from jausml.model.notation import Explanation, Known
     from jausml.model.xmi.parsing import Node
-    from jausml.text.tree import SyntaxTree
+    from jausml.text.tree import Item, SyntaxTree
+
+SERVICE = "service"
+"""The keyword of services, one of which may take the messages that a text declares."""
 
 
 class TextDocument:
@@ -46,10 +50,11 @@ class TextDocument:
         self._roots = RootReader(metamodels, self._nodes, elements, path)
         self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
         self.imports: list[ImportedDocument] = []
+        self._declarer.service.written = _own_service(document)
         for item in document.items:
             if isinstance(item, Import):
                 self._import(item)
-            else:
+            elif item is not self._declarer.service.written:
                 self._roots.add(item)
         self._nodes.faults += map(self._placed, faults)
 
@@ -81,6 +86,10 @@ class TextDocument:
         around = self._nodes.around(Span(fault.line, fault.column))
         return replace(fault, owner=around, hides=True)
 
+    def explain(self, qualified_class: str, name: str) -> Explanation:
+        """Returns why the text may know no element of a name: what is not imported or declared."""
+        return explain(qualified_class, name, self._declarer.service)
+
     def _unused(self) -> Iterator[Fault]:
         types = self._declarer.types
         for name, member in types.named.items():
@@ -95,3 +104,22 @@ class TextDocument:
             self._nodes.faults.append(found)
         else:
             self.imports.append(found)
+
+
+def _own_service(document: SyntaxTree) -> Element | None:
+    """Returns the one service that a text writes, if its maps may declare messages for it."""
+    found = [
+        item
+        for item in document.items
+        if isinstance(item, Element) and item.keyword is not None and item.keyword.text == SERVICE
+    ]
+    return found[0] if len(found) == 1 and _lists_members(document.items) else None
+
+
+def _lists_members(items: Sequence[Item]) -> bool:
+    pending = list(items)
+    for item in pending:
+        if isinstance(item, End) and item.is_jaus and item.members is not None:
+            return True
+        pending += [each for inner, _ in lists_of(item) for each in inner]
+    return False

@@ -76,8 +76,8 @@ def is_name(text: str | None) -> bool:
     """Tells whether a text can stand as a name, with or without back quotes.
 
     Names of several steps are names too (`geometry_msgs/Twist`, `Receiving.Ready`), but no step of
-    them may be empty.
+    them may be empty; a topic may begin with "/".
     """
     if not text or "`" in text or not text.isprintable() or text != text.strip():
         return False
-    return all(re.split("[./]", text))
+    return all(re.split("[./]", text.removeprefix("/")))

@@ -107,7 +107,7 @@ def peers_named(subject: Subject) -> Iterator[Finding]:
 def query_known(subject: Subject) -> Iterator[Finding]:
     """A report that crosses by events or queries is asked for by a query that its sender takes.
 
-    Without `query` it is found by name: QueryX for ReportX.
+    Without `query` it is found by name: QueryX for ReportX, or X.
 
     Bad: `exchange="periodicEvent"` with a message named Odometry and no `query`
 

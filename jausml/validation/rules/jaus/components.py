@@ -153,7 +153,7 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
     """A report is asked for by a query that the provider takes.
 
     Events carry the query inside (AS5710, CreateEvent). Without `query` it is found by name:
-    QueryX for ReportX.
+    QueryX for ReportX, or X.
 
     Bad: a connection to a message named PoseReport without `query`
 
@@ -256,13 +256,11 @@ def missing_query(
     query = connection.query
     wanted = query.name if query is not None else query_name(message)
     note = (Note(provider, provider_name(provider)),)
-    if wanted:
-        text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
-        feature = "query" if query is not None else None
-        hint = "" if query is not None else f"let it provide a service with the input {wanted}"
-        return Finding(connection, text, feature, hint, note)
-    text = f"no query is known that asks for {message.name}"
-    return Finding(connection, text, None, "name it in the feature 'query'", note)
+    text = f"{provider_name(provider)} takes no {wanted}, which asks for {message.name}"
+    if query is not None:
+        return Finding(connection, text, "query", related=note)
+    hint = f"let it provide a service with the input {wanted}, or name the query in 'query'"
+    return Finding(connection, text, None, hint, note)
 
 
 def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
