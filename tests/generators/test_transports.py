@@ -33,7 +33,8 @@ MODEL = """<?xml version="1.0" encoding="UTF-8"?>
   </components>
   <components xmi:id="desk" name="desk" address="20.1.1"/>
   <hosts xmi:id="robot" name="robot" transport="{transport}" port="{robot}"/>
-  <hosts xmi:id="station" name="station" transport="{transport}" port="{station}"/>
+  <hosts xmi:id="station" name="station" transport="{transport}" port="{station}"
+      fragmentSize="1400"/>
   <placements host="robot" components="arm leg"/>
   <placements host="station" components="desk"/>
 </system:System>
@@ -89,14 +90,14 @@ def environment(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("transport", "expected"),
     [
-        ("judp", "TransportKind.JUDP 0"),
-        ("jtcp", "TransportKind.JTCP 2"),
-        ("nodeManager", "TransportKind.NODE_MANAGER 0"),
+        ("judp", "TransportKind.JUDP 0 1400"),
+        ("jtcp", "TransportKind.JTCP 2 1400"),
+        ("nodeManager", "TransportKind.NODE_MANAGER 0 1400"),
     ],
 )
 def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
     generate(tmp_path, transport)
-    code = "from desk.desk_base import TRANSPORT as t; print(t.transport, len(t.address_book))"
+    code = "from desk.desk_base import TRANSPORT as t; print(t.transport, len(t.address_book), t.fragment_size)"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=environment(tmp_path),

@@ -243,6 +243,35 @@ def test_a_busy_manager_is_waited_for(client, by_hand, wait_until):
     assert here.counter("node_manager.queue_full") == 0
 
 
+def test_a_burst_and_a_very_large_message_reach_their_component(client, managers, wait_until):
+    managers()
+    here, there = client().attach(DRIVER), client().attach(OCU)
+    wait_until(lambda: here.transport.is_attached(DRIVER) and there.transport.is_attached(OCU))
+    results: list[bool] = []
+    for count in range(2000):
+        payload = STATUS + count.to_bytes(2, "little") + bytes(31)
+        here.transport.send(DRIVER, OCU, payload, on_result=results.append)
+    wait_until(lambda: len(there.received) == len(results) == 2000, 60)
+    assert set(results) == {True}
+    big = os.urandom(2_000_000)
+    here.transport.send(DRIVER, OCU, big, on_result=results.append)
+    wait_until(lambda: len(results) == 2001, 60)
+    wait_until(lambda: there.payloads[-1] == big)
+
+
+def test_what_a_stuck_manager_does_not_take_is_refused_at_last(client, by_hand, wait_until):
+    here = client().attach(DRIVER)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: here.transport.is_attached(DRIVER))
+    results: list[bool] = []
+    while False not in results:
+        for _ in range(100):
+            here.transport.send(DRIVER, OCU, bytes(4079), on_result=results.append)
+        wait_until(lambda: len(results) % 100 == 0)
+        assert len(results) < 5000
+    assert here.counter("node_manager.queue_full") == results.count(False)
+
+
 def test_without_a_manager_messages_are_counted_and_it_is_found_later(client, managers, wait_until):
     here = client().attach(DRIVER)
     results: list[bool] = []

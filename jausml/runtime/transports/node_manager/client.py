@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 
 _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_WAKE_UP = 32
-_MAX_WAITING = 256
-_BUSY_PAUSE_S = 0.002
+_MAX_WAITING_BYTES = 8 << 20
+_DATAGRAM_OVERHEAD = 100
+_BUSY_PAUSE_S = 0.001
 _CONNECT_INTERVAL_S = 0.025
 _CONNECT_ATTEMPTS = 4
 _FIRST_PAUSE_S = 0.1
@@ -79,6 +80,7 @@ class NodeManagerClient(Carrier[str]):
         self._socket: socket.socket | None = None
         self._identity = 0
         self._waiting: deque[bytes] = deque()
+        self._waiting_bytes = 0
         self._attempts = 0
         self._pause = _FIRST_PAUSE_S
         self._timer: Timer | None = None
@@ -116,7 +118,7 @@ class NodeManagerClient(Carrier[str]):
             was_attached = self.is_attached
             self._send_waiting()
             self._state = _State.CLOSED
-            self._waiting.clear()
+            self._clear_waiting()
         self._cancel_timer()
         if self._socket is not None:
             if was_attached:
@@ -156,7 +158,7 @@ class NodeManagerClient(Carrier[str]):
         with self._lock:
             self._state = _State.WAITING
             lost = len(self._waiting)
-            self._waiting.clear()
+            self._clear_waiting()
         self._counters.count(
             "node_manager.no_answer",
             f"nobody accepts {self.address} at {self._manager}; {lost} messages are lost; "
@@ -215,11 +217,12 @@ class NodeManagerClient(Carrier[str]):
         with self._lock:
             if self._state in (_State.CLOSED, _State.WAITING):
                 name = "node_manager.not_attached"
-            elif len(self._waiting) >= _MAX_WAITING:
+            elif self._waiting_bytes >= _MAX_WAITING_BYTES:
                 name = "node_manager.queue_full"
             else:
                 is_first = not self._waiting
                 self._waiting.append(datagram)
+                self._waiting_bytes += len(datagram) + _DATAGRAM_OVERHEAD
                 if is_first and self.is_attached:
                     self._send_waiting()
                 return True
@@ -236,7 +239,11 @@ class NodeManagerClient(Carrier[str]):
             if not self._sendto(self._waiting[0]):
                 self._retry = self._loop.call_later(_BUSY_PAUSE_S, self._flush)
                 return
-            self._waiting.popleft()
+            self._waiting_bytes -= len(self._waiting.popleft()) + _DATAGRAM_OVERHEAD
+
+    def _clear_waiting(self) -> None:
+        self._waiting.clear()
+        self._waiting_bytes = 0
 
     def _sendto(self, datagram: bytes) -> bool:
         """Send to the manager; return False when it is busy."""
