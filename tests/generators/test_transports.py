@@ -97,7 +97,8 @@ def environment(folder: Path) -> dict[str, str]:
 )
 def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
     generate(tmp_path, transport)
-    code = "from desk.desk_base import TRANSPORT as t; print(t.transport, len(t.address_book), t.fragment_size)"
+    values = "t.transport, len(t.address_book), t.fragment_size"
+    code = f"from desk.desk_base import TRANSPORT as t; print({values})"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=environment(tmp_path),

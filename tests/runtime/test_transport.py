@@ -8,12 +8,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from jausml.generators.wireshark.views import NEIGHBOUR_PORTS
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
+from jausml.runtime.transports.udp.shared_port import neighbour_ports
 
 pytestmark = pytest.mark.ports
 
@@ -604,3 +607,62 @@ class TestNetworkFailure:
         for sequence, endpoint in enumerate([former, here.transport.endpoint]):
             peer.send(from_peer(sequence=sequence), endpoint)
         wait_until(lambda: len(here.received) == 2)
+
+    def test_processes_that_share_a_port_are_at_known_ones(self, station):
+        ports = [station(port=3794).transport.endpoint[1] for _ in range(3)]
+        assert ports == [3794, 53794, 53795]
+        assert list(neighbour_ports(3794)) == list(NEIGHBOUR_PORTS)
+        assert not neighbour_ports(15_505)
+
+    def test_a_port_beside_it_that_is_taken_is_left_out(self, station):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as foreign:
+            foreign.bind(("127.0.0.1", 53794))
+            ports = [station(port=3794).transport.endpoint[1] for _ in range(2)]
+        assert ports == [3794, 53795]
+
+    def test_a_node_manager_that_shares_the_port_is_run_beside(
+        self, station, free_port, wait_until
+    ):
+        """That of fkie takes the port of all interfaces, and allows others to."""
+        interface, group = socket.inet_aton("127.0.0.1"), "239.255.0.1"
+        with (
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as manager,
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking,
+        ):
+            manager.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+            manager.bind(("0.0.0.0", free_port))  # noqa: S104
+            member = socket.inet_aton(group) + interface
+            manager.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+            asking.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+            for each in (manager, asking):
+                each.settimeout(5)
+            here = station().attach(DRIVER)
+            question = from_peer(destination=BROADCAST, acknowledge=AckNak.REQUESTED).encode()
+            asking.sendto(question, (group, free_port))
+            endpoint = asking.recvfrom(65535)[1]
+            assert endpoint == here.transport.endpoint != ("127.0.0.1", free_port)
+            asking.sendto(from_peer(sequence=2).encode(), endpoint)
+            wait_until(lambda: len(here.received) == 2)
+            to_manager = from_peer(sequence=3).encode()
+            asking.sendto(to_manager, ("127.0.0.1", free_port))
+            heard = [manager.recv(65535)]
+            while heard[-1] != to_manager:
+                heard.append(manager.recv(65535))
+            assert question in heard
+
+    def test_a_node_manager_that_starts_later_is_warned_of(
+        self, tmp_path_factory, wait_until, caplog, monkeypatch
+    ):
+        folder = tmp_path_factory.mktemp("nm")
+        monkeypatch.setattr(judp, "_MANAGER_INTERVAL_S", 0.02)
+        settings = TransportSettings(node_manager_directory=str(folder))
+        with Loop() as loop:
+            transport = JudpTransport(settings, loop)
+            transport.open()
+            loop.start()
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+                manager.bind(str(folder / "JuniorRTE"))
+                wait_until(lambda: "a node manager runs on this host" in caplog.text)
+            transport.close()
+        assert caplog.text.count("a node manager runs") == 1
+        assert str(folder) in caplog.text

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.system import System
 
 JAUS_PORT = 3794
+NEIGHBOUR_PORTS = range(53794, 53826)
+"""UDP ports of processes that share that of JAUS and do not own it, as the runtime takes them."""
 """The port that IANA assigned to JAUS (AS5669A)."""
 
 
@@ -80,6 +82,11 @@ class DissectorView:
     def ports(self) -> list[int]:
         """The UDP and TCP ports of the hosts of the system, and that of JAUS."""
         return sorted({JAUS_PORT, *(int(host.port) for host in self.system.hosts)})
+
+    @property
+    def neighbour_ports(self) -> list[int]:
+        """The UDP ports of processes that share that of JAUS."""
+        return list(NEIGHBOUR_PORTS)
 
     @cached_property
     def messages(self) -> list[MessageTable]:

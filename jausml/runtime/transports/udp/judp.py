@@ -5,9 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ...base.counters import LOGGER
+from ...base.settings import JUDP_PORT
 from ..address_book import AddressBook
 from ..packets.messenger import Messenger
 from ..packets.packet import Packet, parse_datagram
+from ..port_holder import manager_folder
 from ..transport import Transport
 from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_WAKE_UP = 32
+_MANAGER_INTERVAL_S = 5.0
 
 
 class JudpTransport(Transport):
@@ -48,6 +52,7 @@ class JudpTransport(Transport):
         self._messenger = Messenger(settings, loop, self._sender)
         self._inbox = self._messenger.inbox
         self._takeover: Timer | None = None
+        self._manager_watch: Timer | None = None
 
     def open(self) -> None:
         """Open the sockets and begin to receive.
@@ -61,13 +66,15 @@ class JudpTransport(Transport):
             for sock in (self._port.multicast, self._port.unicast):
                 self._watch(sock)
             self._share_port()
+            self._watch_for_manager()
 
     def close(self) -> None:
         """Close the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
-            if self._takeover is not None:
-                self._takeover.cancel()
-                self._takeover = None
+            for timer in (self._takeover, self._manager_watch):
+                if timer is not None:
+                    timer.cancel()
+            self._takeover = self._manager_watch = None
             for sock in (self._port.multicast, self._port.unicast, self._port.former):
                 if sock is not None:
                     self.loop.unregister(sock)
@@ -189,6 +196,26 @@ class JudpTransport(Transport):
             self._takeover = self.loop.call_later(
                 self._settings.takeover_interval, self._share_port
             )
+
+    def _watch_for_manager(self) -> None:
+        """Warn of a node manager that started later, and cannot have the port.
+
+        Node managers want the standard port; Junior's goes on without a network if it is taken.
+        """
+        self._manager_watch = None
+        if self._settings.port != JUDP_PORT:
+            return
+        folder = manager_folder(self._settings) if self._port.is_owner else None
+        if folder is None:
+            self._manager_watch = self.loop.call_later(_MANAGER_INTERVAL_S, self._watch_for_manager)
+            return
+        LOGGER.warning(
+            "a node manager runs on this host (its socket is in %s), but this process owns UDP "
+            "port %d, so that the manager reaches nobody; start it first, and this process with "
+            "--jaus-transport node-manager",
+            folder,
+            JUDP_PORT,
+        )
 
     def _announce(self) -> None:
         if self._inbox.receivers and self._port.unicast is not None and not self._port.is_owner:

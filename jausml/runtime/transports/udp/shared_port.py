@@ -1,7 +1,7 @@
 """One JUDP port for several processes of one host.
 
 Every process joins the multicast group with a socket of its own. Only one can own the unicast
-port; the others send and receive on a port that the system chooses, which peers learn from their
+port; the others send and receive on a port of a known range, which peers learn from their
 datagrams. Datagrams for them that peers send to the well-known port are forwarded by its owner.
 """
 
@@ -31,6 +31,23 @@ _FORWARDED_SIZE = len(_FORWARDED) + _ENDPOINT.size
 _MAX_PRESENT = 256
 
 _IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
+
+
+_NEIGHBOURS_OFFSET = 50_000
+_NEIGHBOURS = 32
+
+
+def neighbour_ports(port: int) -> range:
+    """Return the ports that processes take which share a port and do not own it.
+
+    They are known so that captures and firewalls can name them: 50,000 above, where no service
+    can be registered (RFC 6335), 32 in number. For a port too high for that there are none.
+
+    Args:
+        port: The shared port.
+    """
+    first = port + _NEIGHBOURS_OFFSET
+    return range(first, first + _NEIGHBOURS) if first + _NEIGHBOURS <= 0x10000 else range(0)
 
 
 class SharedPort:
@@ -114,6 +131,15 @@ class SharedPort:
             self._settings.port,
             owners or "another program",
         )
+        return self._neighbour_socket()
+
+    def _neighbour_socket(self) -> socket.socket:
+        for port in neighbour_ports(self._settings.port):
+            try:
+                return self._unicast_socket(port)
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise
         return self._unicast_socket(0)
 
     def _unicast_socket(self, port: int) -> socket.socket:
@@ -141,7 +167,8 @@ class SharedPort:
                 self._settings.interface
             )
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            if sys.platform == "darwin":
+            if hasattr(socket, "SO_REUSEPORT"):
+                # With a node manager that allows it as well (that of fkie).
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
             sock.settimeout(0)
