@@ -315,6 +315,10 @@ class _Reading:
                 self._output.problem(shown_path(path), str(error))
         for reason, number in sorted(reader.skipped.items()):
             click.echo(f"{shown_path(path)}: skipped {number} {reason}", err=True)
+        if reader.elsewhere.unclaimed:
+            what = f"skipped {reader.elsewhere.unclaimed} datagrams that look like JUDP"
+            why = f"between endpoints that were not seen with port {port}; --port chooses another"
+            click.echo(f"{shown_path(path)}: {what}, {why}", err=True)
         if reader.unfinished:
             text = f"skipped {reader.unfinished} IP packets with missing fragments"
             click.echo(f"{shown_path(path)}: {text}", err=True)

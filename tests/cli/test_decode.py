@@ -37,11 +37,11 @@ def objects(result):
     return [json.loads(line) for line in result.stdout.splitlines()]
 
 
-def capture(*datagrams, port=3794):
+def capture(*datagrams, port=3794, source=5000):
     data = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101)
     for number, datagram in enumerate(datagrams):
         hosts = socket.inet_aton("10.9.0.1") + socket.inet_aton("10.9.0.2")
-        udp = struct.pack(">HHHH", 5000, port, 8 + len(datagram), 0) + datagram
+        udp = struct.pack(">HHHH", source, port, 8 + len(datagram), 0) + datagram
         packet = struct.pack(">BBHHHBBH", 0x45, 0, 20 + len(udp), 1, 0, 9, 17, 0) + hosts + udp
         data += struct.pack("<IIII", 1000 + number, 0, len(packet), len(packet)) + packet
     return data
@@ -265,6 +265,19 @@ def test_captures(jausml, tmp_path):
     assert result.stderr == "skipped 1 frames between jausml processes of one host\n"
     assert jausml("decode", "--pcap", path, "--port", 5001).stdout == ""
     assert len(objects(jausml("decode", "--pcap", path, "--count", 1))) == 1
+
+
+def test_a_capture_shows_who_shares_the_port_and_counts_strangers(jausml, tmp_path):
+    ends = ((3794, 5000), (51000, 5000), (50001, 50000))
+    frames = [capture(DATAGRAM, port=to, source=source) for to, source in ends]
+    head = len(capture())
+    (tmp_path / "a.pcap").write_bytes(frames[0] + b"".join(each[head:] for each in frames[1:]))
+    result = jausml("decode", "--pcap", "a.pcap")
+    assert [each["number"] for each in objects(result)] == [1, 2]
+    assert result.stderr == (
+        "a.pcap: skipped 1 datagrams that look like JUDP, between endpoints that were not seen "
+        "with port 3794; --port chooses another\n"
+    )
 
 
 def test_a_capture_that_ends_too_early_is_shown_so_far(jausml, tmp_path):

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from jausml.live.messages import load_catalogue
 from jausml.live.traffic import text
-from jausml.live.traffic.frames import Datagram, Endpoint
+from jausml.live.traffic.elsewhere import Endpoint
+from jausml.live.traffic.frames import Datagram
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import DataFlags, Packet
@@ -128,6 +129,8 @@ def test_messages_of_several_packets(order):
     assert [each.message is None for each in seen] == [True, True, False]
     assert all("of a message of several" in each.error for each in seen[:2])
     assert not any(each.is_problem for each in seen)
+    assert ["error" in each.to_json() for each in seen] == [False, False, False]
+    assert ["fragment" in each.to_json() for each in seen] == [True, True, False]
     whole = seen[-1].to_json()["message"]
     assert whole["fields"]["ReportIdentificationRec"]["Identification"] == "robot"
 

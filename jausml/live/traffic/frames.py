@@ -6,7 +6,9 @@ import socket
 import struct
 from collections import Counter, OrderedDict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+from jausml.live.traffic.elsewhere import Elsewhere, Endpoint, is_judp
 
 if TYPE_CHECKING:
     from jausml.live.traffic.captures import Frame
@@ -20,16 +22,6 @@ _IPV6_FRAGMENT = 44
 _IPV6_EXTENSIONS = (0, 43, 60)  # hop by hop, routing, destination options
 _MAXIMUM_PENDING = 64
 _LARGEST_DATAGRAM = 65535
-
-
-class Endpoint(NamedTuple):
-    """An IP address and a UDP port."""
-
-    host: str
-    port: int
-
-    def __str__(self) -> str:
-        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
 @dataclass(frozen=True)
@@ -75,10 +67,11 @@ class _Fragments:
 
 
 class UdpReader:
-    """Finds the UDP datagrams of a port in frames.
+    """Finds the UDP datagrams of a port in frames, and JUDP of who speaks it there on other ports.
 
     Attributes:
         skipped: How many frames of the port could not be read, and of unknown links, by reason.
+        elsewhere: What is on other ports.
     """
 
     def __init__(self, port: int) -> None:
@@ -88,6 +81,7 @@ class UdpReader:
             port: UDP port that a datagram must come from or go to.
         """
         self.skipped: Counter[str] = Counter()
+        self.elsewhere = Elsewhere()
         self._port = port
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
@@ -205,15 +199,19 @@ class UdpReader:
         self, content: bytes, family: int, hosts: tuple[bytes, bytes], frame: Frame
     ) -> Datagram | None:
         source, destination, length = struct.unpack_from(">HHH", content)
-        if self._port not in (source, destination):
-            return None
+        is_ours = self._port in (source, destination)
         if length < 8 or length > len(content):
+            if not is_ours:
+                return None
             raise _Cut
+        data = content[8:length]
+        has_form = is_judp(data)
+        if not is_ours and not has_form:
+            return None
         names = [socket.inet_ntop(family, host) for host in hosts]
-        return Datagram(
-            content[8:length],
-            Endpoint(names[0], source),
-            Endpoint(names[1], destination),
-            frame.time,
-            frame.number,
-        )
+        ends = Endpoint(names[0], source), Endpoint(names[1], destination)
+        if not is_ours and not self.elsewhere.takes(*ends):
+            return None
+        if has_form:
+            self.elsewhere.learn(*ends)
+        return Datagram(data, *ends, frame.time, frame.number)

@@ -8,8 +8,9 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from jausml.live.traffic.elsewhere import Endpoint
 from jausml.live.traffic.errors import TrafficError
-from jausml.live.traffic.frames import Datagram, Endpoint
+from jausml.live.traffic.frames import Datagram
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -54,7 +54,8 @@ class Observation:
         packet: Its header and payload, None when the datagram cannot be read.
         data_size: What its header says: bytes of the header, the payload and the sequence number.
         message: The JAUS message; that of several packets stands with the packet that completes it.
-        error: Why there is no message, empty when there is one or none is due.
+        error: Why there is no message, empty when there is one or none is due; of a packet of
+            several, which place it has.
         is_fragment: Whether it is a packet of a message of several.
     """
 
@@ -71,7 +72,7 @@ class Observation:
         return bool(self.error) and not self.is_fragment
 
     def to_json(self) -> dict[str, Any]:
-        """Returns header, payload, and the decoded message or what is wrong."""
+        """Returns header, payload, and the decoded message, what is wrong, or what is awaited."""
         found: dict[str, Any] = {}
         datagram, packet = self.datagram, self.packet
         if datagram.source is not None:
@@ -97,7 +98,7 @@ class Observation:
         if self.message is not None:
             found["message"] = self.message.to_json()
         if self.error:
-            found["error"] = self.error
+            found["fragment" if self.is_fragment else "error"] = self.error
         return found
 
 
