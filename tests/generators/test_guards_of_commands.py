@@ -36,9 +36,10 @@ service Winding {
 """
 )
 SYSTEM = """
-component winch { address: 1.1.1  provides: %(provided)s }
+component winch { address: 1.1.1  coreServices: none  provides: %(provided)s }
 bridge deck {
   address: 1.1.2
+  coreServices: none
   provides: %(provided)s
   connection command { map: set_winch direction: jausToRos topic winch { } }
   connection wind { map: set_winch direction: rosToJaus peers: winch topic wheel { } }

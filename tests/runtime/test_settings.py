@@ -4,6 +4,7 @@ import argparse
 
 import pytest
 
+from jausml.runtime import ComponentSettings
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import (
     TransportKind,
@@ -12,6 +13,7 @@ from jausml.runtime.base.settings import (
     from_arguments,
     peers,
 )
+from jausml.runtime.component.process import add_component_arguments, component_settings
 
 
 def parse(*words: str, defaults: TransportSettings | None = None) -> TransportSettings:
@@ -104,3 +106,12 @@ def test_a_bad_peer_is_a_usage_error(text: str) -> None:
 def test_values_out_of_range_are_refused(values: dict) -> None:
     with pytest.raises(ValueError, match=r"\S"):
         TransportSettings(**values)
+
+
+def test_control_survives_an_emergency_by_option() -> None:
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    add_component_arguments(parser, JausAddress(1, 1, 1))
+    modelled = ComponentSettings(control_timeout=2)
+    assert component_settings(parser.parse_args([]), modelled) == modelled
+    settings = component_settings(parser.parse_args(["--control-survives-emergency"]), modelled)
+    assert settings == ComponentSettings(control_timeout=2, control_survives_emergency=True)

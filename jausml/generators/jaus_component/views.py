@@ -31,6 +31,7 @@ from jausml.generators.python.package import EntryPoint
 from jausml.generators.python.statements import call, long_string
 from jausml.semantics.commands import guard_of
 from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
+from jausml.semantics.services import provided_services
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -118,11 +119,13 @@ class ComponentView:
     @functools.cached_property
     def _services(self) -> tuple[jaus.Service, ...]:
         """Provided services whose messages the component itself handles, bases first."""
-        return tuple(s for s in self._provided if s.urn not in SERVED_BY_RUNTIME)
+        provided = components.with_inherited(self.component.provides)
+        return tuple(s for s in provided if s.urn not in SERVED_BY_RUNTIME)
 
     @functools.cached_property
     def _provided(self) -> tuple[jaus.Service, ...]:
-        return tuple(components.with_inherited(self.component.provides))
+        """All services that the component provides, which decide whom it obeys."""
+        return tuple(provided_services(self.component))
 
     @functools.cached_property
     def _messages(self) -> dict[jaus.MessageDef, MessageView]:
