@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from jausml.text.notation import NOTATIONS, SUFFIX, BridgeOfMaps, Ros2Jaus
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from jausml.model.notation import Notation
+
+_ADDRESS = re.compile(r"\d+\.\d+\.\d+")
 
 PROBLEMS = 1
 SUFFIXES = (".xmi", ".ros2jaus")
@@ -20,6 +27,48 @@ class EnvironmentFault(click.ClickException):
     """Something outside the models is wrong: a path, a permission, a missing package."""
 
     exit_code = 2
+
+
+def bridge_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the option of a bridge of all maps to a verb that reads one model."""
+    return click.option(
+        "--bridge-address",
+        metavar="ID",
+        help="Make a bridge of this JAUS id that carries all maps of the file, both directions.",
+    )(command)
+
+
+def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the frequency of the bridge of `bridge_options` to a verb."""
+    return click.option(
+        "--frequency",
+        type=click.FloatRange(0, 1092, min_open=True),
+        metavar="HZ",
+        help="Frequency of the bridge of --bridge-address.",
+    )(command)
+
+
+def notations_for(
+    model: str, bridge_address: str | None, frequency: float | None
+) -> tuple[Notation, ...]:
+    """Returns what reads a model file that is no XMI, with a bridge of its maps where one is asked.
+
+    Args:
+        model: The file.
+        bridge_address: JAUS id of the bridge, None for none.
+        frequency: Messages each second of its events, None for the default.
+
+    Raises:
+        UsageError: There can be no such bridge.
+    """
+    if bridge_address is None:
+        return NOTATIONS
+    if not _ADDRESS.fullmatch(bridge_address):
+        raise click.UsageError("--bridge-address is a JAUS id such as 100.1.20")
+    if not model.endswith(SUFFIX):
+        raise click.UsageError(f"--bridge-address takes the maps of a {SUFFIX} file")
+    bridge = BridgeOfMaps(Path(model).resolve(), bridge_address, frequency)
+    return (Ros2Jaus(bridge),)
 
 
 def find_models(paths: Iterable[str]) -> list[str]:

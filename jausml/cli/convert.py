@@ -8,14 +8,21 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.common import PROBLEMS, SUFFIXES, EnvironmentFault, find_files
+from jausml.cli.common import (
+    PROBLEMS,
+    SUFFIXES,
+    EnvironmentFault,
+    bridge_options,
+    find_files,
+    frequency_option,
+    notations_for,
+)
 from jausml.cli.imported import counted, say, write_document
 from jausml.model.diagnostics import Severity
 from jausml.model.identifiers import name_identifiers
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.xmi.writer import UnwritableError, to_xmi
 from jausml.text.comments import ordinary_comments
-from jausml.text.notation import NOTATIONS
 from jausml.text.writing.unparsing import to_text
 from jausml.validation.formats import text
 from jausml.validation.report import Report
@@ -40,6 +47,8 @@ _XMI, _TEXT = SUFFIXES
     help="Folder that references may not leave; by default the Git checkout.",
 )
 @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@bridge_options
+@frequency_option
 @click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
 def command(
     source: str,
@@ -47,6 +56,8 @@ def command(
     force: bool,
     project_root: str | None,
     allow_outside: bool,
+    bridge_address: str | None,
+    frequency: float | None,
     quiet: bool,
 ) -> None:
     """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
@@ -58,8 +69,9 @@ def command(
     internal error.
     """
     _check_paths(source, target)
+    notations = notations_for(source, bridge_address, frequency)
     result = read_models(
-        [source], project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
+        [source], project_root=project_root, allow_outside=allow_outside, notations=notations
     )
     _report(result, source, quiet=quiet)
     model, document = result.model, result.model.documents[0]

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+from jausml.cli.common import (
+    PROBLEMS,
+    EnvironmentFault,
+    bridge_options,
+    find_models,
+    notations_for,
+)
 from jausml.generation import (
     ActionKind,
     GenerationError,
@@ -26,21 +32,24 @@ from jausml.generation import (
 )
 from jausml.metamodel.classes import bridge
 from jausml.model import ReadResult, read_models
-from jausml.text.notation import NOTATIONS, SUFFIX
+from jausml.text.notation import SUFFIX
 from jausml.validation.engine import check
 from jausml.validation.formats import text
 from jausml.validation.formats.text import one_line
 from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.generation import Plan, Target
     from jausml.model.model import Model
+    from jausml.model.notation import Notation
 
 _MODES = ("check", "diff", "dry_run")
 _EXAMPLE = """\
 bridge front {{
   address: <subsystem>.<node>.<component>
-  connection {map} {{ map: {map}  peers: <component>  topic {map} {{ }} }}
+  connection {map} {{ map: {map}  peers: <component>  topic {map} }}
 }}"""
 
 
@@ -87,6 +96,7 @@ class WholeLibraryOption(click.Option):
     metavar="HZ",
     help="Frequency of every bridge, for connections that state no rate of their own.",
 )
+@bridge_options
 @click.option("--project-root", metavar="DIR", type=click.Path(exists=True, file_okay=False))
 @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not list files that stay as they are.")
@@ -98,6 +108,7 @@ def command(
     adopt: str,
     force: bool,
     frequency: float | None,
+    bridge_address: str | None,
     project_root: str | None,
     allow_outside: bool,
     quiet: bool,
@@ -117,7 +128,8 @@ def command(
         raise click.UsageError(f"--frequency is above 0 and at most {MAXIMUM_RATE:g} hertz")
     folder = _out_folder(model, out)
     selection = _selected(names, whole_library=whole_library)
-    read = _read(model, project_root, allow_outside=allow_outside)
+    notations = notations_for(model, bridge_address, frequency)
+    read = _read(model, project_root, notations, allow_outside=allow_outside)
     if frequency is not None:
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
@@ -135,14 +147,16 @@ def _out_folder(model: str, out: str | None) -> Path:
     return folder
 
 
-def _read(path: str, project_root: str | None, *, allow_outside: bool) -> ReadResult:
+def _read(
+    path: str, project_root: str | None, notations: Sequence[Notation], *, allow_outside: bool
+) -> ReadResult:
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
     return read_models(
         find_models([path]),
         project_root=project_root,
         allow_outside=allow_outside,
-        notations=NOTATIONS,
+        notations=notations,
     )
 
 
@@ -188,7 +202,10 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
 def _no_system(error: NoSystemError) -> str:
     if error.systems or not error.maps or not error.path.endswith(SUFFIX):
         return str(error)
-    message = f"{error.path} holds maps, but no bridge that uses them; add one, for example:"
+    message = (
+        f"{error.path} holds maps, but no bridge that uses them; say --bridge-address ID for one"
+    )
+    message += " that carries them all, or add one, for example:"
     return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 

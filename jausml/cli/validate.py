@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import click
 
-from jausml.cli.common import PROBLEMS, find_models, write_report
-from jausml.text.notation import NOTATIONS
+from jausml.cli.common import (
+    PROBLEMS,
+    bridge_options,
+    find_models,
+    frequency_option,
+    notations_for,
+    write_report,
+)
 from jausml.validation.engine import validate
 from jausml.validation.formats import RENDERERS, text
 
@@ -28,6 +34,8 @@ from jausml.validation.formats import RENDERERS, text
     help="Folder that references may not leave; by default the Git checkout.",
 )
 @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@bridge_options
+@frequency_option
 @click.option("--strict", is_flag=True, help="Fail on warnings too.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
 def command(
@@ -36,6 +44,8 @@ def command(
     output: str | None,
     project_root: str | None,
     allow_outside: bool,
+    bridge_address: str | None,
+    frequency: float | None,
     strict: bool,
     quiet: bool,
 ) -> None:
@@ -46,9 +56,12 @@ def command(
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
     """
+    if bridge_address is not None and len(paths) > 1:
+        raise click.UsageError("--bridge-address takes one file of maps")
+    notations = notations_for(paths[0], bridge_address, frequency)
     models = find_models(paths)
     report = validate(
-        models, project_root=project_root, allow_outside=allow_outside, notations=NOTATIONS
+        models, project_root=project_root, allow_outside=allow_outside, notations=notations
     )
     write_report(RENDERERS[output_format](report), output)
     if not quiet:

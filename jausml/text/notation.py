@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
@@ -32,8 +33,30 @@ _SPECIAL = {
 _VALUES = {"EString": "text", "EInt": "number", "ELong": "number", "EDouble": "number"}
 
 
+@dataclass(frozen=True, slots=True)
+class BridgeOfMaps:
+    """What a bridge of all maps of a file is, besides the maps.
+
+    Attributes:
+        path: The file, a real path.
+        address: JAUS address of the bridge, such as `100.1.20`.
+        frequency: Messages each second of its events, None for the default of bridges.
+    """
+
+    path: Path
+    address: str
+    frequency: float | None = None
+
+
 class Ros2Jaus:
-    """Reads ros2jaus text."""
+    """Reads ros2jaus text.
+
+    Args:
+        bridge: A bridge that carries all maps of a file, None for none.
+    """
+
+    def __init__(self, bridge: BridgeOfMaps | None = None) -> None:
+        self._bridge = bridge
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -67,7 +90,8 @@ class Ros2Jaus:
             Fault("JML701", each.message, each.hint, each.span.line, each.span.column)
             for each in parsed.faults
         ]
-        return TextDocument(parsed.document, faults, path, metamodels)
+        bridge = self._bridge if self._bridge is not None and self._bridge.path == path else None
+        return TextDocument(parsed.document, faults, path, metamodels, bridge)
 
 
 NOTATIONS: tuple[Notation, ...] = (Ros2Jaus(),)

@@ -100,6 +100,12 @@ _RULES = {
         "`connection speed { map: velocity_state  peers: vehicle  topic odom }`, where vehicle "
         "provides it too. Good: the same with `direction: jausToRos`, for what vehicle reports.",
     ),
+    "JML716": RuleInfo(
+        "bridge of all maps beside a system",
+        "The option --bridge-address makes a system with one bridge, which carries all maps of the "
+        "file. A file that has a system says itself what its bridges are. Bad: the option with a "
+        "file that has a component. Good: the option with a file of maps.",
+    ),
 }
 
 TEXT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)

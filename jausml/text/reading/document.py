@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.model.notation import Fault, ImportedDocument
 from jausml.text.reading import imports
+from jausml.text.reading.bridge_of_maps import add_bridge
 from jausml.text.reading.declaring.declaring import Declarer
 from jausml.text.reading.elements import ElementReader
 from jausml.text.reading.explaining import explain
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.model.notation import Explanation, Known
     from jausml.model.xmi.parsing import Node
+    from jausml.text.notation import BridgeOfMaps
     from jausml.text.tree import Item, SyntaxTree
 
 SERVICE = "service"
@@ -38,11 +40,19 @@ class TextDocument:
         faults: What the parser found.
         path: The file.
         metamodels: The metamodels of the elements.
+        bridge: What a bridge of all its maps is, None for none.
     """
 
     def __init__(
-        self, document: SyntaxTree, faults: Sequence[Fault], path: Path, metamodels: Metamodels
+        self,
+        document: SyntaxTree,
+        faults: Sequence[Fault],
+        path: Path,
+        metamodels: Metamodels,
+        bridge: BridgeOfMaps | None = None,
     ) -> None:
+        self._metamodels = metamodels
+        self._bridge = bridge
         self._nodes = NodeMaker(metamodels)
         elements = ElementReader(metamodels, self._nodes)
         self._maps = MapReader(metamodels, self._nodes, elements)
@@ -51,6 +61,7 @@ class TextDocument:
         self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
         self.imports: list[ImportedDocument] = []
         self._declarer.service.written = _own_service(document)
+        self._declarer.service.asks_for_all = bridge is not None
         for item in document.items:
             if isinstance(item, Import):
                 self._import(item)
@@ -69,10 +80,23 @@ class TextDocument:
         return self._nodes.faults
 
     def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
-        """Returns the messages and types that maps use and nobody knows."""
+        """Returns the messages and types that maps use and nobody knows, and the asked bridge."""
         before = len(self._nodes.faults)
         self._declarer.run(self._maps.ends, known)
-        return self._declarer.roots, self._nodes.faults[before:]
+        roots = list(self._declarer.roots)
+        if self._bridge is not None:
+            roots += self._system_of_maps(self._bridge, known)
+        return roots, self._nodes.faults[before:]
+
+    def _system_of_maps(self, bridge: BridgeOfMaps, known: Known) -> Sequence[Node]:
+        for root in self._roots.roots:
+            if self._nodes.classes[root].qualified_name == "system.System":
+                message = "the file has a system, and a bridge of all its maps makes one"
+                hint = "give its own bridge the address, or leave --bridge-address out"
+                self._nodes.fault("JML716", self._nodes.spans[root], message, hint, owner=root)
+                return []
+        ends = self._maps.ends
+        return add_bridge(bridge, ends, self._declarer, known, self._nodes, self._metamodels)
 
     def check(self) -> Sequence[Fault]:
         """Settles what connections leave open; returns what is unclear about them and members."""

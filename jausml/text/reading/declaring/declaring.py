@@ -55,6 +55,7 @@ class Declarer:
         self._packages: dict[str, Node] = {}
         self.roots: list[Node] = []
         self._declaring: set[int] = set()
+        self._fresh: dict[tuple[bool, str], WrittenEnd] = {}
 
     def run(self, ends: Sequence[WrittenEnd], known: Known) -> None:
         """Declares what ends with members name in vain, each once.
@@ -69,6 +70,7 @@ class Declarer:
             if end.members is not None and self._is_new(end, known):
                 fresh.setdefault((end.is_jaus, end.type.text), written)
         self._declaring = {id(written.end) for written in fresh.values()}
+        self._fresh = fresh
         messages = [each for (is_jaus, _), each in fresh.items() if is_jaus]
         self.roots += self.service.declare(messages, known)
         for (is_jaus, _), written in fresh.items():
@@ -78,6 +80,10 @@ class Declarer:
     def declares(self, end: End) -> bool:
         """Tells whether an end declares its message."""
         return id(end) in self._declaring
+
+    def declaration_of(self, written: WrittenEnd) -> WrittenEnd | None:
+        """Returns the end that declares the message or type of an end, None where it is known."""
+        return self._fresh.get((written.end.is_jaus, written.end.type.text))
 
     def _is_new(self, end: End, known: Known) -> bool:
         package, _, name = end.type.text.replace("/msg/", "/").rpartition("/")

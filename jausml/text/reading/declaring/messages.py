@@ -58,6 +58,8 @@ class OwnService:
         self._path = path
         self._fields = JausFields(metamodels, nodes, elements, types)
         self._used: set[int] = set()
+        self.asks_for_all = False
+        """Whether every message that comes out of the service gets a query, not reports alone."""
         self.written: Element | None = None
         """The service as the text writes it, if it does."""
         self.node: Node | None = None
@@ -128,7 +130,8 @@ class OwnService:
         report, span = written.end.type.text, written.end.type.span
         name = f"{_QUERY}{report.removeprefix(_REPORT)}"
         declared = {child.text for each in service.children for child in each.children}
-        if not report.startswith(_REPORT) or name in declared:
+        is_report = report.startswith(_REPORT) or self.asks_for_all
+        if not is_report or message_feature(written) != "outputs" or name in declared:
             return
         if known.find("jaus.MessageDef", name):
             return
