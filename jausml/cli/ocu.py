@@ -422,8 +422,8 @@ def _run_session(settings: Settings) -> None:
             console.run(_typed())
             return
         console.run(sys.stdin)
-        if console.failures:
-            raise click.exceptions.Exit(PROBLEMS)
+        if console.failures or console.has_doubts:
+            raise click.exceptions.Exit(PROBLEMS if console.failures else LOST)
 
 
 def _typed() -> Iterator[str]:

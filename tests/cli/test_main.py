@@ -26,6 +26,21 @@ def test_help_lists_the_verbs_without_loading_them():
         assert text in result.stdout
 
 
+@pytest.mark.parametrize(
+    "words", [["show", "message", "SetVelocityCommand"], ["list", "services"], ["decode", "0220"]]
+)
+def test_looking_up_messages_loads_neither_runtime_nor_text(words):
+    code = (
+        f"import sys; from jausml.cli import main\n"
+        f"try: main({words})\n"
+        "except SystemExit as end: assert not end.code\n"
+        "heavy = {'jausml.runtime', 'jausml.text.reading', 'lark', 'jinja2', 'jausml.generators'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+
+
 @pytest.mark.parametrize("verb", VERBS)
 def test_each_verb_has_help_that_begins_with_its_text(jausml, verb):
     result = jausml(verb, "--help")

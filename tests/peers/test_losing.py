@@ -153,6 +153,7 @@ def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_un
     """
     with meanwhile(stop):
         result = jausml("ocu", input=commands)
+    assert result.exit_code == 4
     assert "note: 100.1.1 is not controlled by us any more" in result.stdout
     assert "note: 100.1.1 is in EMERGENCY" in result.stdout
     assert "note: 100.1.1 is not controlled by us; it may ignore SetWrenchEffort" in result.stdout

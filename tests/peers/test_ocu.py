@@ -281,6 +281,13 @@ def test_a_component_without_the_service_is_told_from_a_silent_one(jausml, compo
     assert "and not VelocityStateSensor" in result.stderr
 
 
+def test_what_a_peer_calls_its_services_moves_no_cursor(jausml, component):
+    component(services=("mobility:\x1b[2J",))
+    result = jausml("ocu", "query", "100.1.1", "VelocityState", "--timeout", "0.3")
+    assert "and not VelocityStateSensor" in result.stderr
+    assert "\x1b" not in result.stderr
+
+
 def test_a_component_without_data_is_told_from_a_silent_one(jausml, component):
     component(services=("mobility:VelocityStateSensor",))
     result = jausml("ocu", "query", "100.1.1", "VelocityState", "--timeout", "0.3")

@@ -58,6 +58,7 @@ class Console:
 
     Attributes:
         failures: Commands that did not end well.
+        has_doubts: Whether messages were sent that may have found a component lost.
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
@@ -68,6 +69,7 @@ class Console:
             emit: Takes each line for the user; also called on another thread.
         """
         self.failures = 0
+        self.has_doubts = False
         self._operator = operator
         self._emit = emit
         self._target: JausAddress | None = None
@@ -229,6 +231,7 @@ class Console:
         """Tells of messages that may have had no effect; all went well where there are none."""
         hold = next((each for each in self._operator.holds if each.target == target), None)
         if hold is not None and hold.doubtful:
+            self.has_doubts = True
             self._emit(f"note: {outcome('messages', hold)}")
 
     def _resume(self, rest: str) -> None:

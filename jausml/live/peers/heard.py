@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.legal import listed
+from jausml.live.peers.rendering import printable
 from jausml.runtime.wire.message import DecodeError, read_code
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class Heard:
         ]
         if provided:
             return f"it provides {provided[0].name}, so it has no data yet or refuses"
-        own = listed([each.urn.rpartition(":")[2] for each in services])
+        own = listed([printable(each.urn.rpartition(":")[2]) for each in services])
         return f"it provides {own}, and not {names or 'a service with this message'}"
 
     def _takers(self, message: str) -> Iterator[ServiceEntry]:
