@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
@@ -18,6 +20,16 @@ PEER = JausAddress(300, 1, 1)
 OTHER = JausAddress(300, 1, 2)
 STATUS = b"\x02\x40"
 PACKET = 100
+
+
+class Clock:
+    """A clock that only moves when told."""
+
+    def __init__(self) -> None:
+        self.time = 1000.0
+
+    def __call__(self) -> float:
+        return self.time
 
 
 class Recording(Carrier[str]):
@@ -191,3 +203,61 @@ def test_messages_of_too_many_small_packets_go_in_larger_ones(line):
             OWN, PEER, bytes(size), Priority.STANDARD, AckNak.NONE
         )
         assert (len(made), max(len(each.payload) for each in made)) == (packets, largest)
+
+
+STEPS = st.lists(
+    st.one_of(
+        st.tuples(
+            st.just("send"),
+            st.sampled_from([PEER, OTHER]),
+            st.sampled_from([1, 1, 2, 3, 12]),
+            st.booleans(),
+            st.sampled_from([Priority.STANDARD, Priority.SAFETY_CRITICAL]),
+        ),
+        st.tuples(st.just("acknowledge"), st.integers(0, 60)),
+        st.tuples(st.just("wait"), st.sampled_from([0.0, 0.05, 0.11])),
+    ),
+    max_size=120,
+)
+
+
+@given(STEPS)
+def test_each_result_comes_once_and_large_messages_never_mix(steps) -> None:
+    line = Line(Clock())
+    results: list[int] = []
+    sent: list[Packet] = []
+    for number, step in enumerate(steps):
+        if step[0] == "send":
+            _, to, packets, acknowledge, priority = step
+            line.messenger.send(
+                OWN,
+                to,
+                STATUS + bytes([number]) * (PACKET * packets - 2),
+                priority,
+                acknowledge,
+                lambda _, number=number: results.append(number),
+            )
+        elif step[0] == "wait":
+            line.pass_time(step[1])
+        sent += line.carrier.packets
+        line.carrier.packets = []
+        if step[0] == "acknowledge" and sent:
+            line.acknowledge(sent[-1 - step[1] % len(sent)])
+            sent += line.carrier.packets
+            line.carrier.packets = []
+    for _ in range(400):
+        line.pass_time(0.11)
+        sent += line.carrier.packets
+        line.carrier.packets = []
+    wanted = [number for number, step in enumerate(steps) if step[0] == "send"]
+    assert sorted(results) == wanted
+    assert (len(line.messenger._outbox), line.messenger._outbox._size) == (0, 0)
+    for to in (PEER, OTHER):
+        order = [
+            each.payload[-1]
+            for each in sent
+            if each.destination == to and each.data_flags and each.acknowledge
+        ]
+        assert order == sorted(order)
+    line.messenger.close()
+    line.loop.stop()

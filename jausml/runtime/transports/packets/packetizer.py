@@ -47,6 +47,8 @@ class Packetizer:
 
     def count(self, destination: JausAddress, size: int) -> int:
         """Return how many packets a message of so many bytes takes."""
+        if size <= self._fragment_size:
+            return 1
         return -(-size // self._step(destination, size))
 
     def packets(
