@@ -187,6 +187,21 @@ def test_what_waits_for_a_destination_that_is_heard_gets_its_turn(line):
     assert line.out() == "aaaacb"
 
 
+def test_what_nobody_insists_on_does_not_grow_old_while_it_waits(line):
+    """The receiver of a stream is better served with the next message than with an old one."""
+    line.send("a", packets=12)
+    for name in "bcd":
+        line.send(name, packets=12, acknowledge=name == "c")
+    line.pass_time(0)
+    for _ in range(12):
+        line.pass_time(0.09)
+        line.acknowledge(line.carrier.packets[-1])
+    line.send("e", packets=12, acknowledge=False)
+    assert line.out() == "a" + "-" * 11 + "c"
+    assert line.results == {"a": True, "b": False}
+    assert line.loop.counters.drops() == {"transport.too_late": 1}
+
+
 def test_too_much_is_refused_but_a_message_alone_is_not(line):
     line.send("a", packets=180_000)
     line.send("b", packets=2)

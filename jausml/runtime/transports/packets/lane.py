@@ -24,17 +24,19 @@ class Message:
         packets: Its fragments in order, or its only packet.
         on_result: Told once whether all packets were acknowledged.
         window: How many of its packets may be under way at once.
+        latest: Time until which it is worth to begin with it.
         size: Bytes of its payload.
         sent: How many of its packets were sent at least once.
         under_way: How many of these are not acknowledged yet.
     """
 
-    __slots__ = ("on_result", "packets", "sent", "size", "under_way", "window")
+    __slots__ = ("latest", "on_result", "packets", "sent", "size", "under_way", "window")
 
     def __init__(self, packets: list[Packet], on_result: OnResult | None, window: int) -> None:
         self.packets = packets
         self.on_result = on_result
         self.window = window
+        self.latest = math.inf
         self.size = sum([len(packet.payload) for packet in packets])
         self.sent = 0
         self.under_way = 0
@@ -105,6 +107,13 @@ class Lane:
             first = self._large[0]
             while first.under_way < first.window and first.sent < len(first.packets):
                 yield _next_of(first)
+
+    def give_up_late(self, now: float) -> list[Message]:
+        """Forget the messages whose turn would be now, but which is too late, and return them."""
+        late: list[Message] = []
+        while self._large and not self._large[0].sent and self._large[0].latest < now:
+            late.append(self._large.popleft())
+        return late
 
     def remove(self, message: Message) -> None:
         """Forget a message that is under way, since it is done or given up."""

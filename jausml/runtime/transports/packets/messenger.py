@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ..delivery import OnResult
 
 _HELD_BY_PEERS = 50
-_WINDOW = 8
 
 
 class Messenger(Generic[Origin]):
@@ -105,8 +104,7 @@ class Messenger(Generic[Origin]):
             self._send_here(packets[0], on_result)
             on_result = None
         if asks:
-            # One by one, as Junior does, if the sender insists; otherwise without long pauses.
-            self._outbox.send(packets, on_result, window=1 if acknowledge else _WINDOW)
+            self._outbox.send(packets, on_result, best_effort=not acknowledge)
         else:
             self._send_all(packets, on_result)
         if count > _HELD_BY_PEERS:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _MAX_MESSAGES = 4096
 _MAX_BYTES = 16 << 20
+_BEST_EFFORT_WINDOW = 8
+_BEST_EFFORT_PATIENCE_S = 1.0
 
 
 class _Flight:
@@ -79,15 +81,21 @@ class Outbox:
         lane = self._lanes.get(destination)
         return lane is not None and lane.has_large
 
-    def send(self, packets: list[Packet], on_result: OnResult | None, window: int = 1) -> None:
+    def send(
+        self, packets: list[Packet], on_result: OnResult | None, *, best_effort: bool = False
+    ) -> None:
         """Send the packets of one message, which ask for acknowledgement, when it is their turn.
 
         Args:
             packets: Fragments in order, or the only packet.
             on_result: Told once whether all packets were acknowledged.
-            window: How many of the packets may be under way at once.
+            best_effort: Whether it must be quick or not at all: eight packets are under way at
+                once instead of one, and it waits a second for its turn at most.
         """
-        message = Message(packets, on_result, window)
+        message = Message(packets, on_result, window=1)
+        if best_effort:
+            message.window = _BEST_EFFORT_WINDOW
+            message.latest = self._loop.now() + _BEST_EFFORT_PATIENCE_S
         destination = packets[0].destination
         with self._lock:
             is_taken = self._has_room_for(message)
@@ -143,7 +151,12 @@ class Outbox:
 
     def _take_off(self, lane: Lane, destination: JausAddress) -> list[Packet]:
         """Return the packets that are to be transmitted now."""
-        flights = [_Flight(*ready, self._loop.now()) for ready in lane.ready()]
+        now = self._loop.now()
+        for message in lane.give_up_late(now):
+            self._drop(message)
+            self._loop.counters.count("transport.too_late", f"a message to {destination}")
+            self._report(message, acknowledged=False)
+        flights = [_Flight(*ready, now) for ready in lane.ready()]
         for flight in flights:
             self._flights[flight.key] = flight
             self._wait_for(flight)
