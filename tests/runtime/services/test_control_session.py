@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
 from jausml.runtime import ControlState, JausComponent, ServiceIdentity, Status
@@ -532,3 +534,48 @@ def test_release_while_a_request_after_a_refusal_is_on_its_way(world, client):
     session.release()
     world.settle()
     assert tested.controller is None
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
+    """Loss, rivals, emergencies, standby, crashes and a component that must not command itself."""
+    chance = random.Random(seed)
+    share = chance.choice([0.0, 0.2, 0.5])
+    world.lost = lambda *_: chance.random() < share
+    client = world.component("2.1.1")
+    client.start()
+    tested = target(world, control_timeout=chance.choice([0, 1, 2, 10]))
+    rival = world.probe("3.1.1", strict=False)
+    session = client.control(TARGET, authority=127)
+    for _ in range(40):
+        kind = chance.randrange(9)
+        if kind < 6:
+            message = (
+                RequestControl(authority_code=200),
+                ReleaseControl(),
+                Standby(),
+                SetEmergency(emergency_code=1),
+                ClearEmergency(emergency_code=1),
+                SetEmergency(emergency_code=1),
+            )[kind]
+            rival.send(message, client if kind == 5 else tested)
+        elif kind == 6:
+            kill(world, tested)
+            world.run(chance.random() * 8, step=0.05)
+            tested = target(world, control_timeout=2)
+        elif kind == 7:
+            rival.send(ClearEmergency(emergency_code=1), client)
+        world.run(chance.random() * 2, step=0.02)
+    world.lost = lambda *_: False
+    for each in (tested, client):
+        rival.send(ClearEmergency(emergency_code=1), each)
+    rival.send(ReleaseControl(), tested)
+    world.log.clear()
+    world.run(12.0)
+    assert session.state is READY
+    assert tested.controller == client.address
+    assert tested.status is Status.READY
+    assert len(world.log) < 400
+    counts = world.counters.snapshot()
+    assert "component.handler_failed" not in counts
+    assert "loop.callback_failed" not in counts
