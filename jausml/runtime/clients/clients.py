@@ -39,7 +39,7 @@ class Clients:
         """
         self.presence = Presence(host.loop)
         self.events = EventClient(host, self.presence)
-        self.control = ControlClient(host, self.presence)
+        self.control = ControlClient(host, self.presence, self.events)
         self.queries = QueryClient(host)
         self.discovery = DiscoveryClient(host)
         self.peers = PeerClient(host, self.discovery)

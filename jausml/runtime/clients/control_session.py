@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..base.address import JausAddress
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
 from .controlled_target import ControlledTarget, ControlState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..base.address import JausAddress
     from ..services.definitions import Status
     from ..services.host import Host
+    from .event_client import EventClient
     from .presence import Presence
-
-NOBODY = (0, 0, 0)
-"""Address that a component without a controller reports (AS5710, ReportControl)."""
 
 
 class ControlSession:
@@ -76,17 +74,18 @@ class ControlSession:
 class ControlClient:
     """All control sessions of one component, and the messages that concern them."""
 
-    def __init__(self, component: Host, presence: Presence) -> None:
+    def __init__(self, component: Host, presence: Presence, events: EventClient) -> None:
         """Listen to the answers of targets."""
         self._component = component
         self._presence = presence
+        self._events = events
         self._is_permitted = True
         self._controls: dict[JausAddress, ControlledTarget] = {}
         component.on_message(ConfirmControl, self._confirmed)
         component.on_message(RejectControl, self._rejected)
-        component.on_message(ReportControl, self._control_reported)
+        component.on_message(ReportControl, self._reported)
         component.on_message(ReportTimeout, self._timeout_reported)
-        component.on_message(ReportStatus, self._status_reported)
+        component.on_message(ReportStatus, self._reported)
 
     def control(
         self,
@@ -102,7 +101,9 @@ class ControlClient:
             raise ValueError(f"authority {authority} is outside 0..255")
         control = self._controls.get(target)
         if control is None:
-            control = ControlledTarget(self._component, target, self._presence, self._forget)
+            control = ControlledTarget(
+                self._component, target, self._presence, self._events, self._forget
+            )
             control.permit(self._is_permitted)
             self._controls[target] = control
         session = ControlSession(control, authority, resume, on_change)
@@ -134,18 +135,12 @@ class ControlClient:
         if control is not None:
             control.rejected()
 
-    def _control_reported(self, message: ReportControl, sender: JausAddress) -> None:
-        control = self._controls.get(sender)
-        if control is not None:
-            numbers = (message.subsystem_id, message.node_id, message.component_id)
-            control.control_reported(message, None if numbers == NOBODY else JausAddress(*numbers))
-
     def _timeout_reported(self, message: ReportTimeout, sender: JausAddress) -> None:
         control = self._controls.get(sender)
         if control is not None:
             control.timeout_reported(message.timeout)
 
-    def _status_reported(self, message: ReportStatus, sender: JausAddress) -> None:
+    def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
         control = self._controls.get(sender)
         if control is not None:
-            control.status_reported(message.status)
+            control.reported(message)

@@ -5,26 +5,29 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.address import JausAddress
 from ..messages import (
     ConfirmControl,
     QueryControl,
     QueryStatus,
     QueryTimeout,
     ReleaseControl,
+    ReportControl,
+    ReportStatus,
     RequestControl,
     Resume,
 )
 from ..services.definitions import Status
 from .presence import QUICK_TRIES, Pace
+from .target_watch import TargetWatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..messages import ReportControl
     from ..services.host import Host
     from ..wire.message import Message
+    from .event_client import EventClient
     from .presence import Presence
 
 RENEWALS = 4
@@ -35,6 +38,7 @@ _ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
 _NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
 _LONG_AGO = float("-inf")
 _STATES = frozenset(Status)
+_NOBODY = (0, 0, 0)  # what a component without a controller reports
 
 
 class ControlState(Enum):
@@ -85,6 +89,7 @@ class ControlledTarget:
         component: Host,
         target: JausAddress,
         presence: Presence,
+        events: EventClient,
         on_end: Callable[[ControlledTarget], None],
     ) -> None:
         """Begin without sessions.
@@ -93,6 +98,7 @@ class ControlledTarget:
             component: The component that controls.
             target: The component to control.
             presence: Knows when the target was last heard.
+            events: Events of the component that controls.
             on_end: Called when the last session has left.
         """
         self.component = component
@@ -101,6 +107,7 @@ class ControlledTarget:
         self.status: Status | None = None
         self.controller: JausAddress | None = None
         self._presence = presence
+        self._watch = TargetWatch(component, events, target, self.reported)
         self._on_end = on_end
         self._loop = component.loop
         self._settings = component.settings
@@ -173,6 +180,7 @@ class ControlledTarget:
         """Release control; also when a request may just be on its way."""
         self._sessions.clear()
         self._release()
+        self._watch.stop()
         self._presence.forget(self.target, self._returned)
         self._on_end(self)
         self.state = ControlState.SEEKING
@@ -211,6 +219,7 @@ class ControlledTarget:
         self._tries.clear()
         self._resumes = 0
         if self._change(ControlState.CONTROLLED):
+            self._watch.start()
             self._ask(QueryTimeout())
             self._ask(QueryStatus())
             self._check_in(self._settings.retry_min)
@@ -225,7 +234,16 @@ class ControlledTarget:
         self._timeout = seconds
         self._answered(QueryTimeout)
 
-    def status_reported(self, code: int) -> None:
+    def reported(self, report: Message) -> None:
+        """Take a ReportStatus or ReportControl, be it an answer or an event."""
+        if not self._sessions:
+            return
+        if isinstance(report, ReportStatus):
+            self._status_reported(report.status)
+        elif isinstance(report, ReportControl):
+            self._control_reported(report)
+
+    def _status_reported(self, code: int) -> None:
         """Take the state of the target; a code that no standard has is none of those that obey."""
         status = self.status = Status(code) if code in _STATES else Status.FAILURE
         if not self._holds:
@@ -244,9 +262,9 @@ class ControlledTarget:
         else:
             self._answered(QueryStatus)
 
-    def control_reported(self, message: ReportControl, controller: JausAddress | None) -> None:
-        """Take who controls the target."""
-        self.controller = controller
+    def _control_reported(self, message: ReportControl) -> None:
+        numbers = (message.subsystem_id, message.node_id, message.component_id)
+        self.controller = None if numbers == _NOBODY else JausAddress(*numbers)
         self._authority_in_force = message.authority_code
         self._answered(QueryControl)
         self._try_again()
@@ -330,6 +348,7 @@ class ControlledTarget:
         self._tries.clear()
         self._authority_in_force = None
         if self._change(ControlState.REFUSED):
+            self._watch.start()
             self._ask(QueryStatus())
             self._ask(QueryControl())
             self._check_in(self._settings.watch_interval)

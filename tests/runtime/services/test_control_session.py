@@ -11,6 +11,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
+    CreateEvent,
     QueryControl,
     QueryStatus,
     QueryTimeout,
@@ -244,6 +245,46 @@ def test_emergency_and_recovery(world, client, version):
     guard.ask(ClearEmergency(emergency_code=1), tested)
     world.run(1.1)
     assert session.state is READY
+
+
+def test_events_tell_at_once_what_the_target_does_by_itself(world, client):
+    tested = target(world)
+    states = []
+    session = client.control(TARGET, authority=127, resume=False, on_change=states.append)
+    world.settle()
+    client.send(Resume(), TARGET)
+    world.settle()
+    assert session.state is READY
+    tested._jaus_core.management.stand_by()
+    world.settle()
+    assert states == [CONTROLLED, READY, CONTROLLED]
+    assert session.status is Status.STANDBY
+
+
+def test_events_tell_at_once_that_control_can_be_had_again(world, client):
+    tested = target(world, control_timeout=0)
+    session = client.control(TARGET, authority=127)
+    world.run(1.0)
+    rival = world.probe("3.1.1")
+    rival.ask(RequestControl(authority_code=200), tested)
+    world.run(7.3)
+    assert session.state is REFUSED
+    rival.ask(ReleaseControl(), tested)
+    world.settle()
+    assert session.state is READY
+
+
+def test_target_without_events_is_not_asked_for_them_for_ever(world, client):
+    names = ("AccessControl", "Management")
+    services = tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0) for name in names)
+    target(world, services=services)
+    session = client.control(TARGET, authority=127)
+    world.run(6.0)
+    asked = world.count(CreateEvent.CODE)
+    assert asked < 40
+    world.run(60.0, step=0.05)
+    assert session.state is READY
+    assert world.count(CreateEvent.CODE) == asked
 
 
 def test_refused_target_that_dies_is_sought(world, client):
