@@ -4,45 +4,34 @@ from __future__ import annotations
 
 import sys
 import time
-from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import wraps
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault
-from jausml.cli.messages import open_catalogue
-from jausml.cli.network import (
-    ended_by_signals,
-    identified_network,
-    network_from,
-    network_options,
-    transport_options,
+from jausml.cli.common import PROBLEMS
+from jausml.cli.operating import (
+    FIELDS,
+    MESSAGE,
+    TARGET,
+    Settings,
+    operator_options,
+    remark,
+    until_interrupted,
 )
-from jausml.live.messages import MessageError
 from jausml.live.peers import rendering
 from jausml.live.peers.asking import NoAnswer
 from jausml.live.peers.commanding import Course, outcome
 from jausml.live.peers.commanding import command as send
-from jausml.live.peers.console import DEFAULT_AUTHORITY, Console, parse_fields
-from jausml.live.peers.network import component_address, fault
-from jausml.live.peers.operator import Refused, running_operator
+from jausml.live.peers.console import DEFAULT_AUTHORITY, Console
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from jausml.live.messages import MessageEntry
-    from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
-
-_REMEDY = (
-    "To go through a node manager: --transport node-manager; or use another port and say where the "
-    "components are: --port 3795 --peer ID=HOST:3794"
-)
 
 LOST = 4
 """Exit status when Ready or control was lost while commanding."""
@@ -50,128 +39,9 @@ LOST = 4
 _LONGEST_PAUSE = 0.1
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Options that all commands of the operator share.
-
-    Attributes:
-        network: Who we are, and how the others are reached.
-        models: The user's models.
-        timeout: Seconds to wait for an answer.
-        as_json: Whether output is JSON.
-    """
-
-    network: Network
-    models: tuple[str, ...]
-    timeout: float
-    as_json: bool
-
-    @contextmanager
-    def operator(self) -> Iterator[Operator]:
-        """Yields an operator; its errors become those of the command line.
-
-        Raises:
-            EnvironmentFault: Nobody answers, or the network cannot be used.
-            click.ClickException: A component refused.
-            click.UsageError: A message is unknown or its fields are wrong.
-        """
-        try:
-            with (
-                identified_network(self.network) as network,
-                running_operator(network, open_catalogue(self.models), self.timeout) as operator,
-            ):
-                yield operator
-                if operator.is_impersonated:
-                    _remark(f"warning: another program of the network sends as {operator.own}")
-        except NoAnswer as error:
-            raise EnvironmentFault(str(error)) from error
-        except Refused as error:
-            raise click.ClickException(str(error)) from error
-        except MessageError as error:
-            raise click.UsageError(str(error)) from error
-        except OSError as error:
-            raise EnvironmentFault(fault(error, self.network, _REMEDY)) from error
-
-    def show(self, source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
-        """Prints a report."""
-        render = rendering.report_json if self.as_json else rendering.report_line
-        click.echo(render(source, entry, fields))
-
-
-def _address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
-    try:
-        return component_address(value)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
-
-
-def _fields(
-    _context: click.Context, _parameter: click.Parameter, value: str | None
-) -> dict[str, Any] | None:
-    try:
-        return None if value is None else parse_fields(value)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
-
-
-_TARGET = click.argument("target", metavar="ID", callback=_address)
-_MESSAGE = click.argument("message", metavar="MESSAGE")
-_FIELDS = click.argument("fields", metavar="[FIELDS]", callback=_fields, required=False)
-
-
-def _options(function: Callable[..., None]) -> Callable[..., None]:
-    """Adds the shared options and hands them to the function as `Settings`."""
-
-    @network_options
-    @transport_options
-    @click.option(
-        "--timeout",
-        type=click.FloatRange(0.05, 600),
-        default=3.0,
-        show_default=True,
-        help="Seconds to wait for an answer.",
-    )
-    @click.option(
-        "--format",
-        "output_format",
-        type=click.Choice(["text", "json"]),
-        default="text",
-        show_default=True,
-        help="Format of the output.",
-    )
-    @wraps(function)
-    def run(
-        *arguments: Any,
-        own_id: str | None,
-        interface: str,
-        port: int,
-        multicast_group: str,
-        peers: tuple[str, ...],
-        models: tuple[str, ...],
-        transport: str,
-        node_manager_directory: str,
-        timeout: float,
-        output_format: str,
-        **others: Any,
-    ) -> None:
-        network = network_from(
-            own_id,
-            interface,
-            port,
-            multicast_group,
-            peers,
-            transport=transport,
-            node_manager_directory=node_manager_directory,
-        )
-        settings = Settings(network, models, timeout, output_format == "json")
-        function(*arguments, settings=settings, **others)
-
-    return run
-
-
 @click.group("ocu", invoke_without_command=True)
 @click.pass_context
-@_options
+@operator_options
 def command(context: click.Context, settings: Settings) -> None:
     """Operate running components of any make: find, ask, watch and control them.
 
@@ -194,7 +64,7 @@ def command(context: click.Context, settings: Settings) -> None:
 
 
 @command.command("session", short_help="Read commands from the terminal or a pipe.")
-@_options
+@operator_options
 def session(settings: Settings) -> None:
     """Read commands from the terminal or from a pipe; 'help' lists them."""
     _run_session(settings)
@@ -208,7 +78,7 @@ def session(settings: Settings) -> None:
     show_default=True,
     help="Seconds to listen.",
 )
-@_options
+@operator_options
 def discover(settings: Settings, duration: float) -> None:
     """Show subsystems, nodes, components and their services."""
     with settings.operator() as operator:
@@ -222,8 +92,8 @@ def discover(settings: Settings, duration: float) -> None:
 
 
 @command.command("services")
-@_TARGET
-@_options
+@TARGET
+@operator_options
 def services(settings: Settings, target: JausAddress) -> None:
     """Show the services that the component ID provides."""
     with settings.operator() as operator:
@@ -237,8 +107,8 @@ def services(settings: Settings, target: JausAddress) -> None:
 
 
 @command.command("status")
-@_TARGET
-@_options
+@TARGET
+@operator_options
 def status(settings: Settings, target: JausAddress) -> None:
     """Show the state of the component ID and who controls it."""
     with settings.operator() as operator:
@@ -250,10 +120,10 @@ def status(settings: Settings, target: JausAddress) -> None:
 
 
 @command.command("query")
-@_TARGET
-@_MESSAGE
-@_FIELDS
-@_options
+@TARGET
+@MESSAGE
+@FIELDS
+@operator_options
 def query(
     settings: Settings, target: JausAddress, message: str, fields: dict[str, Any] | None
 ) -> None:
@@ -267,8 +137,8 @@ def query(
 
 
 @command.command("watch")
-@_TARGET
-@_MESSAGE
+@TARGET
+@MESSAGE
 @click.option(
     "--rate",
     type=click.FloatRange(min=0, max=1092, min_open=True),
@@ -280,7 +150,7 @@ def query(
 @click.option(
     "--duration", type=click.FloatRange(min=0, min_open=True), help="End after so many seconds."
 )
-@_options
+@operator_options
 def watch(
     settings: Settings,
     target: JausAddress,
@@ -297,7 +167,7 @@ def watch(
     """
     if rate is not None and every_change:
         raise click.UsageError("--rate and --every-change exclude each other")
-    with settings.operator() as operator, _until_interrupted():
+    with settings.operator() as operator, until_interrupted():
         _watch(settings, operator, target, message, rate, count, duration)
 
 
@@ -327,9 +197,9 @@ def _watch(
 
 
 @command.command("command", short_help="Control a component, send it a message, release it.")
-@_TARGET
-@_MESSAGE
-@_FIELDS
+@TARGET
+@MESSAGE
+@FIELDS
 @click.option(
     "--authority",
     type=click.IntRange(0, 255),
@@ -356,7 +226,7 @@ def _watch(
     is_flag=True,
     help="Go on, for --duration, when the component leaves Ready or is taken over.",
 )
-@_options
+@operator_options
 def send_command(
     settings: Settings,
     target: JausAddress,
@@ -380,45 +250,31 @@ def send_command(
     """
     if rate is not None and not duration:
         raise click.UsageError("--rate needs a --duration")
-    with settings.operator() as operator, _until_interrupted():
+    with settings.operator() as operator, until_interrupted():
         entry = operator.find(target, message)
         ready = operator.message(entry, fields or {})
-        console = Console(operator, _remark)
+        console = Console(operator, remark)
         hold = operator.control(target, authority)
-        _remark(f"{target} is controlled")
+        remark(f"{target} is controlled")
         try:
             if not no_resume:
                 console.resume(target)
             course = Course(rate, duration, keep_sending=keep_sending)
-            send(operator, hold, ready, course, _remark)
+            send(operator, hold, ready, course, remark)
         finally:
             if hold.sent:
-                _remark(outcome(entry.name, hold))
+                remark(outcome(entry.name, hold))
             if not hold.is_lost or hold.is_held:
                 console.release(target)
         if hold.is_lost:
             raise click.exceptions.Exit(LOST)
 
 
-@contextmanager
-def _until_interrupted() -> Iterator[None]:
-    """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
-    try:
-        with ended_by_signals():
-            yield
-    except KeyboardInterrupt:
-        _remark("interrupted")
-
-
-def _remark(text: str) -> None:
-    click.echo(text, err=True)
-
-
 def _run_session(settings: Settings) -> None:
-    with settings.operator() as operator, _until_interrupted():
+    with settings.operator() as operator, until_interrupted():
         console = Console(operator, click.echo)
         if sys.stdin.isatty():
-            _remark("'help' lists the commands, 'quit' ends")
+            remark("'help' lists the commands, 'quit' ends")
             console.run(_typed())
             return
         console.run(sys.stdin)

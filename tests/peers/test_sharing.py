@@ -97,6 +97,22 @@ def test_ocu_goes_through_a_node_manager(manager):
     assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n", result.stderr
 
 
+def test_ocu_speaks_tcp(free_port, find_free_port):
+    settings = TransportSettings(port=free_port, transport=TransportKind.JTCP)
+    services = [ServiceIdentity(CORE + name, 1, 1) for name in ("Management", "AccessControl")]
+    with running_transport(settings) as transport:
+        target = JausComponent(transport, JausAddress(100, 1, 1), name="target", services=services)
+        target.start()
+        options = ("--transport", "jtcp", "--port", find_free_port())
+        result = run(
+            "ocu", "status", "100.1.1", *options, "--peer", f"100.1.1=127.0.0.1:{free_port}"
+        )
+        silent = run("ocu", "status", "100.1.2", *options, "--timeout", "0.2")
+        target.stop()
+    assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n", result.stderr
+    assert "Without multicast, --peer ID=HOST:PORT says where components are" in silent.stderr
+
+
 def test_a_node_manager_that_does_not_run_is_told(tmp_path):
     options = ("--transport", "node-manager", "--node-manager-directory", tmp_path)
     result = run("ocu", "status", "100.1.1", "--timeout", "0.2", *options)
