@@ -11,6 +11,7 @@ from junior_peer import JuniorPeer
 
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.transports.packets import outbox
 from jausml.runtime.transports.packets.packet import Packet
 
 pytestmark = pytest.mark.ports
@@ -26,6 +27,7 @@ QUERY_STATUS = b"\x02\x20"
 def junior(free_port):
     """A component on Junior, on the same port of another host."""
     with JuniorPeer(PEER, free_port) as made:
+        made.transmissions = 50
         yield made
 
 
@@ -70,8 +72,8 @@ def big(count: int, size: int) -> list[bytes]:
 
 
 def met(station, junior, wait_until):
-    """A component that knows where the peer is."""
-    driver = station().attach(DRIVER)
+    """A component that knows where the peer is, and gives a busy computer time."""
+    driver = station(acknowledge_retries=50).attach(DRIVER)
     assert junior.send(DRIVER, b"\x01\x40", acknowledge=True)
     wait_until(lambda: driver.payloads)
     driver.received.clear()
@@ -101,7 +103,8 @@ def test_a_large_message_without_acknowledgement_arrives(station, junior, wait_u
     wait_until(lambda: junior.payloads == [sent], 60)
 
 
-def test_messages_of_several_packets_in_a_row_arrive(station, junior, wait_until):
+def test_messages_of_several_packets_in_a_row_arrive(station, junior, wait_until, monkeypatch):
+    monkeypatch.setattr(outbox, "_BEST_EFFORT_PATIENCE_S", 60.0)
     driver = met(station, junior, wait_until)
     sent = big(6, 38_000)
     for payload in sent:

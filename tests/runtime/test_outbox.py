@@ -16,6 +16,7 @@ from jausml.runtime.transports.packets.messenger import Messenger
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, Priority
 
 OWN = JausAddress(100, 1, 1)
+NEIGHBOUR = JausAddress(100, 1, 2)
 PEER = JausAddress(300, 1, 1)
 OTHER = JausAddress(300, 1, 2)
 STATUS = b"\x02\x40"
@@ -57,10 +58,12 @@ class Line:
         self.messenger = Messenger(settings, self.loop, self.carrier)
         self.results: dict[str, bool] = {}
 
-    def send(self, name, packets=1, *, to=PEER, acknowledge=True, priority=Priority.STANDARD):
+    def send(
+        self, name, packets=1, *, own=OWN, to=PEER, acknowledge=True, priority=Priority.STANDARD
+    ):
         payload = (STATUS + name.encode()).ljust(PACKET * (packets - 1) + 50, b".")
         self.messenger.send(
-            OWN, to, payload, priority, acknowledge, lambda ok: self.results.update({name: ok})
+            own, to, payload, priority, acknowledge, lambda ok: self.results.update({name: ok})
         )
 
     def out(self) -> str:
@@ -72,7 +75,9 @@ class Line:
 
     def acknowledge(self, *packets: Packet) -> None:
         for each in packets:
-            answer = Packet(OWN, each.destination, b"", each.sequence, acknowledge=AckNak.ACK)
+            answer = Packet(
+                each.source, each.destination, b"", each.sequence, acknowledge=AckNak.ACK
+            )
             self.messenger._outbox.acknowledged(answer)
         self.pass_time(0)
 
@@ -93,7 +98,7 @@ def line(clock):
 
 def test_large_messages_to_one_destination_go_one_after_the_other(line):
     for name in "abc":
-        line.send(name, packets=3)
+        line.send(name, packets=3, own=OWN if name == "a" else NEIGHBOUR)
     sent = []
     while line.carrier.packets:
         (packet,) = line.carrier.packets
