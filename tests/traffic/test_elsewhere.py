@@ -29,6 +29,11 @@ def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
     assert reader.elsewhere.unclaimed == 1
 
 
+def test_the_ports_of_processes_that_share_are_known():
+    numbers, reader = read((QUERY_STATUS, 53794, 53825), (QUERY_STATUS, 53826, 53793))
+    assert (numbers, reader.elsewhere.unclaimed) == ([1], 1)
+
+
 def test_who_was_not_seen_on_the_port_is_counted():
     numbers, reader = read((QUERY_STATUS, 50000, 50001), (b"\2 is no JUDP", 50000, 50001))
     assert numbers == []

@@ -1,7 +1,8 @@
 """JUDP on other ports: what processes that share the port of a host say to each other.
 
-Only one process of a host owns the port; the others have one that the system picks, which peers
-learn from their datagrams (AS5669A). Multicast shows these ports, since it goes to the known one.
+Only one process of a host owns the port; the others have one of a known range, or one that the
+system picks, which peers learn from their datagrams (AS5669A). Multicast shows these ports, since
+it goes to the known one.
 """
 
 from __future__ import annotations
@@ -33,9 +34,17 @@ class Elsewhere:
         unclaimed: Datagrams that look like JUDP, between endpoints of which none is known.
     """
 
-    def __init__(self) -> None:
-        """Starts with no endpoint."""
+    def __init__(self, port: int) -> None:
+        """Starts with no endpoint.
+
+        Args:
+            port: The port that is shared.
+        """
         self.unclaimed = 0
+        # Hex needs no runtime, captures do.
+        from jausml.runtime.transports.udp.shared_port import neighbour_ports  # noqa: PLC0415
+
+        self._neighbours = neighbour_ports(port)
         self._known: set[Endpoint] = set()
 
     def learn(self, *endpoints: Endpoint) -> None:
@@ -51,6 +60,8 @@ class Elsewhere:
             destination: Where it went.
         """
         if source in self._known or destination in self._known:
+            return True
+        if source.port in self._neighbours or destination.port in self._neighbours:
             return True
         self.unclaimed += 1
         return False

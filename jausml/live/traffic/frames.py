@@ -81,7 +81,7 @@ class UdpReader:
             port: UDP port that a datagram must come from or go to.
         """
         self.skipped: Counter[str] = Counter()
-        self.elsewhere = Elsewhere()
+        self.elsewhere = Elsewhere(port)
         self._port = port
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
