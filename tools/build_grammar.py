@@ -1,19 +1,26 @@
-"""Writes the names of conversions into the grammar of the editor for Visual Studio Code."""
+"""Writes conversions and keywords into the grammar of the editor for Visual Studio Code."""
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
+from jausml.metamodel import load_metamodels
 from jausml.semantics.conversions import CONVERSIONS
+from jausml.text.keywords import classes_by_keyword
 
 ROOT = Path(__file__).resolve().parent.parent
 GRAMMAR = ROOT / "editors" / "vscode" / "syntaxes" / "ros2jaus.tmLanguage.json"
 
+_FIRST_GROUP = re.compile(r"\((?:\w+\|)+\w+\)")
+
 
 def grammar(text: str) -> str:
-    """Returns a grammar with all conversions, behind the colon or the comma before a call.
+    """Returns a grammar with all conversions and with the keywords of all classes.
+
+    Conversions stand behind the colon or the comma before a call.
 
     Args:
         text: The grammar with others.
@@ -21,6 +28,9 @@ def grammar(text: str) -> str:
     content = json.loads(text)
     names = "|".join(sorted(CONVERSIONS))
     content["repository"]["conversions"]["match"] = rf"(?<=[:,]\s)(?:{names})\b(?!\s*[:.])"
+    keywords = sorted(each for each in classes_by_keyword(load_metamodels()) if "." not in each)
+    elements = content["repository"]["elements"]
+    elements["match"] = _FIRST_GROUP.sub(f"({'|'.join(keywords)})", elements["match"], count=1)
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from jausml.editor import references
 from jausml.editor.classes import contained_classes, features_of, keywords, table
 from jausml.editor.context import Part, context_at
 from jausml.editor.paths import facts, fields_of, sides_at
+from jausml.editor.positions import Place
 from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.metamodel.classes import jaus, ros
@@ -16,7 +18,7 @@ from jausml.model.values import show
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import snake_case
 from jausml.text.reading.imports import library_files
-from jausml.text.tree import Assignment, Direction, End
+from jausml.text.tree import Assignment, Direction, End, Import
 from jausml.text.writing.spelling import path as written_path
 from jausml.text.writing.spelling import word as written_word
 
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
     from jausml.editor.context import Context
     from jausml.editor.names import Declaration
-    from jausml.editor.positions import Place
     from jausml.editor.workbench import Workbench
     from jausml.semantics.conversions import Conversion
 
@@ -67,6 +68,8 @@ class Completion:
         detail: A few words on it.
         documentation: More on it.
         text: What is written, when that is not the label.
+        module: What of the library is imported with it; empty for nothing.
+        is_first: Whether it goes better than others with what stands around.
     """
 
     label: str
@@ -74,6 +77,8 @@ class Completion:
     detail: str = ""
     documentation: str = ""
     text: str = ""
+    module: str = ""
+    is_first: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +89,13 @@ class Offer:
         start: Where the word begins that a completion replaces.
         end: Where it ends.
         completions: What can stand there.
+        imports_end: Where the text can have a further import.
     """
 
     start: Place
     end: Place
     completions: tuple[Completion, ...]
+    imports_end: Place
 
 
 def complete(bench: Workbench, path: Path, place: Place) -> Offer:
@@ -100,10 +107,14 @@ def complete(bench: Workbench, path: Path, place: Place) -> Offer:
         place: The place.
     """
     text = bench.text(path)
-    context = context_at(text, parsed_text(text).document, place)
+    context = context_at(text, parsed_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
-    offered = {each.label: each for each in completions}
-    return Offer(context.start, context.end, tuple(offered.values()))
+    offered: dict[tuple[str, str], Completion] = {}
+    for each in completions:
+        offered.setdefault((each.label, each.module), each)
+    imports = [each for each in bench.tree(path).items if isinstance(each, Import)]
+    end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
+    return Offer(context.start, context.end, tuple(offered.values()), end)
 
 
 def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -217,11 +228,21 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
     if feature.data_type is not None:
         yield from _literals(feature)
     elif feature.target is not None:
+        if feature.target is table("bridge.AttributeMap"):
+            yield from map(_reference, references.maps(bench, path, context))
         yield from _declared(bench, path, feature.target, context)
-        if feature.target is table("jaus.MessageDef"):
+        if feature.target is table("jaus.Service"):
+            yield from map(_reference, references.services(bench, path))
+        elif feature.target is table("jaus.MessageDef"):
             yield from _jaus_type(bench, path, context)
         elif feature.target is table("ros.MessageType"):
             yield from _ros_type(bench, path, context)
+
+
+def _reference(candidate: references.Candidate) -> Completion:
+    name = written_path(candidate.name)
+    detail, module = candidate.detail, candidate.module
+    return Completion(name, CompletionKind.NAME, detail, module=module, is_first=candidate.fits)
 
 
 def _literals(feature: FeatureTable) -> Iterator[Completion]:

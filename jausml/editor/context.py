@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from jausml.editor.classes import class_of, class_of_value, feature_named, table
 from jausml.editor.positions import Place, end_of
-from jausml.text.reading.scanning import scan
 from jausml.text.reading.shaping import Items
 from jausml.text.tree import (
     Assignment,
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from lark import Token
 
     from jausml.metamodel import ClassTable
+    from jausml.text.reading.parsing import Parsed
 
 _WORD_AT_END = re.compile(r"[\w./`\[\]]*\Z")
 _REST_OF_WORD = re.compile(r"[\w./`\[\]]*")
@@ -123,12 +123,12 @@ class Context:
         return next(found, None)
 
 
-def context_at(text: str, document: SyntaxTree, place: Place) -> Context:
+def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     """Returns where a place is.
 
     Args:
         text: The text.
-        document: Its tree.
+        parsed: Its tree and tokens.
         place: The place.
     """
     line = text.split("\n")[place.line - 1] if place.line <= text.count("\n") + 1 else ""
@@ -138,8 +138,8 @@ def context_at(text: str, document: SyntaxTree, place: Place) -> Context:
     rest = _REST_OF_WORD.match(line, place.column - 1)
     start = Place(place.line, place.column - len(word))
     end = Place(place.line, rest.end() + 1 if rest is not None else place.column)
-    levels = tuple(_levels(document, start))
-    tokens = [each for each in scan(text).tokens if _position(each) <= start]
+    levels = tuple(_levels(parsed.document, start))
+    tokens = [each for each in parsed.tokens if _position(each) <= start]
     quoted = next((each for each in tokens if _is_text_around(each, place)), None)
     limit = start if quoted is None else _position(quoted)
     statement = _statement([each for each in tokens if _position(each) < limit], levels[-1], start)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.editor.classes import features_of, keywords
+from jausml.editor.classes import features_of, keywords, table
 from jausml.editor.context import Part, context_at
 from jausml.editor.definition import declaration_at, word_at
+from jausml.editor.descriptions import described, described_map
 from jausml.editor.paths import facts, sides_at
 from jausml.editor.positions import Place
 from jausml.editor.workbench import names_in, parsed_text
 from jausml.metamodel import documentation
-from jausml.metamodel.classes import jaus, ros
-from jausml.model.names import qualified_name
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import snake_case
 from jausml.text.reading.shaping import word_text
+from jausml.text.tree import Element
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,7 +52,7 @@ def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, parsed_text(text).document, place)
+    context = context_at(text, parsed_text(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:
@@ -88,10 +88,7 @@ def _message(bench: Workbench, path: Path, context: Context, token: Token) -> st
     if reference is None:
         return ""
     element = bench.find(path, reference.wanted.python_class, reference.text)
-    if not isinstance(element, (jaus.MessageDef, ros.MessageType)):
-        return ""
-    code = f" {element.code}" if isinstance(element, jaus.MessageDef) and element.code else ""
-    return _joined([f"**{qualified_name(element)}**{code}", element.documentation])
+    return "" if element is None else described(element)
 
 
 def _feature(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
@@ -117,6 +114,8 @@ def _named(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     _, declaration = found
     kind = snake_case(declaration.table.name)
     said: list[Any] = [f"{kind} **{declaration.name.text}**", declaration.item.documentation]
+    if isinstance(declaration.item, Element) and declaration.table is table("bridge.AttributeMap"):
+        said.append(described_map(declaration.item))
     return _joined(said)
 
 

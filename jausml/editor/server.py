@@ -15,7 +15,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
 from jausml import __version__
-from jausml.editor.completion import CompletionKind, complete
+from jausml.editor.completion import Completion, CompletionKind, Offer, complete
 from jausml.editor.definition import define
 from jausml.editor.diagnosing import Problem, all_problems, syntax_problems
 from jausml.editor.hover import hover
@@ -23,11 +23,13 @@ from jausml.editor.outline import Symbol, outline
 from jausml.editor.positions import Columns, Place
 from jausml.editor.renaming import RenameError, rename, renamed_span
 from jausml.editor.workbench import Workbench, parsed_text
+from jausml.metamodel import load_metamodels
 from jausml.model.diagnostics import Severity
 from jausml.text.notation import SUFFIX
 from jausml.text.reading.shaping import span_of
 from jausml.text.tree import Span
 from jausml.text.writing.layout import lay_out
+from jausml.text.writing.spelling import word
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -97,6 +99,7 @@ class _Desk:
     """Translates what editors ask, and what they are answered."""
 
     def __init__(self, server: LanguageServer) -> None:
+        load_metamodels()  # now, for threads that ask at once would load them twice
         self._server = server
         self._bench = Workbench()
         self._uris: dict[Path, str] = {}
@@ -180,11 +183,23 @@ class _Desk:
                 detail=each.detail or None,
                 documentation=each.documentation or None,
                 filter_text=each.label,
+                sort_text=f"{0 if each.is_first else 1}{each.label}",
                 text_edit=types.TextEdit(replaced, each.text or each.label),
+                additional_text_edits=self._import(path, offer, each),
             )
             for each in offer.completions
         ]
         return types.CompletionList(is_incomplete=False, items=items)
+
+    def _import(
+        self, path: Path, offer: Offer, completion: Completion
+    ) -> list[types.TextEdit] | None:
+        """Returns the edit that imports what a completion needs."""
+        if not completion.module:
+            return None
+        line, column = offer.imports_end.line, offer.imports_end.column
+        where = _range(self._columns(path), Span(line, column, line, column))
+        return [types.TextEdit(where, f"import {word(completion.module)}\n")]
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         path, place = self._at(params)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.diagnostics import Diagnostic
     from jausml.model.model import Model
+    from jausml.text.tree import SyntaxTree
 
 
 @lru_cache(maxsize=32)
@@ -114,6 +115,18 @@ class Workbench:
             if f".{qualified_name(each)}".endswith(wanted):
                 return each
         return None
+
+    def tree(self, path: Path) -> SyntaxTree:
+        """Returns the syntax tree of a text."""
+        return parsed_text(self.text(path)).document
+
+    def module_of(self, element: EObject) -> str:
+        """Returns what a text imports for an element of the library; empty for another element."""
+        document = self.library().document_of(element)
+        if document is None:
+            return ""
+        relative = document.path.relative_to(library_root().resolve()).with_suffix("")
+        return ".".join(relative.parts)
 
     def place_of(self, path: Path, element: EObject) -> tuple[Path, int, int] | None:
         """Returns file, line and column of an element that `elements` gave."""

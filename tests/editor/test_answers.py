@@ -11,8 +11,10 @@ from jausml.editor.definition import define
 from jausml.editor.hover import hover
 from jausml.editor.outline import outline
 from jausml.editor.positions import Columns, Place
+from jausml.editor.references import library_maps
 from jausml.editor.renaming import RenameError, rename
 from jausml.languages.units import parse_unit
+from jausml.text.reading.explaining import library_maps as known_maps
 from jausml.text.reading.parsing import parse
 
 MAP = """\
@@ -271,3 +273,91 @@ def test_answers_anywhere_in_a_text_whole_or_broken(bench, at):
             define(bench, path, place)
             outline(bench.text(path))
     assert parse(text).faults == []
+
+
+def candidates(bench, at, text):
+    path, place = at(text)
+    return {each.label: each for each in complete(bench, path, place).completions}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "component c { provides: ¦ }",
+        "component c { provides: VelocityStateDriver, Vel¦ }",
+        "bridge b { uses: ¦ }",
+        "service Own { inherits: ¦ }",
+        "bridge b { connection c { search: { services: ¦ } } }",
+    ],
+)
+def test_services_of_the_library_are_offered(bench, at, text):
+    found = candidates(bench, at, text)
+    assert found.keys() >= {"VelocityStateSensor", "PrimitiveDriver", "Management"}
+    assert found["VelocityStateSensor"].module == ""
+
+
+def test_service_of_two_versions_brings_the_import_that_tells_which(bench, at):
+    path, place = at("component c { provides: Disc¦ }")
+    found = [each for each in complete(bench, path, place).completions if each.label == "Discovery"]
+    assert [each.module for each in found] == ["jaus.core-1.0", "jaus.core-1.1"]
+    imported = candidates(bench, at, "import `jaus.core-1.1`\ncomponent c { provides: Disc¦ }")
+    assert imported["Discovery"].module == ""
+
+
+def test_maps_of_the_library_bring_their_import_and_those_that_fit_come_first(bench, at):
+    text = """\
+import mappings.primitive_driver
+component vehicle { address: 100.1.1  provides: VelocityStateSensor }
+bridge front {
+    uses: PrimitiveDriver
+    connection a { peers: vehicle  map: ¦ }
+}
+"""
+    found = candidates(bench, at, text)
+    first = {name for name, each in found.items() if each.is_first}
+    assert first >= {"velocity_state", "wrench_effort"}
+    assert "global_pose" in found.keys() - first
+    assert found["velocity_state"].module == "mappings.velocity_state_sensor"
+    assert found["wrench_effort"].module == ""
+    path, place = at(text)
+    assert complete(bench, path, place).imports_end == Place(2, 1)
+
+
+def said_at(bench, at, text):
+    path, place = at(text)
+    found = hover(bench, path, place)
+    return found.text if found is not None else ""
+
+
+def test_hover_shows_the_fields_of_a_message(bench, at):
+    said = said_at(bench, at, "m { JAUS SetVelocity¦Command ROS std_msgs/Empty }")
+    assert "**mobility.VelocityStateDriver.SetVelocityCommand** 0x0415" in said
+    assert "| Velocity_X | scaled uint32 | meter per second |" in said
+    assert "0 Set current command" in said
+    assert "| optional |" in said
+
+
+def test_hover_shows_the_fields_of_a_ros_type(bench, at):
+    said = said_at(bench, at, "m { ROS nav_msgs/Odo¦metry }")
+    assert "| pose | geometry_msgs/PoseWithCovariance |" in said
+    assert "| covariance | float64[36] |" in said_at(
+        bench, at, "m { ROS geometry_msgs/PoseWith¦Covariance }"
+    )
+
+
+def test_hover_shows_what_a_service_takes_and_sends(bench, at):
+    said = said_at(bench, at, "component c { provides: VelocityState¦Sensor }")
+    assert "`urn:jaus:jss:mobility:VelocityStateSensor` 1.0" in said
+    assert "takes: QueryVelocityState" in said
+    assert "sends: ReportVelocityState" in said
+
+
+def test_hover_shows_the_ends_of_a_map(bench, at):
+    text = "import mappings.primitive_driver\nbridge b { connection c { map: wrench_eff¦ort } }"
+    said = said_at(bench, at, text)
+    assert "JAUS `SetWrenchEffort`, ROS `geometry_msgs/Twist`" in said
+    assert "JAUS->ROS, ROS->JAUS" in said
+
+
+def test_every_map_of_the_library_is_known_to_the_editor():
+    assert {each.name: (each.module,) for each in library_maps()} == dict(known_maps())

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.live.messages.entries import MessageEntry
+    from jausml.metamodel.classes import jaus
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,20 @@ def rows(entry: MessageEntry) -> list[Row]:
     Raises:
         DefinitionError: The definition gives no layout.
     """
+    return rows_of(entry.definition)
+
+
+def rows_of(definition: jaus.MessageDef) -> list[Row]:
+    """Returns the fields of a definition from the outermost inwards, as `rows` does.
+
+    Args:
+        definition: The definition.
+
+    Raises:
+        DefinitionError: The definition gives no layout.
+    """
     try:
-        body = wire.resolve(entry.definition).body
+        body = wire.resolve(definition).body
     except wire.LayoutError as error:
         raise DefinitionError(error.reason, error.path) from None
     return [] if body is None else list(_rows(body, "", 0))

@@ -39,10 +39,12 @@ class Parsed:
     Attributes:
         document: The tree of what could be understood.
         faults: The syntax errors, in the order of the text.
+        tokens: The tokens of the text, without comments.
     """
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
+    tokens: list[Token] = field(default_factory=list)
 
 
 def parse(text: str) -> Parsed:
@@ -60,7 +62,8 @@ def parse(text: str) -> Parsed:
     document = run.document()
     attach(document, scanned.comments)
     faults = scanned.faults + run.faults
-    return Parsed(document, sorted(faults, key=lambda fault: (fault.span.line, fault.span.column)))
+    faults.sort(key=lambda fault: (fault.span.line, fault.span.column))
+    return Parsed(document, faults, scanned.tokens)
 
 
 class _Run:
