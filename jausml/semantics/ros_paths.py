@@ -19,6 +19,14 @@ from jausml.semantics.attributes import (
     primitive,
 )
 
+_COVARIANCES = {
+    "geometry_msgs/PoseWithCovariance": ("m^2", "rad^2"),
+    "geographic_msgs/GeoPoseWithCovariance": ("m^2", "rad^2"),
+    "geometry_msgs/TwistWithCovariance": ("m^2/s^2", "rad^2/s^2"),
+    "geometry_msgs/AccelWithCovariance": ("m^2/s^4", "rad^2/s^4"),
+}
+"""Units of the 6x6 matrix `covariance`: of x, y and z, and of the angles about them."""
+
 _STEP = re.compile(r"(?P<name>.*?)(?P<indices>(?:\[[0-9]{1,9}\])*)", re.DOTALL)
 
 
@@ -98,7 +106,10 @@ class RosPlace:
         if fault is not None:
             return fault
         constants = tuple((each.name, each.value) for each in self.type.constants)
-        return replace(self._inside(field, is_element=bool(indices)), constants=constants)
+        place = replace(self._inside(field, is_element=bool(indices)), constants=constants)
+        if indices and field.name == "covariance" and not field.units:
+            return replace(place, units=_covariance_units(self.type, indices[0]))
+        return place
 
     def _inside(self, field: ros.Field, *, is_element: bool) -> RosPlace:
         is_array = field.arrayKind.name != "single" and not is_element
@@ -144,6 +155,15 @@ def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -
     package = message_type.eContainer()
     prefix = f"{package.name}/" if package is not None and package.name else ""
     return f"{prefix}{message_type.name}"
+
+
+def _covariance_units(owner: ros.MessageType, index: int) -> str:
+    """Returns the unit of an element of a 6x6 covariance matrix; empty where it is of two kinds."""
+    units = _COVARIANCES.get(ros_name(owner))
+    row, column = divmod(index, 6)
+    if units is None or (row < 3) is not (column < 3):
+        return ""
+    return units[0] if row < 3 else units[1]
 
 
 def _split(step: str, known: list[str]) -> tuple[str, list[int]]:

@@ -25,10 +25,14 @@ def library(*maps):
     )
 
 
+STAMPED = ("sensor_msgs.xmi#Imu", "nav_msgs.xmi#Odometry")
+
+
 def attribute_map(message, type_, *assignments):
+    header = '<toRos xsi:type="bridge:Ignore" target="header"/>' if type_ in STAMPED else ""
     return (
         f'<maps name="map"><message href="{message}"/><type href="{ROS}{type_}"/>'
-        f"{''.join(assignments)}</maps>"
+        f"{header}{''.join(assignments)}</maps>"
     )
 
 

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 MAXIMUM_RATE = 1092.0
 """Largest rate of a periodic event in Hz (AS5710, CreateEvent, field RequestedPeriodicRate)."""
 
+RATE_STEP = MAXIMUM_RATE / 65535
+"""Step of that rate on the wire in Hz: a scaled uint16."""
+
 _LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
 _WILDCARD_SUBSYSTEM = 65535
 _NUMBERS = {
@@ -265,7 +268,10 @@ def missing_query(
 
 def rate_finding(connection: AnyConnection) -> Iterator[Finding]:
     """Yields a finding when the rate of a connection is not above 0 and at most 1092."""
+    message = f"rate {connection.rate:g} of '{connection.name}'"
     if not 0 < connection.rate <= MAXIMUM_RATE:
-        message = f"rate {connection.rate:g} of '{connection.name}'"
         hint = f"above 0 and at most {MAXIMUM_RATE:g}"
         yield Finding(connection, f"{message} is out of range", "rate", hint)
+    elif connection.rate < RATE_STEP / 2:
+        message += f" is 0 on the wire, where the step is {RATE_STEP:.3g}"
+        yield Finding(connection, message, "rate", "ask for a rate that a provider accepts")

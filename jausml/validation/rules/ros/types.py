@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from jausml.semantics.subject import Subject
 
 # The parts of services and actions are named SetBool_Request and the like.
+_LONGEST = 2.0**63 / 1e9
+"""Longest time in seconds: ROS 2 counts nanoseconds in 64 bits."""
 _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
 _LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
 _LOWER_CASE_HINT = "lower case, words joined by one underscore"
@@ -112,7 +114,9 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML404", Severity.ERROR, "impossible quality of service")
 def qos_values(subject: Subject) -> Iterator[Finding]:
-    """The depth is 1 or more with keep_last; times are finite and not negative; 0 means none.
+    """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
+
+    ROS 2 counts nanoseconds in 64 bits: no time is longer than 292 years.
 
     Bad: `<qos depth="0"/>`
 
@@ -127,7 +131,7 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
             ("lifespan", profile.lifespan),
             ("leaseDuration", profile.leaseDuration),
         ):
-            if not (math.isfinite(value) and value >= 0):
+            if not 0 <= value <= _LONGEST:
                 yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 

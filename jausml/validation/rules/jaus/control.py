@@ -1,0 +1,71 @@
+"""Rules about who talks to whom: control that nobody grants, components that ask themselves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus
+from jausml.model.diagnostics import Severity
+from jausml.semantics.commands import is_command
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.semantics.subject import Subject
+
+
+@rule("JML364", Severity.ERROR, "control that is never granted")
+def authority_suffices(subject: Subject) -> Iterator[Finding]:
+    """A component that controls another has at least the authority that the other one demands.
+
+    With less, each RequestControl is rejected for insufficient authority (AS5710, AccessControl),
+    and no command passes.
+
+    Bad: `controls="vehicle" authority="100"` where vehicle has `defaultAuthority="200"`
+
+    Good: the same with `authority="200"`
+    """
+    for component in subject.instances(jaus.Component):
+        for place, feature, target in _controlled(component):
+            if not subject.is_intact(target) or component.authority >= target.defaultAuthority:
+                continue
+            message = f"'{target.name}' obeys authority {target.defaultAuthority} and above,"
+            message += f" '{component.name}' has {component.authority}"
+            note = Note(target, f"'{target.name}'", "defaultAuthority")
+            yield Finding(place, message, feature, "raise its authority", (note,))
+
+
+@rule("JML365", Severity.ERROR, "component that is its own peer")
+def no_own_peers(subject: Subject) -> Iterator[Finding]:
+    """The peers of a connection are other components than the one that has it.
+
+    Bad: `peers="front"` in a connection of the bridge front
+
+    Good: `peers="vehicle"`
+    """
+    for connection in subject.instances(bridge.Connection):
+        owner = connection.eContainer()
+        if owner is not None and any(peer is owner for peer in connection.peers):
+            message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
+            yield Finding(connection, message, "peers")
+    for asked in subject.instances(jaus.ServiceConnection):
+        component = asked.eContainer()
+        if component is not None and asked.provider is component:
+            message = f"'{asked.name}' asks '{component.name}', which has it"
+            yield Finding(asked, message, "provider")
+
+
+def _controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, jaus.Component]]:
+    """Yields whom a component controls, with the element and the feature that say so."""
+    for target in component.controls:
+        yield component, "controls", target
+    if not isinstance(component, bridge.Bridge):
+        return
+    for connection in component.bridgeConnections:
+        sends = connection.direction.name == "rosToJaus" and connection.exchange.name == "message"
+        message = connection.map.message if connection.map is not None else None
+        if sends and connection.control and message is not None and is_command(message):
+            for peer in connection.peers:
+                yield connection, "peers", peer
