@@ -84,8 +84,8 @@ DAMAGES = {
         "(\n",
     ),
     "what is ignored": (
-        'header.frame_id = self.speed_frame_id',
-        'child_frame_id = target.header.frame_id = self.speed_frame_id',
+        "header.frame_id = self.speed_frame_id",
+        "child_frame_id = target.header.frame_id = self.speed_frame_id",
     ),
 }
 MORE_NAMES = "from jausml_runtime.conversions import (\n"
