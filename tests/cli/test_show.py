@@ -89,6 +89,11 @@ def test_a_message_in_json(jausml):
     assert jausml("encode", input=json.dumps(content["example"])).exit_code == 0
 
 
+def test_an_example_takes_no_value_that_is_reserved(catalogue):
+    fields = example(catalogue.message("QueryIdentification", "Discovery/1.1"))
+    assert fields == {"QueryIdentificationRec": {"QueryType": "System Identification"}}
+
+
 def test_all_meanings_of_a_code_are_shown(jausml):
     result = jausml("show", "message", "F932")
     assert "RNDetailedMeasurement 0xF932" in result.stdout

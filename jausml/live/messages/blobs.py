@@ -250,7 +250,8 @@ def octets(fields: Mapping[str, Any], encode_message: EncodeMessage | None, *mor
         except EncodeError as error:
             raise error.inside(MESSAGE) from None
     known = ("hex", *more) if encode_message is None else ("hex", MESSAGE, *more)
-    check_names(fields, known, ("hex",))
+    instead = "" if encode_message is None else f", or {MESSAGE} in its stead an object of one"
+    check_names(fields, known, ("hex",), lambda _: f"bytes in hexadecimal{instead}")
     text = fields["hex"]
     if not isinstance(text, str):
         raise EncodeError(f"{shown(text)} is not a string", "hex")

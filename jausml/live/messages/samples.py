@@ -91,7 +91,12 @@ class _Sampler:
         raise TypeError(f"no sample of a {type(codec).__name__}")
 
     def _integer(self, ranges: tuple[tuple[int, int], ...], names: Mapping[int, str]) -> int | str:
+        known = list(names.values())
+        telling = (
+            names[value]
+            for value in sorted(names)
+            if known.count(names[value]) == 1 and not names[value].lower().startswith("reserved")
+        )
         legal_zero = any(low <= 0 <= high for low, high in ranges)
         number = 0 if legal_zero else ranges[0][0]
-        name = names.get(number, "")
-        return name if self.is_full and list(names.values()).count(name) == 1 else number
+        return next(telling, number) if self.is_full else number
