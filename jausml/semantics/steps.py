@@ -16,6 +16,7 @@ from jausml.semantics.conversions import (
 )
 from jausml.semantics.conversions.authored import Formula
 from jausml.semantics.expressions import expression_names
+from jausml.semantics.quantities import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -99,7 +100,7 @@ def step_of(
     names: Mapping[str, int],
     *,
     to_ros: bool,
-    quantities: Mapping[str, float] | None = None,
+    quantities: Mapping[str, bridge.Quantity] | None = None,
 ) -> Step:
     """Returns a conversion of a model with its arguments.
 
@@ -107,7 +108,7 @@ def step_of(
         element: The conversion.
         names: What the names of an expression stand for: positions of its inputs, or -1.
         to_ros: Whether values go from JAUS to ROS.
-        quantities: Values in the place of those that quantities of the map have, by name.
+        quantities: What stands in the place of quantities of the map, by name.
     """
     conversion = conversion_of(element)
     given = _numbers(element, quantities or {})
@@ -120,11 +121,11 @@ def step_of(
     return Step(conversion, tuple(given) if is_complete else None)
 
 
-def _numbers(element: bridge.Conversion, quantities: Mapping[str, float]) -> list[Any]:
+def _numbers(element: bridge.Conversion, quantities: Mapping[str, bridge.Quantity]) -> list[Any]:
     quantity = element.quantity
     if quantity is None:
         return [float(each) for each in element.arguments]
-    return [quantities.get(quantity.name, float(quantity.value))]
+    return [value_of(quantity, quantities)]
 
 
 def _argument(

@@ -166,11 +166,12 @@ def _directions(connection: bridge.Connection) -> list[str]:
 
 
 def _usual_exchange(connection: bridge.Connection) -> str:
-    """Returns how a message crosses that no service at hand has: reports by events."""
+    """Returns how a message crosses that no service at hand has: by events what has a query."""
     message = connection.map.message if connection.map is not None else None
     service = message.eContainer() if message is not None else None
-    is_report = service is not None and message in service.outputs
-    return EVENT if is_report else MESSAGE
+    if service is None or message not in service.outputs:
+        return MESSAGE
+    return EVENT if _has_query(connection, [service]) else MESSAGE
 
 
 def _partners(connection: bridge.Connection, owner: bridge.Bridge) -> list[list[jaus.Service]]:

@@ -101,7 +101,7 @@ lamps {
 bridge valued {
   address: 1.1.2
   frequency: 12.5
-  quantity reach { value: 80 units: "m" }
+  quantity reach { value: 8000 units: "cm" }
   connection attitude { map: attitude topic a {} }
   connection polled { map: attitude exchange: query topic a {} }
   connection often { map: attitude exchange: periodicEvent rate: 50 topic a {} }

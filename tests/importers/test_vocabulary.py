@@ -219,3 +219,18 @@ def test_xml_1_1_and_processing_instructions_are_read():
     text = service().replace('version="1.0" encoding', 'version="1.1" encoding', 1)
     text = text.replace("?>", '?><?editor schema="none"?>', 1)
     assert good(text).name == "Lamp"
+
+
+@pytest.mark.parametrize(
+    ("urn", "name"),
+    [
+        ("urn:acme:jaus:Sampler", "acme"),
+        ("urn:jaus:jss:mobility:Sampler", "mobility"),
+        ("urn:acme:rovers:Sampler", "rovers"),
+        ("urn:jaus:Sampler", "sampler"),
+    ],
+)
+def test_a_set_is_named_after_what_tells_it_from_others(urn, name):
+    text = service().replace('id="urn:example:light:Lamp"', f'id="{urn}"')
+    assert urn in text
+    assert [each.name for each in run(text).sets] == [name]

@@ -78,7 +78,7 @@ def import_jsidl(
         paths: The files. All sets of types and constants that services use are among them.
         candidates: Further files; those of them that are no JSIDL at all are passed over.
         name: Name of the service set, when there is one only; by default that of the service_set
-            of the file, or the part of the URNs that stands before the name of the service.
+            of the file, or the part of the URNs before the service that tells it from others.
         version: Version of the service set, when there is one only; by default that of the
             service_set, or that of most services.
         behaviour: False leaves out state machines.

@@ -31,6 +31,10 @@ ByUrn: TypeAlias = "dict[str, dict[str, jaus.Service]]"
 """Services by URN and version."""
 
 
+_WORDS_OF_ALL = ("urn", "jaus", "jss", "service", "services")
+"""Parts of URNs that tell no service set from another."""
+
+
 @dataclass(eq=False, slots=True)
 class ImportedService:
     """A service and the element of JSIDL that it was made of."""
@@ -209,7 +213,7 @@ def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
     """Returns services as sets, in the order of their first services.
 
     A service_set of a file is a set. Other services belong together by their URN: what stands
-    before its last colon names the set. Versions of one service become sets of their own.
+    before its last colon. Versions of one service become sets of their own.
     """
     groups: dict[Hashable, list[ImportedService]] = {}
     taken: set[tuple[Hashable, str]] = set()
@@ -228,7 +232,7 @@ def _group(members: list[ImportedService]) -> SetOfServices:
     versions = Counter(each.service.version for each in members)
     version = pick_version("", [v for v, n in versions.items() if n == max(versions.values())])
     owner = place.node.parent
-    name = str(members[0].service.urn).rpartition(":")[0].rpartition(":")[2]
+    name = _name_in(str(members[0].service.urn))
     if owner is not None:
         place = Place(place.document, owner)
         name = folded(owner.get("name")) or name
@@ -237,6 +241,17 @@ def _group(members: list[ImportedService]) -> SetOfServices:
     return SetOfServices(
         snake_case(name) or "services", version, place, [each.service for each in members]
     )
+
+
+def _name_in(urn: str) -> str:
+    """Returns what names a set in the URN of a service: `acme` in `urn:acme:jaus:Sampler`.
+
+    It is the last part before the name of the service that tells one set from others; the service
+    itself where there is none.
+    """
+    *before, service = urn.split(":")
+    telling = [each for each in before if each and each.lower() not in _WORDS_OF_ALL]
+    return telling[-1] if telling else service
 
 
 def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:

@@ -28,13 +28,13 @@ class Chain:
         map: The `bridge.AttributeMap`.
         assignment: The `bridge.FieldAssignment`.
         to_ros: Whether it fills the ROS type.
-        quantities: Values of quantities that the bridge states, by name.
+        quantities: The quantities that the bridge states, by name.
     """
 
     map: bridge.AttributeMap
     assignment: bridge.FieldAssignment
     to_ros: bool
-    quantities: Mapping[str, float]
+    quantities: Mapping[str, bridge.Quantity]
 
     @property
     def sources(self) -> list[str]:
@@ -120,10 +120,10 @@ class Chain:
         return (1.0, 0.0) if step is None else step
 
 
-def quantities_of(bridge: Any) -> dict[str, float]:
-    """Returns the values of the quantities that a bridge states.
+def quantities_of(owner: bridge.Bridge | None) -> dict[str, bridge.Quantity]:
+    """Returns the quantities that a bridge states, by name.
 
     Args:
-        bridge: The `bridge.Bridge`.
+        owner: The bridge.
     """
-    return {str(each.name): float(each.value) for each in bridge.quantities}
+    return {str(each.name): each for each in owner.quantities} if owner is not None else {}

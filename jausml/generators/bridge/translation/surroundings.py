@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.translation.values import AssignmentError
 from jausml.generators.python.names import Scope, constant_name, snake_case
+from jausml.semantics.quantities import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -222,7 +223,8 @@ class Surroundings:
     def _quantity_key(self, quantity: bridge.Quantity) -> tuple[str, float, str]:
         """Returns name, value and unit: what is the same in all of them is one attribute."""
         found = self.overrides.get(quantity.name, quantity)
-        return str(quantity.name), float(found.value), str(found.units or quantity.units or "")
+        value = value_of(quantity, self.overrides)
+        return str(quantity.name), value, str(quantity.units or found.units or "")
 
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
         """Returns the Python path of a conversion that the user writes.

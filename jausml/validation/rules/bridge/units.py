@@ -74,7 +74,8 @@ def quantities(subject: Subject) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 
     It has the name and the dimension of the quantity that it overrides, and a legal value for the
-    conversions that refer to it: the maximum of a percentage is above 0.
+    conversions that refer to it: the maximum of a percentage is above 0. Its unit may be another
+    one, 30 km/h for a speed in m/s.
 
     Bad: a bridge with the quantity `max_sped`, whose maps have `max_speed`
 
@@ -107,7 +108,7 @@ def _override_findings(
         yield Finding(quantity, message, "name", known)
         return
     own, other = measure(quantity.units or ""), measure(original.units or "")
-    if own is not None and other is not None and own.unit != other.unit:
+    if own is not None and other is not None and not own.unit.is_compatible(other.unit):
         message = f"'{quantity.name}' is in {own.text}, but the map has it in {other.text}"
         note = Note(original, f"'{original.name}'", "units")
         yield Finding(quantity, message, "units", f"state it in {other.text}", (note,))
