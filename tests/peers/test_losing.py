@@ -6,17 +6,17 @@ import os
 import subprocess
 import sys
 from contextlib import ExitStack, contextmanager
-from threading import Thread
+from threading import Event, Thread
 
 import pytest
 
 from jausml.live.peers.identity import identified
 from jausml.live.peers.network import make_network
 from jausml.runtime import JausComponent
-from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.messages import ClearEmergency, RequestControl, SetEmergency
+from jausml.runtime.messages import ClearEmergency, QueryStatus, RequestControl, SetEmergency
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports
@@ -193,6 +193,25 @@ def test_an_id_that_another_tool_has_is_warned_of(jausml, component, network):
     with identified(network):
         result = jausml("ocu", "status", "100.1.1", "--id", "65000.1.1")
     assert "warning: another jausml tool of this host has the id 65000.1.1 too" in result.stderr
+
+
+def test_a_program_that_sends_under_our_id_is_warned_of(jausml, component, free_port):
+    component()
+    over = Event()
+
+    def impersonate():
+        with running_transport(TransportSettings(port=free_port)) as transport:
+            double = JausComponent(transport, JausAddress(65000, 1, 1), name="double", services=[])
+            double.start()
+            while not over.wait(0.05):
+                double.send(QueryStatus(), BROADCAST)
+            double.stop()
+
+    with meanwhile(impersonate):
+        result = jausml("ocu", "discover", "--duration", "1.5", "--id", "65000.1.1")
+        over.set()
+    assert result.exit_code == 0
+    assert "warning: another program of the network sends as 65000.1.1" in result.stderr
 
 
 @pytest.mark.live
