@@ -30,6 +30,9 @@ STAND_IN = {
             def __init__(self, name, *, default_value=None, description=None):
                 assert isinstance(name, str) and isinstance(description, str)
                 self.said = {"argument": name, "default": default_value}
+        class GroupAction:
+            def __init__(self, actions):
+                self.said = {"group": [each.said for each in actions]}
         class SetEnvironmentVariable:
             def __init__(self, name, value):
                 self.said = {"variable": name, "value": value}
@@ -49,11 +52,15 @@ STAND_IN = {
     "launch_ros/actions.py": """
         class Node:
             def __init__(self, *, package, executable, name=None, namespace=None,
-                         parameters=None, arguments=None, output="log"):
+                         parameters=None, arguments=None, ros_arguments=None, output="log"):
                 self.said = {
                     "node": package + "/" + executable, "name": name, "namespace": namespace,
-                    "parameters": parameters, "arguments": arguments, "output": output,
+                    "parameters": parameters, "arguments": arguments,
+                    "ros_arguments": ros_arguments, "output": output,
                 }
+        class PushRosNamespace:
+            def __init__(self, namespace):
+                self.said = {"pushed": namespace}
         """,
     "launch_ros/substitutions.py": """
         class ExecutableInPackage:
@@ -68,11 +75,21 @@ description = namespace["generate_launch_description"]()
 print(json.dumps([each.said for each in description.entities], default=lambda each: each.said))
 """
 TRANSPORT = [
-    *("--jaus-interface", "$jaus_interface", "--jaus-transport", "$jaus_transport"),
-    *("--jaus-port", "$jaus_port"),
-    *("--jaus-multicast-group", "$jaus_multicast_group"),
-    *("--jaus-multicast-ttl", "$jaus_multicast_ttl"),
+    ["--jaus-interface=", "$jaus_interface"],
+    ["--jaus-transport=", "$jaus_transport"],
+    ["--jaus-port=", "$jaus_port"],
+    ["--jaus-multicast-group=", "$jaus_multicast_group"],
+    ["--jaus-multicast-ttl=", "$jaus_multicast_ttl"],
+    ["--log-level=", "$log_level"],
 ]
+
+
+def options(identity="jaus_id"):
+    return [["--jaus-id=", f"${identity}"], *TRANSPORT]
+
+
+def parameter_file(package, name):
+    return f"/share/{package}/config/{name}.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +113,9 @@ class Launch:
         self.entities = json.loads(done.stdout)
         self.arguments = {e["argument"]: e["default"] for e in self.entities if "argument" in e}
         self.variables = {e["variable"]: e["value"] for e in self.entities if "variable" in e}
+        (group,) = (each["group"] for each in self.entities if "group" in each)
+        self.namespaces = [each["pushed"] for each in group if "pushed" in each]
+        self.entities += group
         self.commands = {e["name"]: e["command"] for e in self.entities if "command" in e}
         self.nodes = {e["name"]: e for e in self.entities if "node" in e}
         processes = [*self.nodes.values(), *(e for e in self.entities if "command" in e)]
@@ -114,23 +134,30 @@ def fleet(tmp_path_factory, stand_in):
     return launches("hosts", tmp_path_factory.mktemp("fleet"), stand_in)
 
 
-def settings(interface, port="3794", group="239.255.0.1", ttl="16"):
+def settings(interface="", port="", group="", ttl=""):
     return {
-        "ros_domain_id": "env ROS_DOMAIN_ID or 9",
         "jaus_interface": interface,
-        "jaus_transport": "judp",
+        "jaus_transport": "",
         "jaus_port": port,
         "jaus_multicast_group": group,
         "jaus_multicast_ttl": ttl,
     }
 
 
+def files(package, **arguments):
+    return {key: parameter_file(package, name) for key, name in arguments.items()}
+
+
+GENERAL = {"ros_domain_id": "env ROS_DOMAIN_ID or 9", "log_level": "info"}
+
+
 def test_one_host_has_one_launch_file(tmp_path, stand_in):
     ((name, launch),) = launches("one_host", tmp_path, stand_in).items()
     assert name == "alone"
-    assert launch.arguments["jaus_port"] == "4000"
-    assert launch.arguments["jaus_interface"] == "127.0.0.1"
-    assert launch.commands == {"arm": ["arm/arm", *TRANSPORT]}
+    # What the one process has anyway is not said again: a parameter file may say otherwise.
+    assert launch.arguments["jaus_port"] == ""
+    assert launch.arguments["jaus_id"] == ""
+    assert launch.commands == {"arm": ["arm/arm", *options()]}
     assert list(launch.nodes) == ["display"]
 
 
@@ -140,9 +167,14 @@ def test_several_hosts_have_a_launch_file_each(fleet):
 
 
 def test_a_host_has_its_own_transport(fleet):
-    assert fleet["fleet_robot"].arguments == settings("192.168.0.7", port="3800", ttl="4")
-    assert fleet["fleet_fleet"].arguments == settings("192.168.0.8", group="239.1.2.3")
-    assert fleet["fleet_eye"].arguments == {"ros_domain_id": "env ROS_DOMAIN_ID or 9"}
+    own = {"jaus_id": "", **settings()}
+    assert fleet["fleet_robot"].arguments == {**GENERAL, **own}
+    display = files("fleet_bringup", params_file="display")
+    assert fleet["fleet_fleet"].arguments == {**GENERAL, "namespace": "", **own, **display}
+    camera = files("fleet_bringup", params_file="camera")
+    assert fleet["fleet_eye"].arguments == {**GENERAL, "namespace": "", **camera}
+    assert fleet["fleet_robot"].namespaces == []
+    assert fleet["fleet_eye"].namespaces == ["$namespace"]
 
 
 def test_a_host_starts_what_is_placed_there(fleet):
@@ -156,9 +188,17 @@ def test_a_host_starts_what_is_placed_there(fleet):
 
 def test_everything_on_one_computer_has_one_transport(fleet):
     whole = fleet["fleet"]
-    assert whole.arguments == settings("192.168.0.7", port="3800", ttl="4")
+    assert whole.arguments == {
+        **GENERAL,
+        "namespace": "",
+        "arm_jaus_id": "",
+        "operator_jaus_jaus_id": "",
+        **settings("192.168.0.7", port="3800", group="239.255.0.1", ttl="4"),
+        **files("fleet_bringup", camera_params_file="camera", display_params_file="display"),
+    }
     # Named like a module of Python, so the package is named otherwise.
-    assert whole.commands["operator"] == ["operator_jaus/operator_jaus", *TRANSPORT]
+    expected = ["operator_jaus/operator_jaus", *options("operator_jaus_jaus_id")]
+    assert whole.commands["operator"] == expected
 
 
 def test_arguments_are_declared_before_they_are_used(fleet):
@@ -173,8 +213,9 @@ def test_a_node_has_its_name_namespace_and_parameters(fleet):
         "node": "camera/camera",
         "name": "camera",
         "namespace": "front",
-        "parameters": ["/share/fleet_bringup/config/camera.yaml"],
+        "parameters": [parameter_file("fleet_bringup", "camera"), "$camera_params_file"],
         "arguments": None,
+        "ros_arguments": ["--log-level", "$log_level"],
         "output": "screen",
     }
     assert fleet["fleet"].nodes["display"]["namespace"] is None
@@ -185,9 +226,12 @@ def test_a_bridge_takes_arguments_of_both_sides(tmp_path, stand_in):
     write(model.with_suffix(""), tmp_path, (BRINGUP,))
     launch = Launch(tmp_path / "minimal_bringup" / "launch" / "minimal.launch.py", stand_in)
     bridge = launch.nodes["sensor_bridge"]
-    assert bridge["arguments"] == TRANSPORT
-    assert bridge["parameters"] == ["/share/minimal_bringup/config/sensor_bridge.yaml"]
-    assert launch.commands["sensor"] == ["sensor/sensor", *TRANSPORT]
+    assert bridge["arguments"] == options("sensor_bridge_jaus_id")
+    assert bridge["parameters"] == [
+        parameter_file("minimal_bringup", "sensor_bridge"),
+        "$params_file",
+    ]
+    assert launch.commands["sensor"] == ["sensor/sensor", *options("sensor_jaus_id")]
 
 
 def test_hostile_launch_files_run_nothing(tmp_path, stand_in, monkeypatch):
@@ -285,19 +329,14 @@ def test_processes_are_recorded_for_the_command_line():
             "kind": "component",
             "package": "arm",
             "module": "arm.main",
-            "arguments": [
-                *("--jaus-interface", "192.168.0.7", "--jaus-port", "3800"),
-                *("--jaus-multicast-ttl", "4"),
-            ],
+            "arguments": [],
         },
         {
             "name": "operator",
             "kind": "component",
             "package": "operator_jaus",
             "module": "operator_jaus.main",
-            "arguments": [
-                *("--jaus-interface", "192.168.0.8", "--jaus-multicast-group", "239.1.2.3"),
-            ],
+            "arguments": [],
         },
         *(
             {

@@ -201,10 +201,8 @@ class ConnectionView:
         if self.query is not None:
             query = self._query_call(self.query) if self.to_ros else self.query.class_name
             found.append(("query", query))
-        if self.to_ros and self.exchange in {"periodicEvent", "query"}:
-            owner = connection.eContainer()
-            rate = connection.rate or (owner.frequency if owner is not None else 0.0)
-            found.append(("rate", python_literal(float(rate))))
+        if self.rate is not None:
+            found.append(("rate", python_literal(self.rate)))
         if self._handler_guard != "ANY":
             found.append(("when", condition(self.message_element, self._handler_guard)))
         if self.kind == "TopicsToMessage":
@@ -236,6 +234,21 @@ class ConnectionView:
         if all(member.is_optional for member in self.message.body.members):
             found.append(("empty", self.message_name))
         return found
+
+    @property
+    def rate(self) -> float | None:
+        """Messages each second that are asked for; None when nothing is, or every change."""
+        if not self.to_ros or self.exchange not in {"periodicEvent", "query"}:
+            return None
+        owner = self.connection.eContainer()
+        return float(self.connection.rate or (owner.frequency if owner is not None else 0.0))
+
+    @property
+    def named_peers(self) -> list[str]:
+        """Addresses of the JAUS components at the other end that are named."""
+        if self.kind == "TopicsToReport" or self.connection.search is not None:
+            return []
+        return [str(each.address) for each in self.connection.peers]
 
     @property
     def peers(self) -> str:

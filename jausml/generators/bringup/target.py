@@ -59,7 +59,7 @@ def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
         "kind": process.kind,
         "package": process.package,
         "module": process.module,
-        "arguments": list(process.transport_arguments),
+        "arguments": [],
     }
     if process.speaks_ros:
         entry["parameters"] = f"{bringup.name}/config/{process.name}.yaml"

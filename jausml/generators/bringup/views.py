@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, offered
-from jausml.generation.literals import python_string, yaml_string
+from jausml.generation.literals import printable, python_string, yaml_string
+from jausml.generators.bridge.parameters import ParameterLine, parameter_lines
+from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.components import TRANSPORTS, host_of
 from jausml.generators.common.ros import parameter_value
 from jausml.generators.python.names import package_name
 from jausml.generators.python.statements import call
-from jausml.metamodel.classes import jaus, ros
+from jausml.metamodel.classes import bridge, jaus, ros
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from jausml.metamodel.classes.system import Host, System
 
@@ -24,10 +26,14 @@ LAUNCH_IMPORTS = Imports(
         **offered("ament_index_python.packages", "get_package_share_directory"),
         **offered("launch", "LaunchDescription"),
         **offered(
-            "launch.actions", "DeclareLaunchArgument", "ExecuteProcess", "SetEnvironmentVariable"
+            "launch.actions",
+            "DeclareLaunchArgument",
+            "ExecuteProcess",
+            "GroupAction",
+            "SetEnvironmentVariable",
         ),
         **offered("launch.substitutions", "EnvironmentVariable", "LaunchConfiguration"),
-        **offered("launch_ros.actions", "Node"),
+        **offered("launch_ros.actions", "Node", "PushRosNamespace"),
         **offered("launch_ros.substitutions", "ExecutableInPackage"),
     },
     for_user=True,
@@ -99,6 +105,8 @@ class ProcessView:
         host: Name of the host that it runs on; empty when the model has no hosts.
         transport: Values of SETTINGS on that host.
         parameters: ROS parameters with their default values.
+        address: JAUS address; empty for nodes.
+        bridge_parameters: Further parameters, of a bridge.
     """
 
     name: str
@@ -107,6 +115,8 @@ class ProcessView:
     host: str
     transport: tuple[str, ...]
     parameters: Mapping[str, bool | float | str]
+    address: str = ""
+    bridge_parameters: tuple[ParameterLine, ...] = ()
 
     @property
     def package(self) -> str:
@@ -129,20 +139,10 @@ class ProcessView:
         return f"{self.package}.main"
 
     @property
-    def command(self) -> str:
+    def program(self) -> str:
         """What a launch action runs, as Python text."""
         package = python_string(self.package)
-        program = call("ExecutableInPackage", f"executable={package}", f"package={package}")
-        return f"[{program}, *TRANSPORT]"
-
-    @property
-    def transport_arguments(self) -> tuple[str, ...]:
-        """Command line options of the JAUS transport, where they differ from its defaults."""
-        if not self.speaks_jaus:
-            return ()
-        values = zip(SETTINGS, self.transport, strict=True)
-        changed = [(each.option, value) for each, value in values if value != each.default]
-        return tuple(text for pair in changed for text in pair)
+        return call("ExecutableInPackage", f"executable={package}", f"package={package}")
 
 
 @dataclass(frozen=True)
@@ -192,22 +192,55 @@ class LaunchView:
         """The settings of the JAUS transport."""
         return SETTINGS if self.speaks_jaus else ()
 
+    def id_argument(self, process: ProcessView) -> str:
+        """Name of the launch argument for the JAUS address of a process."""
+        return self._own(process, "jaus_id", [each for each in self.processes if each.speaks_jaus])
+
+    def file_argument(self, process: ProcessView) -> str:
+        """Name of the launch argument for a parameter file of the user."""
+        return self._own(
+            process, "params_file", [each for each in self.processes if each.speaks_ros]
+        )
+
+    @staticmethod
+    def _own(process: ProcessView, name: str, kin: Sequence[ProcessView]) -> str:
+        return name if len(kin) == 1 else f"{process.package}_{name}"
+
     @property
     def arguments(self) -> tuple[Argument, ...]:
         """The launch arguments; a ROS domain that the environment names is kept."""
         domain = python_string(self.ros_domain)
-        values = zip(self.settings, self.transport, strict=False)
+        domain = f'EnvironmentVariable("ROS_DOMAIN_ID", default_value={domain})'
         return (
-            Argument(
-                "ros_domain_id",
-                f'EnvironmentVariable("ROS_DOMAIN_ID", default_value={domain})',
-                "Domain of ROS 2",
-            ),
+            Argument("ros_domain_id", domain, "Domain of ROS 2"),
+            *([Argument("namespace", '""', "Namespace of all nodes")] if self.speaks_ros else []),
+            Argument("log_level", '"info"', "What is logged: debug, info, warn or error"),
             *(
-                Argument(each.name, python_string(value), each.description)
-                for each, value in values
+                Argument(
+                    self.id_argument(each), '""', f"JAUS address of {each.name} ({each.address})"
+                )
+                for each in self.processes
+                if each.speaks_jaus
+            ),
+            *(self._setting(number, each) for number, each in enumerate(self.settings)),
+            *(
+                Argument(
+                    self.file_argument(each),
+                    f"str(config / {python_string(f'{each.name}.yaml')})",
+                    f"Parameter file of {each.name}, which goes before the generated one",
+                )
+                for each in self.processes
+                if each.speaks_ros
             ),
         )
+
+    def _setting(self, number: int, setting: Setting) -> Argument:
+        """A setting that all processes have anyway is left to them and their parameter files."""
+        value = self.transport[number]
+        jaus = [each for each in self.processes if each.speaks_jaus]
+        is_own = all(each.transport[number] == value for each in jaus)
+        default = '""' if is_own else python_string(value)
+        return Argument(setting.name, default, f"{setting.description} ({value})")
 
 
 @dataclass(frozen=True)
@@ -223,10 +256,16 @@ class ConfigView:
         return f"config:{self.process.name}"
 
     @property
-    def parameters(self) -> tuple[tuple[str, str], ...]:
-        """Names and values of the parameters as YAML."""
-        values = {"use_sim_time": False, **self.process.parameters}
-        return tuple((_yaml_key(name), _yaml(value)) for name, value in values.items())
+    def lines(self) -> tuple[str, ...]:
+        """The parameters as lines of YAML, each with what it is before it."""
+        first = ParameterLine("use_sim_time", False)  # noqa: FBT003 - its value
+        plain = (ParameterLine(*pair) for pair in self.process.parameters.items())
+        found = []
+        for each in (first, *plain, *self.process.bridge_parameters):
+            about = " ".join(printable(each.about).split())
+            found += [f"# {about}"] if about else []
+            found.append(f"{'# ' * each.is_comment}{_yaml_key(each.name)}: {_yaml(each.value)}")
+        return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -315,7 +354,23 @@ class BringupView:
             host=host.name if host is not None else "",
             transport=_transport(host),
             parameters={each.name: parameter_value(each) for each in parameters},
+            address="" if isinstance(element, ros.Node) else str(element.address),
+            bridge_parameters=self._bridge_parameters(element, _transport(host)),
         )
+
+    def _bridge_parameters(
+        self, element: jaus.Component | ros.Node, transport: tuple[str, ...]
+    ) -> tuple[ParameterLine, ...]:
+        if not isinstance(element, bridge.Bridge):
+            return ()
+        first, *others = parameter_lines(BridgeView(element, self.system, self.source))
+        settings = (
+            ParameterLine(
+                each.name, int(value) if value.isdecimal() else value, f"{each.description}."
+            )
+            for each, value in zip(SETTINGS, transport, strict=True)
+        )
+        return (first, *settings, *others)
 
 
 def _transport(host: Host | None) -> tuple[str, ...]:
@@ -334,6 +389,8 @@ def _yaml_key(name: str) -> str:
 
 
 def _yaml(value: object) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_yaml, value))}]"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -393,6 +393,7 @@ class ComponentView:
             runner="run_component",
             arguments=f"{self.class_name}, PROGRAM, arguments",
             end="SIGINT, SIGTERM or a JAUS Shutdown",
+            needs_program=True,
         )
 
     @property

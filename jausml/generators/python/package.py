@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, layout, offered
+from jausml.generation.languages.python import Imports, layout
 from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml.generators.common import runtime
 
@@ -126,12 +126,14 @@ class EntryPoint:
         runner: Function of the runtime.
         arguments: Its arguments.
         end: What ends it.
+        needs_program: Whether the arguments name the PROGRAM of the base.
     """
 
     title: str
     runner: str
     arguments: str
     end: str
+    needs_program: bool = False
 
 
 class ProgramView(Protocol):
@@ -201,7 +203,7 @@ def program_tasks(views: Sequence[ProgramView], *, base: str, skeleton: str) -> 
             "main.py.j2",
             views,
             lambda view: module_path(view, "main"),
-            imports=_main_imports,
+            imports=lambda _: Imports({}),
         ),
     ]
 
@@ -213,16 +215,6 @@ def laid_out(stub: str) -> str:
         stub: The method, indented for a class.
     """
     return layout(f"class _:\n{stub}").partition("\n")[2]
-
-
-def _main_imports(view: ProgramView) -> Imports:
-    return Imports(
-        {
-            **offered(runtime.FACE, view.entry_point.runner),
-            **offered(f".{view.package}", view.class_name),
-            **offered(f".{view.package}_base", "PROGRAM"),
-        }
-    )
 
 
 def _text(package: PackageView, path: str) -> TextFile:

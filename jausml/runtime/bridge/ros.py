@@ -9,6 +9,7 @@ subscription takes its messages and who waits for them stays in here.
 
 from __future__ import annotations
 
+import atexit
 import logging
 import signal
 import threading
@@ -44,6 +45,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..base.counters import LOGGER
+from ..component.process import ignore_signals
 from ..conversions import Time
 from .parameters import Parameter, ParameterError, nearest
 from .quality import EndpointHealth
@@ -276,6 +278,7 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
         factory: Makes the node, after ROS has begun.
         arguments: Command line without the program's name; that of the process when None.
     """
+    atexit.register(ignore_signals)
     # ROS itself ends on SIGINT; Python's KeyboardInterrupt would strike anywhere, even in clean-up.
     signal.signal(signal.SIGINT, lambda *_: None)
     rclpy.init(args=None if arguments is None else list(arguments))

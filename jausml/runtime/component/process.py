@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import logging
 import re
 import signal
@@ -31,7 +32,7 @@ LOGGER = logging.getLogger("jausml")
 
 LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
-LOG_LEVELS = ("debug", "info", "warning", "error")
+LOG_LEVELS = ("debug", "info", "warn", "warning", "error")
 
 _NOT_GIVEN = re.compile("--[a-z-]+=")
 
@@ -225,6 +226,7 @@ class StopRequest:
         def handle(number: int, _frame: FrameType | None) -> None:
             self.request(signal.Signals(number).name)
 
+        atexit.register(ignore_signals)
         numbers = (signal.SIGINT, signal.SIGTERM)
         former = {number: signal.signal(number, handle) for number in numbers}
         try:
@@ -232,6 +234,12 @@ class StopRequest:
         finally:
             for number, handler in former.items():
                 signal.signal(number, handler)
+
+
+def ignore_signals() -> None:
+    """Lets a process that is at its end end, whoever signals once more."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _address(text: str) -> JausAddress:

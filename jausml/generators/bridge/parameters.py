@@ -1,0 +1,114 @@
+"""Parameters of a bridge as its parameter file lists them: what the runtime declares, in words.
+
+The runtime declares them (`runtime/bridge/parameters.py`); tests compare both.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.literals import printable
+from jausml.generators.bridge.translation import AssignmentError
+from jausml.generators.bridge.translation.ros_fields import PathError
+from jausml.semantics.freshness import freshness_of
+from jausml.semantics.topics import reliability, resolve_topic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.generators.bridge.connections import ConnectionView
+    from jausml.generators.bridge.views import BridgeView
+    from jausml.metamodel.classes import bridge
+
+
+@dataclass(frozen=True)
+class ParameterLine:
+    """A parameter of a bridge in its file.
+
+    Attributes:
+        name: Its name.
+        value: Modelled value.
+        about: What it is; empty when the name says it.
+        is_comment: Whether the line is commented out, as its name depends on the deployment.
+    """
+
+    name: str
+    value: bool | float | str | list[str]
+    about: str = ""
+    is_comment: bool = False
+
+
+def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
+    """Yields the parameters that stand in the file of a bridge, besides those of its transport.
+
+    Args:
+        view: The bridge.
+    """
+    element = view.bridge
+    yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
+    yield ParameterLine(
+        "jaus_authority",
+        element.authority,
+        "Authority that control of JAUS components is requested with.",
+    )
+    yield ParameterLine(
+        "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
+    )
+    # A translation that cannot be written is reported by the template that it stands in.
+    with suppress(AssignmentError, PathError):
+        for each in view.module.parameters:
+            yield ParameterLine(each.name, each.value, each.description)
+        for connection in view.connections:
+            yield from _connection_lines(connection)
+
+
+def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
+    name, connection = view.name, view.connection
+    about = " ".join(printable(connection.documentation or "").split())
+    main = [topic for topic in connection.topics if topic.join is None]
+    yield from _topic_lines(name, main, f"Topic of {name}. {about}".strip())
+    if view.named_peers:
+        yield ParameterLine(f"{name}.peers", view.named_peers)
+    if view.rate is not None:
+        yield ParameterLine(f"{name}.rate", view.rate, "Messages each second (Hz).")
+    yield ParameterLine(
+        f"{name}.silence_timeout",
+        float(connection.silenceTimeout or freshness_of(connection)),
+        "Seconds without a message that count as silence; 0 is never.",
+    )
+    for join in view.joins:
+        owner = f"{name}.{join.name}"
+        yield ParameterLine(
+            f"{owner}.freshness",
+            float(join.join.freshness),
+            "Seconds after which the latest message is stale.",
+        )
+        yield from _topic_lines(owner, list(join.topics))
+    for topic in connection.topics:
+        yield from _quality_lines(connection, topic)
+
+
+def _topic_lines(
+    owner: str, topics: list[bridge.Topic], about: str = ""
+) -> Iterator[ParameterLine]:
+    if len(topics) == 1:
+        yield ParameterLine(f"{owner}.topic", topics[0].name, about)
+    elif topics:
+        yield ParameterLine(f"{owner}.topics", [each.name for each in topics], about)
+
+
+def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterator[ParameterLine]:
+    owner = connection.eContainer()
+    namespace, node = (owner.namespace or "", owner.name) if owner is not None else ("", "")
+    kind = "publisher" if connection.direction.name == "jausToRos" else "subscription"
+    name = f"qos_overrides.{resolve_topic(topic.name, namespace, node)}.{kind}"
+    qos = topic.qos
+    values: tuple[tuple[str, str | int], ...] = (
+        ("reliability", reliability(connection, topic)),
+        ("durability", "volatile" if qos is None else qos.durability.name),
+        ("depth", 10 if qos is None else int(qos.depth)),
+    )
+    for policy, value in values:
+        yield ParameterLine(f"{name}.{policy}", value, is_comment=True)

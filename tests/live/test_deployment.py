@@ -1,0 +1,212 @@
+"""Generated bridges as deployments change them: parameter files, command lines, launch options."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+pytest.importorskip("rclpy")
+
+from workspaces import packages_of
+
+from .bridge_support import Process, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
+BRIDGES = {"waypoints": "waypoint_vehicle", "catvehicle": "bridge"}
+OF_ROS = ("qos_overrides.", "start_type_description_service", "use_sim_time")
+
+
+@pytest.fixture(scope="module")
+def workspaces(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("deployed")
+    for name in BRIDGES:
+        model = EXAMPLES / name / f"{name}.ros2jaus"
+        command = [sys.executable, "-m", "jausml", "generate", str(model), "-o", str(folder / name)]
+        subprocess.run(command, check=True, capture_output=True, timeout=120)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def ros():
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 23) % 90))
+        made = RosPeer()
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def bridge(workspaces, ros, tmp_path):
+    del ros  # it sets the domain
+    started = []
+
+    def start(model, *arguments):
+        line = ["-m", f"{BRIDGES[model]}.main", *arguments]
+        process = Process(line, packages_of(workspaces / model), tmp_path / str(len(started)))
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        process.close()
+
+
+def config(workspaces, model):
+    return workspaces / model / f"{model}_bringup" / "config" / f"{BRIDGES[model]}.yaml"
+
+
+def running(process, words="runs as"):
+    wait_for(lambda: words in process.log.read_text() or process.popen.poll() is not None, words)
+    assert words in process.log.read_text(), process.log.read_text()
+    return process
+
+
+def asked(ros, service, node, name, request):
+    client = ros.node.create_client(service, f"{node}/{name}")
+    assert client.wait_for_service(20)
+    future = client.call_async(request)
+    result = wait_for(lambda: future.done() and future.result(), name)
+    ros.node.destroy_client(client)
+    return result
+
+
+def values(ros, node, names):
+    from rcl_interfaces.srv import GetParameters
+    from rclpy.parameter import parameter_value_to_python
+
+    request = GetParameters.Request(names=names)
+    found = asked(ros, GetParameters, node, "get_parameters", request).values
+    return {
+        name: parameter_value_to_python(value) for name, value in zip(names, found, strict=True)
+    }
+
+
+@pytest.mark.parametrize(
+    ("model", "node"), [("waypoints", "/vehicle/waypoint_vehicle"), ("catvehicle", "/bridge")]
+)
+def test_the_parameter_file_has_all_parameters_with_their_values(
+    model, node, bridge, workspaces, ros
+):
+    from rcl_interfaces.srv import ListParameters
+
+    file = config(workspaces, model)
+    port = str(free_port())
+    plain = running(bridge(model, "--jaus-port", port))
+    names = asked(ros, ListParameters, node, "list_parameters", ListParameters.Request())
+    own = [name for name in names.result.names if not name.startswith(OF_ROS)]
+    expected = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
+    del expected["use_sim_time"]
+    assert values(ros, node, own) == expected
+    # What is commented out are names that ROS knows as well.
+    commented = [line.strip("# ").split(": ")[0] for line in file.read_text().splitlines()]
+    assert {each for each in commented if each.startswith("qos_overrides")} <= set(
+        names.result.names
+    )
+    assert plain.stop() == 0
+    # rclpy reads it as it stands, and nothing in it is unknown.
+    same = running(bridge(model, "--ros-args", "--params-file", str(file)))
+    assert same.stop() == 0
+    assert "has no parameter" not in same.log.read_text()
+
+
+def test_a_deployment_changes_what_the_bridge_is(bridge, ros, tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n"
+        f"    jaus_id: 100.7.7\n    jaus_port: {free_port()}\n"
+        "    velocity_state.topic: wheel_odom\n    local_waypoint.frame_id: map\n"
+    )
+    process = bridge("waypoints", "--ros-args", "--params-file", str(file))
+    running(process, "/vehicle/waypoint_vehicle runs as 100.7.7")
+    wait_for(
+        lambda: ros.node.get_subscriptions_info_by_topic("/vehicle/wheel_odom"), "renamed topic"
+    )
+    node = "/vehicle/waypoint_vehicle"
+    assert values(ros, node, ["local_waypoint.frame_id"]) == {"local_waypoint.frame_id": "map"}
+    assert process.stop() == 0
+    # The command line goes before the file; an empty option, as of launch files, says nothing.
+    arguments = ["--jaus-id=100.8.8", "--jaus-interface=", "--ros-args", "--params-file", str(file)]
+    process = bridge("waypoints", *arguments, "-r", "__ns:=/second")
+    running(process, "/second/waypoint_vehicle runs as 100.8.8")
+    assert process.stop() == 0
+
+
+@pytest.mark.parametrize(
+    ("parameter", "words"),
+    [
+        ("global_pose.imu.freshness:=-1.0", "global_pose.imu.freshness out of range"),
+        ("global_pose.imu.freshness:=nan", "global_pose.imu.freshness out of range"),
+        ("global_pose.imu.freshness:=1", "expecting type 'DOUBLE'"),
+        ("jaus_id:=100.1.255", "100.1.255 does not name one component"),
+        ("jaus_id:=home", "jaus_id"),
+        ("jaus_port:=0", "jaus_port out of range"),
+        ("jaus_transport:=carrier_pigeon", "carrier_pigeon is none of judp, jtcp, node-manager"),
+        ("jaus_interface:=0.0.0.0", "interface 0.0.0.0"),
+        ("jaus_interface:=wlan0", "wlan0"),
+        ("velocity_state.topic:=a b", "topic 'a b'"),
+        ("qos_overrides./vehicle/odom.subscription.reliability:=fast", "fast"),
+    ],
+)
+def test_a_value_that_does_not_do_is_one_line_and_status_2(parameter, words, bridge):
+    process = bridge("waypoints", "--ros-args", "-p", parameter)
+    assert process.popen.wait(timeout=30) == 2
+    lines = process.log.read_text().splitlines()
+    (said,) = [line for line in lines if "ERROR" in line]
+    assert "waypoint_vehicle cannot run: " in said
+    assert words in said
+    assert not any("Traceback" in line for line in lines)
+
+
+def test_a_misspelt_name_is_told_and_the_bridge_runs(bridge):
+    arguments = ["--jaus-port", str(free_port()), "--ros-args", "-p", "velocity_state.topc:=x"]
+    process = running(bridge("waypoints", *arguments), "did you mean")
+    told = "has no parameter velocity_state.topc; did you mean velocity_state.topic?"
+    assert told in process.log.read_text()
+    assert running(process).stop() == 0
+
+
+def catches(process):
+    """Whether Python, or the program, handles SIGINT by now."""
+    try:
+        status = Path(f"/proc/{process.popen.pid}/status").read_text()
+    except FileNotFoundError:
+        return False
+    (mask,) = [line.split()[1] for line in status.splitlines() if line.startswith("SigCgt")]
+    return bool(int(mask, 16) >> signal.SIGINT - 1 & 1)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks /proc for signal handlers")
+@pytest.mark.parametrize("delay", [0.0, 0.02, 0.1, 0.2, 0.3, 0.5, 0.8])
+def test_a_signal_during_the_imports_ends_a_bridge_without_a_traceback(bridge, delay):
+    process = bridge("waypoints", "--jaus-port", str(free_port()))
+    wait_for(lambda: catches(process), "Python")
+    wait_for(lambda: not catches(process), "main")
+    time.sleep(delay)  # wherever that is: any moment must do
+    process.popen.send_signal(signal.SIGINT)
+    assert process.popen.wait(timeout=30) in (0, -signal.SIGINT)
+    assert "Traceback" not in process.log.read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_further_signals_do_no_harm(bridge, number):
+    process = running(bridge("waypoints", "--jaus-port", str(free_port())))
+    for _ in range(500):
+        process.popen.send_signal(number)
+        time.sleep(0.005)
+        if process.popen.poll() is not None:
+            break
+    assert process.popen.wait(timeout=30) == 0
+    assert "Traceback" not in process.log.read_text()
