@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.handed_on import Handed, handed_on, split_arguments
+from jausml.cli.ros_packages import require_packages
 from jausml.cli.supervisor import Command, Supervisor
 from jausml.generation import MANIFEST_PATH, read_manifest
 
@@ -22,8 +24,11 @@ _MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 _ROS_KINDS = frozenset({"bridge", "node"})
 
 
-@click.command("run")
+@click.command("run", context_settings={"ignore_unknown_options": True})
 @click.argument("out", metavar="OUT")
+@click.argument(
+    "rest", metavar="[PROCESS] [ARGUMENTS]...", nargs=-1, type=click.UNPROCESSED, required=False
+)
 @click.option("--only", multiple=True, metavar="NAME", help="Only this process.")
 @click.option(
     "--for",
@@ -32,23 +37,36 @@ _ROS_KINDS = frozenset({"bridge", "node"})
     metavar="SECONDS",
     help="Stop all after this time.",
 )
-def command(out: str, only: tuple[str, ...], duration: float | None) -> None:
+def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: float | None) -> None:
     """Start the processes of the generated workspace OUT, with each line marked by its process.
+
+    PROCESS is the name of one of them, which is then the only one that runs. ARGUMENTS are handed
+    on, as `ros2 run` does: to PROCESS, or else what stands before --ros-args to all that speak
+    JAUS, and what follows it to all that are ROS nodes. So
+
+        jausml run ws rover --jaus-id 100.2.10 --ros-args -r cmd_vel:=/base -p drive.rate:=5.0
+
+    Whatever stands behind -- is no option of this command.
 
     The environment (ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ...) is passed on as it is; the
     modelled ROS domain is used when ROS_DOMAIN_ID is not set. All processes stop when one ends with
-    an error, on Ctrl-C and on SIGTERM.
+    an error, on Ctrl-C and on SIGTERM, and when this command is killed. A second Ctrl-C makes it
+    firmer, and does no harm.
 
     Exit status: 0 all ended well or were stopped, 1 a process failed, 2 OUT is no generated
-    workspace or rclpy is missing, 3 internal error.
+    workspace, or rclpy or a package of messages is missing, 3 internal error.
     """
     folder = _workspace(out)
-    entries = _chosen(_entries(folder), only)
+    process, arguments = split_arguments(rest)
+    entries = _chosen(_entries(folder), (*only, *process))
+    handed = handed_on(entries, arguments, is_named=bool(process))
+    environment = _environment(folder)
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
         _require_rclpy()
+        require_packages(entries, folder, environment["PYTHONPATH"])
     supervisor = Supervisor(
-        [_command(entry, folder) for entry in entries],
-        environment=_environment(folder),
+        [_command(entry, folder, more) for entry, more in zip(entries, handed, strict=True)],
+        environment=environment,
         emit=click.echo,
     )
     if not supervisor.run(duration):
@@ -113,11 +131,13 @@ def _require_rclpy() -> None:
         )
 
 
-def _command(entry: Mapping[str, Any], folder: Path) -> Command:
-    arguments = list(entry.get("arguments", ()))
+def _command(entry: Mapping[str, Any], folder: Path, handed: Handed) -> Command:
+    arguments = [*entry.get("arguments", ()), *handed.own]
     parameters = entry.get("parameters", "")
     if parameters:
         arguments += ["--ros-args", "--params-file", str(folder / parameters)]
+    # What comes later goes before: an argument of the user before the generated file.
+    arguments += handed.ros
     return Command(
         entry["name"],
         (sys.executable, "-u", "-m", entry["module"], *arguments),

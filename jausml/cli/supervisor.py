@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import queue
 import signal
@@ -22,6 +23,15 @@ GRACE = ((signal.SIGINT, 5.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 3.0))
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # How a process ends that obeys: by itself, by the signal, or with the exit status for it.
 _OBEYED = frozenset({0, *(-number for number in _SIGNALS), *(128 + number for number in _SIGNALS)})
+
+
+_HEIR = """
+while read -r line; do groups=$line; done
+test -n "$groups" || exit 0
+kill -s TERM -- $groups
+sleep 8
+kill -s KILL -- $groups
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +57,46 @@ class _Exited:
 @dataclass(frozen=True, slots=True)
 class _Signalled:
     number: int
+
+
+class Heir:
+    """Ends the processes when the supervisor itself is killed: a shell that waits for that.
+
+    It reads process groups from a pipe that only the supervisor holds. When the supervisor ends in
+    good order, it says that none are left; when it is killed, the pipe just ends.
+    """
+
+    def __enter__(self) -> Heir:
+        """Starts the shell, in a session of its own, so that no signal for us reaches it."""
+        self._shell = subprocess.Popen(  # noqa: S603 - a constant
+            ["/bin/sh", "-c", _HEIR],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._groups: list[str] = []
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leaves the shell nothing to do."""
+        self._groups = []
+        self._tell()
+        assert self._shell.stdin is not None  # noqa: S101 - it was asked for
+        with suppress(OSError):
+            self._shell.stdin.close()
+        self._shell.wait()
+
+    def inherit(self, group: int) -> None:
+        """Adds a process group."""
+        self._groups.append(f"-{group}")
+        self._tell()
+
+    def _tell(self) -> None:
+        assert self._shell.stdin is not None  # noqa: S101 - it was asked for
+        with suppress(OSError):  # somebody ended the shell; there is nothing better to do
+            self._shell.stdin.write(f"{' '.join(self._groups)}\n".encode())
+            self._shell.stdin.flush()
 
 
 class Supervisor:
@@ -87,14 +137,14 @@ class Supervisor:
         Returns:
             Whether no process failed.
         """
-        with self._handled_signals():
+        with self._handled_signals(), Heir() as heir:
             try:
-                self._start()
+                self._start(heir)
                 self._wait(None if duration is None else time.monotonic() + duration)
             finally:
                 self._stop()
-        for thread in self._threads:
-            thread.join(GRACE[-1][1])
+            for thread in self._threads:
+                thread.join(GRACE[-1][1])
         return not self.failures
 
     @contextmanager
@@ -102,6 +152,8 @@ class Supervisor:
         def handle(number: int, _: FrameType | None) -> None:
             self._events.put(_Signalled(number))
 
+        # One more Ctrl-C while Python itself ends changes nothing either.
+        atexit.register(_ignore_signals)
         before = {number: signal.signal(number, handle) for number in _SIGNALS}
         try:
             yield
@@ -109,7 +161,7 @@ class Supervisor:
             for number, handler in before.items():
                 signal.signal(number, handler)
 
-    def _start(self) -> None:
+    def _start(self, heir: Heir) -> None:
         for command in self._commands:
             # A session of its own: Ctrl-C reaches us alone, and children of a child stop with it.
             process = subprocess.Popen(  # noqa: S603 - our own interpreter and modules
@@ -121,6 +173,7 @@ class Supervisor:
                 start_new_session=True,
             )
             self._processes[command.name] = process
+            heir.inherit(process.pid)
             for target in (self._forward, self._watch):
                 thread = threading.Thread(target=target, args=(command.name, process), daemon=True)
                 thread.start()
@@ -187,6 +240,11 @@ class Supervisor:
             if event is None or isinstance(event, _Signalled):
                 return False
         return True
+
+
+def _ignore_signals() -> None:
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _how(code: int) -> str:

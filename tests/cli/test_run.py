@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import signal
@@ -275,3 +276,156 @@ def test_modelled_domain_is_used_unless_the_environment_names_one(jausml, worksp
     assert jausml("run", out).stdout == "alpha | 7\n"
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
     assert jausml("run", out).stdout == "alpha | 42\n"
+
+
+# ------------------------------------------------------------------ what is handed on
+
+ECHO = "import sys\nprint(sys.argv[1:])"
+
+
+def several(workspace, **kinds):
+    """A workspace whose processes print what they get; a kind for each."""
+    out = workspace(**dict.fromkeys(kinds, ECHO))
+    manifest = out / ".jausml" / "manifest.json"
+    content = json.loads(manifest.read_text())
+    for entry in content["models"]["demo"]["processes"]:
+        entry.update(kind=kinds[entry["name"]], arguments=[], package=entry["name"])
+        if entry["kind"] != "component":
+            entry["parameters"] = f"config/{entry['name']}.yaml"
+    manifest.write_text(json.dumps(content))
+    return out
+
+
+def shown(result):
+    assert result.exit_code == 0, result.stderr
+    lines = (line.split(" | ") for line in result.stdout.splitlines())
+    return {name.strip(): ast.literal_eval(text) for name, text in lines}
+
+
+def params(out, name):
+    return ["--ros-args", "--params-file", str(out / "config" / f"{name}.yaml")]
+
+
+def test_arguments_go_to_those_that_they_are_for(jausml, workspace):
+    out = several(workspace, vehicle="component", front="bridge", camera="node")
+    handed = ["--jaus-port", "4001", "--ros-args", "-r", "a:=b", "-p", "x.rate:=5.0"]
+    assert shown(jausml("run", out, *handed)) == {
+        "vehicle": ["--jaus-port", "4001"],
+        "front": ["--jaus-port", "4001", *params(out, "front"), *handed[2:]],
+        "camera": [*params(out, "camera"), *handed[2:]],
+    }
+
+
+def test_a_named_process_runs_alone_with_its_arguments(jausml, workspace):
+    out = several(workspace, vehicle="component", front="bridge", camera="node")
+    line = ["--jaus-id", "1.1.9", "--ros-args", "-r", "__ns:=/r2"]
+    expected = {"front": [*line[:2], *params(out, "front"), *line[2:]]}
+    assert shown(jausml("run", out, "front", *line)) == expected
+    assert shown(jausml("run", out, "front", "--", *line)) == expected
+    # Options of the command may stand anywhere, those of processes behind --.
+    assert shown(jausml("run", out, "front", *line, "--for", "20")) == expected
+    assert shown(jausml("run", out, "vehicle", "--", "--for", "x")) == {"vehicle": ["--for", "x"]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["fornt"], "no process 'fornt'; there are vehicle, front, camera"),
+        (
+            ["--jaus-id", "1.1.9"],
+            "name the process that gets this --jaus-id: one of vehicle, front",
+        ),
+        (["--jaus-id=1.1.9"], "name the process that gets this --jaus-id"),
+        (["--", "what"], "no process 'what'"),
+        (["--only", "camera", "--jaus-port", "1"], "no process speaks JAUS, which --jaus-port"),
+        (["vehicle", "--ros-args", "-r", "a:=b"], "no process is a ROS node, which --ros-args"),
+        (["front", "what"], "'what' is no option of a process"),
+    ],
+)
+def test_arguments_for_nobody_are_refused(jausml, workspace, arguments, words):
+    out = several(workspace, vehicle="component", front="bridge", camera="node")
+    result = jausml("run", out, *arguments)
+    assert result.exit_code == 2
+    assert words in result.stderr
+
+
+# ------------------------------------------------------------------ packages of messages
+
+
+def needing(workspace, package):
+    out = several(workspace, front="bridge")
+    (out / "front" / "package.xml").write_text(
+        f"<package format='3'><name>front</name><depend>{package}</depend></package>"
+    )
+    return out
+
+
+def test_own_messages_that_are_not_built_are_named(jausml, workspace, tmp_path):
+    out = needing(workspace, "depot_interfaces")
+    (out / "depot_interfaces" / "msg").mkdir(parents=True)
+    result = jausml("run", out)
+    assert result.exit_code == 2
+    assert "front needs depot_interfaces, whose messages are not built yet" in result.stderr
+    assert f"`colcon build` in {out} and source install/setup.bash" in result.stderr
+    built = tmp_path / "install" / "depot_interfaces"
+    built.mkdir(parents=True)
+    (built / "__init__.py").touch()
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("PYTHONPATH", str(built.parent))
+        assert jausml("run", out).exit_code == 0
+
+
+def test_missing_messages_of_others_are_named(jausml, workspace):
+    result = jausml("run", needing(workspace, "tea_kettle_msgs"))
+    assert result.exit_code == 2
+    assert "front needs tea_kettle_msgs, which Python does not find" in result.stderr
+    assert "apt install ros-jazzy-tea-kettle-msgs" in result.stderr
+
+
+@pytest.mark.parametrize("text", ["<package", "<package/>", ""])
+def test_a_damaged_package_xml_keeps_nothing_from_running(jausml, workspace, text):
+    out = needing(workspace, "x")
+    (out / "front" / "package.xml").write_text(text)
+    assert jausml("run", out).exit_code == 0
+
+
+# ------------------------------------------------------------------ ends
+
+PATIENT = READY.format(
+    setup="for each in (signal.SIGINT, signal.SIGTERM):\n"
+    "    signal.signal(each, lambda *_: (time.sleep(0.3), sys.exit(0)))"
+)
+
+
+def test_a_second_signal_does_no_harm(workspace):
+    process = start(workspace(alpha=PATIENT))
+    read_until(process, "ready")
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.1)  # while the process is about to end
+    process.send_signal(signal.SIGINT)
+    code, _, err = finish(process)
+    assert (code, err) == (0, "")
+
+
+def test_processes_end_when_the_command_is_killed(workspace):
+    told = "import os\nprint('pid', os.getpid(), flush=True)\n"
+    process = start(workspace(alpha=told + OBEDIENT, beta=told + OBEDIENT))
+    seen = read_until(process, "alpha | ready", "beta  | ready")
+    pids = [int(line.split()[-1]) for line in seen.splitlines() if "| pid" in line]
+    assert len(pids) == 2
+    process.kill()
+    process.wait(timeout=30)
+    end = time.monotonic() + 30
+    while any(map(alive, pids)):
+        assert time.monotonic() < end, "orphans"
+        time.sleep(0.05)
+    process.stdout.close()
+    process.stderr.close()
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
