@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,6 +14,9 @@ from .definitions import Guard
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
+
+LONGEST_CALL = 0.5
+"""Seconds after which the log tells that user code blocks."""
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -61,6 +65,13 @@ class Handler:
     def guard_for(self, message: Message) -> Guard:
         """Return whom to obey when the message is this one."""
         return self.condition if isinstance(self.condition, Guard) else self.condition(message)
+
+
+def _name_of(function: Callable[..., Any]) -> str:
+    """Returns the name of a function for the log."""
+    while isinstance(function, partial):
+        function = function.func
+    return str(getattr(function, "__qualname__", repr(function)))
 
 
 @dataclass(slots=True)
@@ -136,12 +147,20 @@ class Router:
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call a function; tell whether it raised no error, and what it returned."""
+        started = time.monotonic()
         try:
             return True, function(*arguments)
         except Exception as error:
-            name = getattr(function, "__qualname__", repr(function))
+            name = _name_of(function)
             self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
             return False, None
+        finally:
+            elapsed = time.monotonic() - started
+            if elapsed > LONGEST_CALL:
+                self._counters.count(
+                    "component.handler_blocked",
+                    f"{_name_of(function)} took {elapsed:.1f} s; nothing was received meanwhile",
+                )
 
     def _handle(self, handler: Handler, payload: bytes, sender: JausAddress) -> None:
         """Act on a message if its sender is obeyed; one that is not costs no decoding."""

@@ -1,0 +1,35 @@
+"""Handlers that keep the loop: the log tells which one, and how long."""
+
+from __future__ import annotations
+
+import logging
+import time
+
+from jausml.runtime.messages import QueryTime, ReportTime, SetTime
+
+
+def test_a_handler_that_blocks_is_named_once(world, caplog):
+    component = world.component("1.1.1")
+
+    def dawdle(*_):
+        time.sleep(0.6)
+
+    component.on_message(SetTime, dawdle)
+    component.start()
+    probe = world.probe("1.1.2")
+    with caplog.at_level(logging.WARNING, "jausml"):
+        for _ in range(3):
+            probe.send(SetTime(), component.address)
+            world.settle()
+    assert world.counters.snapshot()["component.handler_blocked"] == 3
+    (line,) = [each.getMessage() for each in caplog.records]
+    assert "component.handler_blocked (1 times): " in line
+    assert "dawdle took 0.6 s; nothing was received meanwhile" in line
+
+
+def test_quick_handlers_are_not_named(world):
+    component = world.component("1.1.1")
+    component.provide(QueryTime, ReportTime, lambda *_: ReportTime())
+    component.start()
+    world.settle()
+    assert "component.handler_blocked" not in world.counters.snapshot()
