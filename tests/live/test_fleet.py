@@ -1,0 +1,107 @@
+"""Two robots from one model, told apart by parameters alone, side by side."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from workspaces import packages_of
+
+from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet"
+ADDRESSES = {"first": "100.1.10", "second": "100.1.20"}
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fleet")
+    command = [sys.executable, "-m", "jausml", "generate", str(FLEET / "fleet.ros2jaus")]
+    subprocess.run([*command, "-o", str(folder / "ws")], check=True, capture_output=True)
+    port = str(free_port())
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 37) % 90))
+        ros = RosPeer()
+        robots = []
+        for name in ADDRESSES:
+            line = ["-m", "robot.main", "--jaus-port", port, "--ros-args", "-r", f"__ns:=/{name}"]
+            if name == "second":
+                line += ["--params-file", str(FLEET / "second.yaml")]
+            robots.append(Process(line, packages_of(folder / "ws"), folder / f"{name}.log"))
+        for name, robot in zip(ADDRESSES, robots, strict=True):
+            words = f"/{name}/robot runs as {ADDRESSES[name]}"
+            wait_for(lambda log=robot.log, words=words: words in log.read_text(), words)
+        yield ros, port
+        for robot in robots:
+            assert robot.stop() == 0
+        ros.close()
+
+
+def ocu(port, *arguments):
+    command = [sys.executable, "-m", "jausml", "ocu", *arguments, "--port", port]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def odometry(speed):
+    from nav_msgs.msg import Odometry
+
+    message = Odometry()
+    message.header.frame_id, message.child_frame_id = "odom", "base_link"
+    message.twist.twist.linear.x = speed
+    return message
+
+
+def test_both_are_discovered_and_queried_side_by_side(fleet):
+    from nav_msgs.msg import Odometry
+    from rclpy.qos import qos_profile_sensor_data
+
+    ros, port = fleet
+    found = ocu(port, "discover")
+    assert all(address in found for address in ADDRESSES.values())
+    publishers = {
+        name: ros.publisher(Odometry, f"/{name}/odom", qos_profile_sensor_data)
+        for name in ADDRESSES
+    }
+    with (
+        Repeater(publishers["first"], odometry(1.25)),
+        Repeater(publishers["second"], odometry(-0.75)),
+    ):
+        for name, speed in (("first", "1.25"), ("second", "-0.75")):
+            wait_for(
+                lambda name=name, speed=speed: (
+                    speed in ocu(port, "query", ADDRESSES[name], "VelocityState")
+                ),
+                f"speed of {name}",
+            )
+
+
+def test_each_is_driven_alone_with_the_speed_of_its_base(fleet):
+    from geometry_msgs.msg import Twist
+
+    ros, port = fleet
+    told = {name: ros.listen(Twist, f"/{name}/cmd_vel") for name in ADDRESSES}
+    effort = '{"PropulsiveLinearEffortX": 50}'
+    for name, speed in (("second", 0.25), ("first", 1.0)):
+        for each in told.values():
+            each.clear()
+        ocu(port, "command", ADDRESSES[name], "SetWrenchEffort", effort, "--duration", "2")
+        wait_for(lambda name=name: told[name] and told[name][-1].linear.x == 0.0, f"stop of {name}")
+        # The step of an effort is 0.003 percent.
+        speeds = {round(each.linear.x, 3) for each in told[name]}
+        assert speeds == {speed, 0.0}
+        (other,) = set(ADDRESSES) - {name}
+        assert {each.linear.x for each in told[other]} <= {0.0}
