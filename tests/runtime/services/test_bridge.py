@@ -662,10 +662,10 @@ def limited(policy):
 @pytest.mark.parametrize(
     ("policy", "value", "passed", "counted", "level"),
     [
-        ("clamp", 60.0, 1, "clamp", "ok"),
+        ("clamp", 60.0, 1, "clamp", "warning"),
         ("clamp", NAN, 0, "not_clampable", "warning"),
-        ("drop_field", 60.0, 1, "drop_field", "ok"),
-        ("drop_field", NAN, 1, "drop_field", "ok"),
+        ("drop_field", 60.0, 1, "drop_field", "warning"),
+        ("drop_field", NAN, 1, "drop_field", "warning"),
         ("drop_message", 60.0, 0, "drop_message", "warning"),
         ("error", 60.0, 0, "error", "error"),
     ],
@@ -689,7 +689,7 @@ def test_counters_name_field_and_policy(
     assert status.level == level
     assert (f"out of range: {counted} M", "1") in status.values
     records = [record for record in caplog.records if "out_of_range" in record.message]
-    names = {"clamp": [], "drop_field": [], "error": ["ERROR"]}.get(counted, ["WARNING"])
+    names = {"drop_field": [], "error": ["ERROR"]}.get(counted, ["WARNING"])
     assert [record.levelname for record in records] == names
     world.run(0.1)
     assert connection.status().level == "ok"  # a matter of the past
