@@ -19,17 +19,17 @@ SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """One direction of a map, or the safe value of a connection: what is filled from what.
+    """One direction of a map, a stop or a safe value: what is filled from what.
 
     Attributes:
         map: The `bridge.AttributeMap`.
-        owner: The map, or the connection that has the safe value.
+        owner: The map, its stop, or the connection that has the safe value.
         to_ros: Whether the assignments fill the ROS type.
         assignments: The assignments that were read well, those nested in lists included.
     """
 
     map: bridge.AttributeMap
-    owner: bridge.AttributeMap | bridge.Connection
+    owner: bridge.AttributeMap | bridge.Stop | bridge.Connection
     to_ros: bool
     assignments: tuple[Placed[bridge.Assignment], ...]
 
@@ -51,7 +51,7 @@ class Direction:
 
 
 def directions(subject: Subject) -> tuple[Direction, ...]:
-    """Returns all directions of all maps, and safe values, as far as both ends were read."""
+    """Returns all directions of all maps, stops and safe values, as far as both ends were read."""
     return subject.once(_directions)
 
 
@@ -79,6 +79,10 @@ def _directions(subject: Subject) -> tuple[Direction, ...]:
     for each in subject.instances(bridge.AttributeMap):
         ways = (direction_of(subject, each, to_ros=to_ros) for to_ros in (True, False))
         found += [way for way in ways if way is not None]
+        if subject.is_intact(each.message, each.type):
+            for stop, to_ros in ((each.stopRos, True), (each.stopJaus, False)):
+                if stop is not None:
+                    found.append(_direction(subject, each, stop, stop.values, to_ros=to_ros))
     for connection in subject.instances(bridge.Connection):
         used = connection.map
         if used is not None and subject.is_intact(used.message, used.type):
@@ -91,7 +95,7 @@ def _directions(subject: Subject) -> tuple[Direction, ...]:
 def _direction(
     subject: Subject,
     attribute_map: bridge.AttributeMap,
-    owner: bridge.AttributeMap | bridge.Connection,
+    owner: bridge.AttributeMap | bridge.Stop | bridge.Connection,
     assignments: Iterable[bridge.Assignment],
     *,
     to_ros: bool,

@@ -30,7 +30,13 @@ _SPECIAL = {
 }
 """How features are given that have a notation of their own, by name or by class and name."""
 
-_VALUES = {"EString": "text", "EInt": "number", "ELong": "number", "EDouble": "number"}
+_VALUES = {
+    "EString": "text",
+    "EInt": "number",
+    "ELong": "number",
+    "EDouble": "number",
+    "EDoubleObject": "number",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,6 +143,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
             when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED,
+            is_command=True,
             silence_timeout=0.5,
             safe_value=self.safe_cruise,
             peers=[JausAddress(20, 1, 1)],
@@ -155,6 +156,7 @@ def test_same_model_gives_the_same_bytes(loop_files):
         """
             control=Guard.READY,
             priority=Priority.HIGH,
+            is_command=True,
             silence_timeout=0.4,
             safe_value=self.safe_drive,
             peers=[JausAddress(10, 1, 1), JausAddress(10, 1, 2)],

@@ -18,6 +18,7 @@ from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
+from jausml.semantics import stops
 from jausml.semantics.commands import needs_control, needs_ready
 from jausml.semantics.freshness import freshness_of
 from jausml.semantics.services import provided_services
@@ -209,11 +210,20 @@ class ConnectionView:
             found += self._sending()
         if self.kind == "TopicsToReport":
             found += self._reporting()
-        if connection.silenceTimeout > 0:
-            found.append(("silence_timeout", python_literal(float(connection.silenceTimeout))))
+        return (*found, *self._when_lost)
+
+    @property
+    def _when_lost(self) -> list[tuple[str, str]]:
+        found = []
+        if self.is_command:
+            found.append(("is_command", "True"))
+        if self.silence_timeout > 0:
+            found.append(("silence_timeout", python_literal(self.silence_timeout)))
         if self.has_safe_value:
             found.append(("safe_value", f"self.safe_{self.name}"))
-        return tuple(found)
+        elif self.is_command and stops.holds(self.connection):
+            found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
+        return found
 
     def _sending(self) -> list[tuple[str, str]]:
         found = []
@@ -317,18 +327,29 @@ class ConnectionView:
     def safe_documentation(self) -> str:
         """When the safe value is sent."""
         moments = []
-        if self.connection.silenceTimeout > 0:
-            seconds = python_literal(float(self.connection.silenceTimeout))
+        if self.is_command:
+            moments += ["at the start", "at the end", "when nobody may command any more"]
+        if self.silence_timeout > 0:
+            seconds = python_literal(self.silence_timeout)
             moments.append(f"when {self.connection.name} hears nothing for {seconds} s")
-        if self._handler_guard == "READY":
-            moments.append("when the bridge leaves Ready")
-        return f"Sent once {', and '.join(moments)}."
+        *others, last = moments
+        return f"Sent once {', '.join(others)}{', or ' if others else ''}{last}."
+
+    @property
+    def is_command(self) -> bool:
+        """Whether it carries commands, which set something in motion."""
+        return stops.is_command(self.connection)
+
+    @property
+    def silence_timeout(self) -> float:
+        """Seconds of silence that count as a loss of the source; 0 is never."""
+        return stops.silence_timeout(self.connection)
 
     @property
     def has_safe_value(self) -> bool:
         """Whether the model says what is sent when the source is lost, and it can be lost."""
-        can_be_lost = self.connection.silenceTimeout > 0 or self._handler_guard == "READY"
-        return bool(self.connection.safeValue) and can_be_lost
+        can_be_lost = self.is_command or self.silence_timeout > 0
+        return can_be_lost and stops.has_stop(self.connection)
 
 
 def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:

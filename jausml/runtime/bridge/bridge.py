@@ -13,11 +13,13 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..base.counters import LOGGER
 from ..component.component import JausComponent
 from ..conversions import Time
-from ..services.definitions import Guard
+from ..services.definitions import Guard, Status
 from . import parameters
 from .ends import ReportHolder
+from .stops import Standing, StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -57,7 +59,9 @@ class Bridge:
         self.connections: list[AnyConnection] = []
         self.parameters: Sequence[AttributeParameter] = ()
         self._is_open = False
-        self._publishers: dict[tuple[type[Any], Topic], Callable[[Any], None]] = {}
+        self._standing = Standing(Status.INITIALIZE, None)
+        self._publishers: dict[tuple[type[Any], Topic, bool], Callable[[Any], None]] = {}
+        self._greeters: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
         self._takers: dict[tuple[type[Any], Topic], list[Callable[[Any], None]]] = {}
         self._reports: dict[type[Message], ReportHolder] = {}
         self._commands: dict[type[Message], list[Callable[[Any, JausAddress], None]]] = {}
@@ -84,27 +88,49 @@ class Bridge:
         with transport.loop.lock:
             for connection in self.connections:
                 connection.open(self)
-            self._is_open = True
             self.component.start()
+            self._standing = self._present_standing()
+            self._is_open = True
             for connection in self.connections:
                 connection.watch()
             self._next_diagnostics = self.loop.now() + self._period
             self.loop.call_at(self._next_diagnostics, self._diagnose)
 
     def close(self) -> None:
-        """Releases control and cancels events; the ROS side is closed afterwards."""
-        self.component.stop()
-        self._is_open = False
+        """Stops what was commanded, releases control and cancels events; ROS is closed after it."""
+        if not self._is_open:
+            return
+        with self.loop.lock:
+            ended = [each for each in self.connections if each.end()]
+            self._log_stops(ended, StopReason.END)
+            self.component.stop()
+            self._is_open = False
 
     def on_not_ready(self) -> None:
-        """The bridge left Ready: topics fed by commands become safe."""
-        for connection in self.connections:
-            connection.on_not_ready()
+        """Hook: the bridge left Ready; the stops of commands are sent already."""
 
     def on_control_lost(self) -> None:
-        """Another controls the bridge, or nobody: what its controller commanded must not stand."""
-        for connection in self.connections:
-            connection.on_control_lost()
+        """Hook: another controls the bridge, or nobody; the stops of commands are sent already."""
+
+    def follow(self) -> None:
+        """Stops what must not go on now that the state or the controller is another."""
+        if not self._is_open:
+            return
+        former, self._standing = self._standing, self._present_standing()
+        lost = self._standing.lost_since(former)
+        stopped = [each for each in self.connections if each.follow(self._standing, lost)]
+        reason = lost or self._standing.halt
+        if reason is not None:
+            self._log_stops(stopped, reason)
+
+    def _present_standing(self) -> Standing:
+        return Standing(self.component.status, self.component.controller)
+
+    def _log_stops(self, connections: Sequence[AnyConnection], reason: StopReason) -> None:
+        commands = [each for each in connections if each.is_command]
+        if commands:
+            told = "; ".join(f"{each.name}: {each.when_lost}" for each in commands)
+            LOGGER.warning("%s: %s", reason.value, told)
 
     # ------------------------------------------------------------------ for translations
 
@@ -119,11 +145,24 @@ class Bridge:
         """The loop of the JAUS side."""
         return self.component.loop
 
-    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Returns what publishes on a topic; connections that name it alike share its publisher."""
-        key = (message_type, topic)
+    def publisher(
+        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> Callable[[Any], None]:
+        """Returns what publishes on a topic; connections that name it alike share it.
+
+        Args:
+            message_type: Class of the messages.
+            topic: The topic.
+            greet: Called for each subscriber that is found.
+        """
+        # To hear of subscribers has its price at each message: only those pay it who ask.
+        key = (message_type, topic, greet is not None)
+        greeters = self._greeters.setdefault(key, [])
+        if greet is not None:
+            greeters.append(greet)
         if key not in self._publishers:
-            self._publishers[key] = self.ros.publisher(message_type, topic)
+            tell = (lambda: _each(greeters)) if greet is not None else None
+            self._publishers[key] = self.ros.publisher(message_type, topic, tell)
         return self._publishers[key]
 
     def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
@@ -198,10 +237,15 @@ class _BridgeComponent(JausComponent):
         self._bridge = bridge
 
     def on_not_ready(self) -> None:
+        self._bridge.follow()
         self._bridge.on_not_ready()
 
     def on_control_lost(self) -> None:
+        self._bridge.follow()
         self._bridge.on_control_lost()
+
+    def core_state_changed(self) -> None:
+        self._bridge.follow()
 
 
 def _each(takers: Sequence[Callable[..., None]], *arguments: object) -> None:

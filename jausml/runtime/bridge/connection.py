@@ -11,12 +11,14 @@ import logging
 import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from ..base.counters import LOGGER
 from ..conversions import ConversionError
 from ..wire.message import DecodeError, EncodeError
 from . import parameters
 from .diagnostics import ConnectionStatus, Statistics
 from .errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
+from .stops import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from ..base.loop import Timer
     from .ends import Ends
     from .quality import TopicFault
+    from .stops import Standing
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -35,6 +38,9 @@ NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 OUT_OF_RANGE = "out_of_range"
 STALE_JOIN = "stale_join"
+
+_LOG_INTERVAL = 5.0
+"""Seconds between two lines of the log about the silence of one connection."""
 
 _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (AbsentFieldError, "absent_field"),
@@ -55,6 +61,8 @@ class Connection(Generic[SourceT, TargetT]):
         drop_message: Drops messages with a value out of range.
         error: Does the same, as an error.
         silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
+        is_command: Whether its messages set something in motion, which must not outlive its source.
+        stopped: Why the safe value stands on the target side; None while messages of the source do.
     """
 
     def __init__(
@@ -62,16 +70,21 @@ class Connection(Generic[SourceT, TargetT]):
         name: str,
         translate: Callable[[SourceT], TargetT | None],
         *,
+        is_command: bool = False,
         silence_timeout: float = 0.0,
         safe_value: Callable[[], TargetT] | None = None,
+        hold_reason: str = "",
     ) -> None:
         """Prepares a connection; nothing is exchanged before `open`.
 
         Args:
             name: Name of the connection in the model.
             translate: Makes the target message, or None to pass nothing on.
+            is_command: Whether its messages set something in motion.
             silence_timeout: Seconds without a message that count as silence; 0 means never.
-            safe_value: Makes the message that is sent once when the source is silent.
+            safe_value: Makes the message that is sent once when the source is lost: the stop of a
+                command.
+            hold_reason: Why the last command may stand then, for one that has no safe value.
         """
         self.name = name
         self.statistics = Statistics()
@@ -80,10 +93,14 @@ class Connection(Generic[SourceT, TargetT]):
         self.drop_message = DropMessage(self._note_out_of_range)
         self.error = Error(self._note_out_of_range)
         self.silence_timeout = silence_timeout
-        self.is_silent = False
+        self.is_command = is_command
+        self.stopped: StopReason | None = None
+        self._halt: StopReason | None = None
+        self._hold_reason = hold_reason
         self._translate = translate
         self._safe_value = safe_value
         self._heard = 0.0
+        self._next_log = 0.0
         self._watch: Timer | None = None
         self._ends: Ends
         self._counters: Counters | None = None
@@ -133,6 +150,9 @@ class Connection(Generic[SourceT, TargetT]):
 
     def take(self, source: SourceT) -> None:
         """Takes one message from the source and passes its translation on."""
+        if self._halt is not None:
+            self._refuse_halted(self._halt)
+            return
         started = time.monotonic_ns()
         self.statistics.arrivals += 1
         self.statistics.last_arrival = self._ends.loop.now()
@@ -152,6 +172,11 @@ class Connection(Generic[SourceT, TargetT]):
         drops = self.statistics.drops
         drops[reason] = drops.get(reason, 0) + 1
         self._ends.component.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
+
+    def _refuse_halted(self, reason: StopReason) -> None:
+        """Counts a message that comes while nothing is passed on, unless it is the end anyway."""
+        if reason is not StopReason.END:
+            self.drop(NOT_READY, reason.value)
 
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
         """Counts a value that its target field cannot carry.
@@ -194,24 +219,32 @@ class Connection(Generic[SourceT, TargetT]):
 
     # ------------------------------------------------------------------ silence
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether the source has said nothing usable since the safe value was due."""
+        return self.stopped is not None
+
     def watch(self) -> None:
         """Starts to watch for silence, which a source that never spoke also is."""
         self._heard = self._ends.loop.now()
-        self._arm(self.silence_timeout)
+        if self.is_command:
+            self.stop(StopReason.START)
+        else:
+            self._arm(self.silence_timeout)
 
     def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
             self._watch = self._ends.loop.call_later(delay, self._check_silence)
 
     def _note_usable(self) -> None:
-        if self.silence_timeout > 0 or self.is_silent:
+        if self.silence_timeout > 0 or self.stopped is not None:
             loop = self._ends.loop
             # With the lock the check either sees this message, or has sent the safe value before
             # the value that arrived.
             with loop.lock:
                 self._heard = loop.now()
-                if self.is_silent:
-                    self.is_silent = False
+                if self.stopped is not None and self._halt is None:
+                    self.stopped = None
                     self._arm(self.silence_timeout)
 
     def _check_silence(self) -> None:
@@ -220,42 +253,101 @@ class Connection(Generic[SourceT, TargetT]):
         if remaining > 0:
             self._arm(remaining)
         else:
-            self.fall_silent()
+            self.stop(StopReason.SILENCE)
+            if self.is_command:
+                self._log_silence()
 
     def _set_silence_timeout(self, seconds: float) -> None:
         with self._ends.loop.lock:
             self.silence_timeout = seconds
             if self._watch is not None:
                 self._watch.cancel()
-            if not self.is_silent:
-                self.watch()
+            if self.stopped is None:
+                self._heard = self._ends.loop.now()
+                self._arm(seconds)
 
-    def fall_silent(self) -> None:
-        """Sends the safe value, once: the next message from the source ends the silence."""
+    # ------------------------------------------------------------------ stops
+
+    def stop(self, reason: StopReason) -> bool:
+        """Sends the safe value, once: the next message from the source ends what it stands for.
+
+        Runs on the loop, or with its lock.
+
+        Args:
+            reason: Why the source counts no more.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
         if self._watch is not None:
             self._watch.cancel()
-        self.is_silent = True
-        self.send_safe_value()
+        stood = self.stopped is None
+        self.stopped = reason
+        if stood:
+            counts = self.statistics.stops
+            counts[reason] = counts.get(reason, 0) + 1
+            self.send_safe_value(self.deliver_stop)
+        return stood
 
-    def send_safe_value(self, deliver: Callable[[TargetT], bool] | None = None) -> None:
+    def send_safe_value(self, deliver: Callable[[TargetT], bool]) -> None:
         """Hands the modelled safe value to the target side; nothing when there is none.
 
         Args:
-            deliver: Hands it to a part of the target side.
+            deliver: Hands it over, to all of the target side or to a part.
         """
         if self._safe_value is None:
             return
         try:
-            if (deliver or self.deliver)(self._safe_value()):
+            if deliver(self._safe_value()):
                 self.statistics.safe_values += 1
         except Exception as error:
             self._failed(error)
 
-    def on_not_ready(self) -> None:
-        """The bridge left Ready; matters to connections fed by commands."""
+    def deliver_stop(self, target: TargetT) -> bool:
+        """Hands the safe value to the target side; False when nobody is there."""
+        return self.deliver(target)
 
-    def on_control_lost(self) -> None:
-        """The bridge's controller is another or none; matters to connections fed by commands."""
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
+        """Stops what must not go on as the JAUS side of the bridge stands.
+
+        Args:
+            standing: State and controller of the bridge.
+            lost: Why what the former controller commanded must not stand.
+
+        Returns:
+            Whether something was stopped.
+        """
+        return False
+
+    def halt(self, reason: StopReason | None) -> bool:
+        """Passes nothing on from now on, after the stop; or again, for None.
+
+        Args:
+            reason: Why nothing is passed on.
+
+        Returns:
+            Whether something was stopped.
+        """
+        self._halt = reason
+        return reason is not None and self.stop(reason)
+
+    def end(self) -> bool:
+        """Sends the safe value for good; whether messages of the source stood until now."""
+        return self.halt(StopReason.END) if self._safe_value or self.is_command else False
+
+    def _log_silence(self) -> None:
+        """Says what silence has done, at most once in a while: it may come and go."""
+        now = self._ends.loop.now()
+        if now >= self._next_log:
+            self._next_log = now + _LOG_INTERVAL
+            LOGGER.warning("%s: %s; %s", self.name, StopReason.SILENCE.value, self.when_lost)
+
+    @property
+    def when_lost(self) -> str:
+        """What happens on the target side when the source of a command is lost."""
+        if self._safe_value is not None:
+            return "the stop is sent"
+        return f"the last message stands ({self._hold_reason or 'nobody says why'})"
 
     # ------------------------------------------------------------------ diagnostics
 
@@ -286,7 +378,9 @@ class Connection(Generic[SourceT, TargetT]):
             ("age (s)", age),
             *self.describe_joins(),
             *((fault.kind.replace("_", " "), fault.text) for fault in faults),
+            *((("when lost", self.when_lost),) if self.is_command else ()),
             ("safe values", str(counts.safe_values)),
+            *((f"stopped: {reason.value}", str(n)) for reason, n in counts.stops.items()),
             ("values limited", str(counts.limited)),
             *(
                 (f"out of range: {policy} {field}", str(n))
@@ -314,10 +408,10 @@ class Connection(Generic[SourceT, TargetT]):
         lacking = self.lacks_peers()
         if lacking:
             return "stale", f"searching {lacking}"
-        if self.is_silent:
-            return "stale", "the source is silent"
+        if self.stopped is not None:
+            return "stale", self.stopped.value
         if self.statistics.last_arrival is None:
-            return "stale", "no message yet"
+            return "stale", StopReason.START.value
         if dropping:
             return "warning", "messages are dropped"
         if measured and rate < self.declared_rate / 2:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .stops import StopReason
 
 
 @dataclass(slots=True)
@@ -12,7 +16,8 @@ class Statistics:
     Attributes:
         arrivals: Messages taken from the source.
         passed: Messages given to the target side.
-        safe_values: Safe values sent because the source was silent.
+        safe_values: Safe values sent because the source was lost.
+        stops: How often messages of the source ceased to stand, by reason.
         limited: Values that were moved into the range of their target field.
         out_of_range: Values that their target field could not carry, by policy and field.
         errors: Messages not passed on because of a value whose policy is `error`.
@@ -25,6 +30,7 @@ class Statistics:
     arrivals: int = 0
     passed: int = 0
     safe_values: int = 0
+    stops: dict[StopReason, int] = field(default_factory=dict)
     limited: int = 0
     out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
     errors: int = 0

@@ -35,8 +35,16 @@ class RosSide(Protocol):
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value; `changed` takes each later one."""
 
-    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Makes a publisher and returns what publishes on it, callable from any thread."""
+    def publisher(
+        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> Callable[[Any], None]:
+        """Makes a publisher and returns what publishes on it, callable from any thread.
+
+        Args:
+            message_type: Class of the messages.
+            topic: The topic.
+            greet: Called for each subscriber that is found, on the thread that waits.
+        """
 
     def subscribe(
         self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
@@ -74,8 +82,10 @@ class Ends(Protocol):
     def loop(self) -> Loop:
         """The loop of the JAUS side."""
 
-    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
-        """Returns what publishes on a topic."""
+    def publisher(
+        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> Callable[[Any], None]:
+        """Returns what publishes on a topic; `greet` is called for each subscriber found."""
 
     def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
         """Subscribes to a topic."""

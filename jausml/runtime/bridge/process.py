@@ -125,14 +125,14 @@ def _configure(
 
 def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:
     with running_transport(transport) as network:
-        bridge.open(node, network)
-        bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
-        node.start()
-        LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
         try:
+            bridge.open(node, network)
+            bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
+            node.start()
+            LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
             LOGGER.info("%s ends: %s", node.name, stop.wait())
         finally:
-            # JAUS first: control is released while ROS still delivers.
+            # JAUS first: stops are sent and control is released while ROS still delivers.
             bridge.close()
             passed = {each.name: each.statistics.passed for each in bridge.connections}
             log_counts("messages", passed)

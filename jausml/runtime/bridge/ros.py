@@ -13,6 +13,7 @@ import atexit
 import logging
 import signal
 import threading
+import time
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -54,9 +55,14 @@ from .topics import Qos
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from rclpy.publisher import Publisher
+
     from .diagnostics import ConnectionStatus
     from .quality import TopicFault
     from .topics import Topic
+
+LAST_WORDS = 1.0
+"""Longest time in seconds that a node which ends waits for slow subscribers."""
 
 WAKE_UP_PERIOD = 1.0
 """Longest time in seconds until a node that spins notices a shutdown."""
@@ -104,6 +110,7 @@ class RosNode:
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
         self._log = _RosLogHandler(self._node)
+        self._publishers: list[Publisher] = []
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
         self._checks: dict[str, Callable[[Any], object]] = {}
@@ -142,8 +149,15 @@ class RosNode:
             self._followers[parameter.name] = changed
         return declared.value
 
-    def publisher(self, message_type: type[Any], topic: Topic) -> Callable[[Any], None]:
+    def publisher(
+        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> Callable[[Any], None]:
         """Makes a publisher and returns what publishes on it, callable from any thread.
+
+        Args:
+            message_type: Class of the messages.
+            topic: The topic.
+            greet: Called for each subscriber that is found, on the thread that waits.
 
         Raises:
             ParameterError: A parameter gives it a name or a policy that ROS refuses.
@@ -154,10 +168,11 @@ class RosNode:
                 message_type,
                 topic.name,
                 _profile(topic.qos),
-                event_callbacks=_publisher_events(health),
+                event_callbacks=_publisher_events(health, greet),
                 qos_overriding_options=_overriding(health),
             )
         health.qos = _qos(made.qos_profile)
+        self._publishers.append(made)
         publish: Callable[[Any], None] = made.publish
         return publish
 
@@ -232,7 +247,10 @@ class RosNode:
         self._thread.start()
 
     def close(self) -> None:
-        """Stops to wait and leaves ROS."""
+        """Stops to wait and leaves ROS, once subscribers have what was published last."""
+        deadline = time.monotonic() + LAST_WORDS
+        for publisher in self._publishers:
+            publisher.wait_for_all_acked(Duration(seconds=max(deadline - time.monotonic(), 0.0)))
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
         self._executor.shutdown()
@@ -351,13 +369,20 @@ def _overriding(health: EndpointHealth) -> QoSOverridingOptions:
     return QoSOverridingOptions(_OVERRIDABLE, entity_id=number or None)
 
 
-def _publisher_events(health: EndpointHealth) -> PublisherEventCallbacks:
+def _publisher_events(
+    health: EndpointHealth, greet: Callable[[], None] | None
+) -> PublisherEventCallbacks:
+    def matched(event: Any) -> None:
+        if event.current_count_change > 0 and greet is not None:
+            greet()
+
     # ROS waits for each event apart, so only for those that may come.
     qos = health.qos
     return PublisherEventCallbacks(
         incompatible_qos=lambda event: health.note_incompatible(_policy(event)),
         deadline=(lambda _: health.note_missed_deadline()) if qos.deadline > 0 else None,
         liveliness=(lambda _: health.note_lost_liveliness()) if qos.lease_duration > 0 else None,
+        matched=None if greet is None else matched,
     )
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .ends import Ends, ReportHolder
     from .joins import Join
     from .quality import TopicFault
+    from .stops import Standing, StopReason
     from .topics import Topic
 
 SourceT = TypeVar("SourceT")
@@ -42,8 +43,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         topics: Sequence[Topic],
         message: type[TargetT],
         joins: Sequence[Join] = (),
-        silence_timeout: float = 0.0,
-        safe_value: Callable[[], TargetT] | None = None,
+        **when_lost: Any,
     ) -> None:
         """Prepares the connection.
 
@@ -55,13 +55,12 @@ class FromTopics(Connection[SourceT, TargetT]):
             topics: Topics that are subscribed to.
             message: JAUS message that is made.
             joins: Further topics whose latest message the translation needs.
-            silence_timeout: Seconds without a message that count as silence; 0 means never.
-            safe_value: Makes the message that is sent once when the topics are silent.
+            when_lost: What happens when the topics are lost: the parameters of `Connection`.
         """
         self._joined = tuple(map(JoinedTopic, joins))
         # Connections without joins do not pay for them.
         joining = partial(_translate_joined, translate, self._joined) if joins else translate
-        super().__init__(name, joining, silence_timeout=silence_timeout, safe_value=safe_value)
+        super().__init__(name, joining, **when_lost)
         self._type = type
         self._topics = tuple(topics)
         self._message = message
@@ -165,31 +164,53 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """What is searched for and not found."""
         return str(self._peers.search) if self._peers.is_lacking else ""
 
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
+        """Stops what the bridge commands while it may not command."""
+        return self.is_command and self.halt(standing.halt)
+
     def deliver(self, target: TargetT) -> bool:
         """Encodes once and sends to each peer that obeys; False when none does."""
-        return self._send(self.peers, target)
+        with self._ends.loop.lock:
+            if self._halt is not None:  # since the message was taken; the stop is the last word
+                self._refuse_halted(self._halt)
+                return False
+            if not self.peers:
+                self.drop(NO_PEER)
+                return False
+            obeying = [peer for peer in self.peers if self._is_obeyed(peer)]
+            for peer in self.peers:
+                if peer not in obeying:
+                    self.drop(NOT_READY, str(peer))
+            return self._send(obeying, target, acknowledge=self._acknowledge)
 
-    def _send(self, peers: Sequence[JausAddress], target: TargetT) -> bool:
-        if not peers:
-            self.drop(NO_PEER)
-            return False
+    def deliver_stop(self, target: TargetT) -> bool:
+        """Sends the stop to each peer that obeys, again until it is acknowledged.
+
+        The others get it when they obey again.
+        """
+        obeying = [peer for peer in self.peers if self._is_obeyed(peer)]
+        return self._send(obeying, target, acknowledge=True)
+
+    def _send(self, peers: Sequence[JausAddress], target: TargetT, *, acknowledge: bool) -> bool:
         payload = target.encode()
         component = self._ends.component
-        sent = False
         with component.loop.lock:
             for peer in peers:
-                if self._control is not Guard.ANY and not self._is_obeyed_by(peer):
-                    self.drop(NOT_READY, str(peer))
-                    continue
                 component.transport.send(
                     component.address,
                     peer,
                     payload,
                     priority=self._priority,
-                    acknowledge=self._acknowledge,
+                    acknowledge=acknowledge,
                 )
-                sent = True
-        return sent
+        return bool(peers)
+
+    def _is_obeyed(self, peer: JausAddress) -> bool:
+        """Whether a peer listens; one that demands no control does always."""
+        if self._control is Guard.ANY:
+            return True
+        session = self._sessions.get(peer)
+        return session is not None and self._obeys(session.state)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components and the state of their control."""
@@ -200,11 +221,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
         # A peer that was away when the topics fell silent has missed the safe value.
         if self._obeys(state) and self.is_silent:
-            self.send_safe_value(partial(self._send, [peer]))
-
-    def _is_obeyed_by(self, peer: JausAddress) -> bool:
-        session = self._sessions.get(peer)
-        return session is not None and self._obeys(session.state)
+            self.send_safe_value(partial(self._send, [peer], acknowledge=True))
 
     def _obeys(self, state: ControlState) -> bool:
         if state is ControlState.CONTROLLED:
@@ -255,16 +272,17 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             self._put(target)
         return True
 
-    def fall_silent(self) -> None:
+    def stop(self, reason: StopReason) -> bool:
         """Reports the safe value; without one, that there is no data.
 
         A number that is old is no report. Where the standard lets every field be absent, queries
         and events say so; else queries stay without an answer, and events pause.
         """
-        super().fall_silent()
+        stood = super().stop(reason)
         # Of several connections to one report, the one that spoke last has the word.
         if self._safe_value is None and self._report.value is self._present:
             self._put(self._empty() if self._empty is not None else None)
+        return stood
 
     def _put(self, report: TargetT | None) -> None:
         self._present = self._report.value = report

@@ -8,6 +8,7 @@ from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from . import parameters
 from .connection import Connection
+from .stops import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -18,10 +19,14 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .ends import Ends
     from .quality import TopicFault
+    from .stops import Standing
     from .topics import Topic
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
+
+_GREETING = 10.0
+"""Seconds after the start in which subscribers may still be found that were there before."""
 
 
 class ToTopics(Connection[SourceT, TargetT]):
@@ -36,8 +41,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] | PeerSearch = (),
-        silence_timeout: float = 0.0,
-        safe_value: Callable[[], TargetT] | None = None,
+        **when_lost: Any,
     ) -> None:
         """Prepares the connection.
 
@@ -48,15 +52,15 @@ class ToTopics(Connection[SourceT, TargetT]):
             type: ROS type that is published.
             topics: Where it is published.
             peers: JAUS components at the other end, or how they are found.
-            silence_timeout: Seconds without a message that count as silence; 0 means never.
-            safe_value: Makes the message that is published once when the source is silent.
+            when_lost: What happens when the source is lost: the parameters of `Connection`.
         """
-        super().__init__(name, translate, silence_timeout=silence_timeout, safe_value=safe_value)
+        super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
         self._message = message
         self._type = type
         self._topics = tuple(topics)
         self._publish: list[Callable[[TargetT], None]] = []
+        self._opened = 0.0
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -68,7 +72,9 @@ class ToTopics(Connection[SourceT, TargetT]):
         super().open(ends)
         self._topics = parameters.topics(ends.ros, self.name, self._topics)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
-        self._publish = [ends.publisher(self._type, topic) for topic in self._topics]
+        self._opened = ends.loop.now()
+        greet = self._greet if self.is_command and self._safe_value is not None else None
+        self._publish = [ends.publisher(self._type, topic, greet) for topic in self._topics]
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
     def _join(self, peer: JausAddress) -> None:
@@ -80,6 +86,17 @@ class ToTopics(Connection[SourceT, TargetT]):
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
         return str(self._peers.search) if self._peers.is_lacking else ""
+
+    def _greet(self) -> None:
+        """Gives the stop of the start to subscribers that ROS finds a little later.
+
+        A bridge that crashed and was started again finds the robot in motion. Afterwards a
+        newcomer gets nothing: others may publish on the topic by then.
+        """
+        with self._ends.loop.lock:
+            is_new = self._ends.loop.now() - self._opened < _GREETING
+            if self.stopped is StopReason.START and is_new:
+                self.send_safe_value(self.deliver)
 
     def deliver(self, target: TargetT) -> bool:
         """Publishes on every topic."""
@@ -264,17 +281,14 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         super().open(ends)
         ends.accept(self._message, self._take_from, self._when)
 
-    def on_not_ready(self) -> None:
-        """Nobody may command any more: the topics get the safe value at once."""
-        # A function is for messages that may be the command itself, which ends with Ready.
-        is_command = self._when is Guard.READY or not isinstance(self._when, Guard)
-        if is_command and not self.is_silent:
-            self.fall_silent()
-
-    def on_control_lost(self) -> None:
-        """Who commanded may not any more: the topics get the safe value at once, in Ready too."""
-        if self._when is not Guard.ANY and not self.is_silent:
-            self.fall_silent()
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Stops what whoever commanded has left behind, in Ready too."""
+        if not self.is_command:
+            return False
+        # Of other commands the guard decides, which the bridge asks before it takes a message.
+        if self._when is Guard.ANY and self.halt(standing.halt):
+            return True
+        return lost is not None and self.stop(lost)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""

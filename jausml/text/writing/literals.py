@@ -18,7 +18,7 @@ NO_VALUE = Href("")
 _NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?|0x[0-9A-Fa-f]+")
 _ADDRESS = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*")
-_PROSE = frozenset({"documentation", "units"})
+_PROSE = frozenset({"documentation", "holdReason", "units"})
 
 
 def is_number(text: str) -> bool:

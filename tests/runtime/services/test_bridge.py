@@ -72,7 +72,7 @@ class Ros:
     def faults(self, topic, *, publishes):
         return self.found_faults.get((topic.name, publishes), [])
 
-    def publisher(self, message_type, topic):
+    def publisher(self, message_type, topic, _greet=None):
         self.made.append(("publisher", topic.name))
         found = self.published.setdefault(topic.name, [])
 
@@ -258,6 +258,7 @@ def test_query_of_an_absent_peer_goes_on(world, setting):
 def message_connection(
     translate=lambda message: Number(float(message.time_stamp.minutes)), **options
 ):
+    options.setdefault("is_command", options.get("when", Guard.ANY) is not Guard.ANY)
     return MessageToTopics(
         "times",
         translate,
@@ -299,19 +300,19 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     operator.send(Resume(), OWN)
     operator.send(minutes(2), OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [2.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0]
     operator.send(ReleaseControl(), OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [2.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     assert connection.is_silent
     operator.send(RequestControl(authority_code=200), OWN)
     operator.send(Resume(), OWN)
     operator.send(minutes(3), OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
     assert not connection.is_silent
     world.run(60.0, step=0.5)
-    assert setting.ros.numbers("times") == [2.0, -1.0, 3.0, -1.0]  # one silence, one safe value
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0, -1.0]  # one silence, one safe value
 
 
 def test_losing_control_is_safe_without_a_timeout_too(world, setting):
@@ -322,11 +323,11 @@ def test_losing_control_is_safe_without_a_timeout_too(world, setting):
     for message in (RequestControl(authority_code=200), Resume(), minutes(2), ReleaseControl()):
         operator.send(message, OWN)
     world.run(60.0, step=0.5)
-    assert setting.ros.numbers("times") == [2.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     for message in (RequestControl(authority_code=200), Resume(), minutes(3)):
         operator.send(message, OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [2.0, -1.0, 3.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
     assert not connection.is_silent
 
 
@@ -347,11 +348,11 @@ def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
     world.settle()
     assert setting.bridge.component.status is Status.READY
     assert setting.bridge.component.controller == rival.address
-    assert setting.ros.numbers("times") == [2.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     former.send(minutes(3), OWN)
     rival.send(minutes(4), OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [2.0, -1.0, 4.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 4.0]
     assert not connection.is_silent
 
 
@@ -365,9 +366,9 @@ def test_lapse_of_control_in_ready_is_safe_once(world, setting):
     for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
         operator.send(message, OWN)
     world.run(1.9)
-    assert setting.ros.numbers("times") == [2.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0]
     world.run(0.2)
-    assert setting.ros.numbers("times") == [2.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
 
 
 def test_guard_may_depend_on_the_message(world, setting):
@@ -390,18 +391,18 @@ def test_guard_may_depend_on_the_message(world, setting):
     for message in (RequestControl(authority_code=200), minutes(0), minutes(7)):
         operator.send(message, OWN)
     world.settle()
-    assert setting.ros.numbers("times") == []
+    assert setting.ros.numbers("times") == [-1.0]
     assert setting.drops(connection) == {"no_counterpart": 1}
     assert setting.bridge.component.counters.drops()["component.command_refused"] == 1
     for message in (Resume(), minutes(0), ReleaseControl()):
         operator.send(message, OWN)
     world.settle()
-    assert setting.ros.numbers("times") == [5.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
     operator.send(RequestControl(authority_code=200), OWN)
     operator.send(minutes(7), OWN)
     world.settle()
     assert connection.is_silent
-    assert setting.ros.numbers("times") == [5.0, -1.0]
+    assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
 
 
 # ------------------------------------------------------------------ ROS to JAUS

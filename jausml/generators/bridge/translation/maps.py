@@ -13,14 +13,14 @@ from jausml.generators.bridge.translation.sources import JausSource, RosSource
 from jausml.generators.bridge.translation.surroundings import NestedTranslation
 from jausml.generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml.generators.bridge.translation.translation import Translation, paths_of
-from jausml.generators.bridge.translation.values import Fitted
 from jausml.generators.python.codec.jaus_fields import JausStart
 from jausml.generators.python.guards import CURRENT_COMMAND, may_set_limits
 from jausml.generators.python.names import Scope, snake_case
 from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.stops import stop_assignments
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.python.codec.messages import MessageView
@@ -76,28 +76,35 @@ def to_jaus(
     return body
 
 
-def ros_constants(
-    message_type: ros.MessageType, class_name: str, assignments: Iterable[bridge.ConstantAssignment]
+def stop(
+    connection: bridge.Connection,
+    message: MessageView,
+    owner: str,
+    class_name: str,
+    around: Surroundings,
 ) -> Body:
-    """Returns the statements that make `target` (ROS) of constants."""
-    body = Body()
+    """Returns the statements that make `target`, of either side, without a source.
+
+    Args:
+        connection: The connection.
+        message: Its JAUS message.
+        owner: Python path of the connection.
+        class_name: Name of the ROS message class in the module.
+        around: The class and the module around.
+
+    Raises:
+        AssignmentError: A value does not fit its target.
+        PathError: A path leads nowhere.
+    """
+    body = _body(owner, connection.outOfRange.name)
+    used = connection.map
+    if connection.direction.name == "jausToRos":
+        translation = _translation_to_ros(body, used, message, around)
+    else:
+        translation = _translation_to_jaus(body, used, message, {}, around)
+        class_name = message.class_name
     body.store(f"{class_name}()", "target")
-    target = RosTarget(message_type, RosStart("target", message_type))
-    for assignment in assignments:
-        value = target.constant(assignment.target, assignment.value)
-        target.put(body, assignment.target, Fitted(value.code))
-    return body
-
-
-def jaus_constants(message: MessageView, assignments: Iterable[bridge.ConstantAssignment]) -> Body:
-    """Returns the statements that make `target` (JAUS) of constants."""
-    body = Body()
-    body.store(f"{message.class_name}()", "target")
-    target = JausTarget(message)
-    for assignment in assignments:
-        target.prepare(body, assignment.target)
-        value = target.constant(assignment.target, assignment.value)
-        target.put(body, assignment.target, Fitted(value.code))
+    translation.add(stop_assignments(connection))
     return body
 
 
@@ -148,10 +155,7 @@ def _map_to_ros(
 ) -> None:
     if may_set_limits(attribute_map.message):
         _refuse_limits(body, attribute_map)
-    target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
-    name = body.owner.removeprefix("self.")
-    source = JausSource(message, JausStart("source", names=body.name_of))
-    translation = _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
+    translation = _translation_to_ros(body, attribute_map, message, around)
     translation.require(attribute_map.toRos)
     body.store(f"{class_name}()", "target")
     translation.add(attribute_map.toRos)
@@ -164,13 +168,32 @@ def _map_to_jaus(
     joins: Mapping[str, tuple[str, ros.MessageType]],
     around: Surroundings,
 ) -> None:
-    source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
-    name = body.owner.removeprefix("self.")
-    target = JausTarget(message)
-    translation = _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
+    translation = _translation_to_jaus(body, attribute_map, message, joins, around)
     translation.require(attribute_map.toJaus)
     body.store(f"{message.class_name}()", "target")
     translation.add(attribute_map.toJaus)
+
+
+def _translation_to_ros(
+    body: Body, attribute_map: bridge.AttributeMap, message: MessageView, around: Surroundings
+) -> _MapTranslation:
+    target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
+    name = body.owner.removeprefix("self.")
+    source = JausSource(message, JausStart("source", names=body.name_of))
+    return _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
+
+
+def _translation_to_jaus(
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, ros.MessageType]],
+    around: Surroundings,
+) -> _MapTranslation:
+    source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
+    name = body.owner.removeprefix("self.")
+    target = JausTarget(message)
+    return _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
 
 
 def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap) -> str:

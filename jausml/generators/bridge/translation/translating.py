@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.bridge.translation.body import OWN_NAMES
-from jausml.generators.bridge.translation.maps import (
-    jaus_constants,
-    ros_constants,
-    to_jaus,
-    to_ros,
-)
+from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
+from jausml.semantics.stops import has_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -114,7 +110,6 @@ def _translated(
     message = uses.view_of(connection.map.message)
     if connection.direction.name == "jausToRos":
         body = to_ros(connection, message, f"self.{name}", ros_name, uses)
-        safe = ros_constants(connection.map.type, ros_name, connection.safeValue)
         joins: tuple[TranslatedJoin, ...] = ()
     else:
         scope = Scope(OWN_NAMES)
@@ -124,6 +119,7 @@ def _translated(
         )
         parameters = {str(each.join.name): (each.name, each.join.type) for each in joins}
         body = to_jaus(connection, message, f"self.{name}", parameters, uses)
-        safe = jaus_constants(message, connection.safeValue)
-    safe_lines = safe.lines if connection.safeValue else ()
+    safe_lines: tuple[str, ...] = ()
+    if has_stop(connection):
+        safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
     return Translated(name, ros_name, joins, body.lines, safe_lines)

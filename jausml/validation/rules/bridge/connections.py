@@ -151,23 +151,9 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
             message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
             yield Finding(connection, message, "rate", "state one of them")
         value = connection.silenceTimeout
-        if not (math.isfinite(value) and value >= 0):
+        if value is not None and not (math.isfinite(value) and value >= 0):
             message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
             yield Finding(connection, message, "silenceTimeout")
-
-
-@rule("JML426", Severity.WARNING, "safe value that is never sent")
-def safe_value_used(subject: Subject) -> Iterator[Finding]:
-    """A safe value takes effect with a silence time-out only.
-
-    Bad: `safeValue` with `silenceTimeout="0"`, which is the default
-
-    Good: `safeValue` with `silenceTimeout="0.5"`
-    """
-    for connection in subject.instances(bridge.Connection):
-        if connection.safeValue and connection.silenceTimeout == 0:
-            message = f"'{connection.name}' has a safe value, but no silenceTimeout"
-            yield Finding(connection, message, "safeValue")
 
 
 @rule("JML427", Severity.ERROR, "command to a peer that cannot be controlled")

@@ -9,6 +9,7 @@ from jausml.model.diagnostics import Severity
 from jausml.semantics.directions import directions
 from jausml.semantics.jaus_paths import JausPlace
 from jausml.semantics.paths import parse_path, target_paths
+from jausml.semantics.stops import with_constants
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -20,9 +21,10 @@ if TYPE_CHECKING:
     from jausml.semantics.paths import PathPlace, Placed
     from jausml.semantics.subject import Subject
 
-    Owner = bridge.AttributeMap | bridge.ListAssignment | bridge.Connection
+    Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection
 
 Steps = tuple[str, ...]
+_STOPS = {"safeValue": "safe value", "values": "stop"}
 
 
 @rule("JML415", Severity.ERROR, "target assigned twice")
@@ -64,8 +66,16 @@ def required_fields(subject: Subject) -> Iterator[Finding]:
             paths = [parse_path(path) for each in siblings for path, _ in each.targets]
             owner = siblings[0].assignment.eContainer()
             place = scope.target
+            if owner is direction.owner and owner is not direction.map:
+                paths += _filled_by_map(direction)
             if owner is not None and isinstance(place, JausPlace) and () not in paths:
                 yield from _missing(owner, place, paths, direction)
+
+
+def _filled_by_map(direction: Direction) -> list[Steps]:
+    """What the map fills in a stop or safe value with constants and the clock."""
+    constants = with_constants(direction.map, (), to_ros=False)
+    return [parse_path(path) for each in constants for path in target_paths(each)]
 
 
 def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
@@ -130,8 +140,7 @@ def _missing(
         name = parse_path(field.name)
         inner = [path[len(name) :] for path in paths if path[: len(name)] == name]
         if not inner and not is_choice and not (isinstance(field, jaus.Field) and field.optional):
-            feature = "safeValue" if direction.owner is not direction.map else _feature(owner)
-            yield _required(owner, f"{before}{field.name}", feature, direction)
+            yield _required(owner, f"{before}{field.name}", _feature(owner), direction)
         if inner and () not in inner:
             yield from _missing_inside(owner, place, field, inner, direction, before)
 
@@ -156,14 +165,18 @@ def _missing_inside(
 
 def _required(owner: Owner, name: str, feature: str, direction: Direction) -> Finding:
     message = f"'{name}' of {direction.map.message.name} is required, but not assigned"
-    if feature == "safeValue":
-        message += " in the safe value"
+    if feature in _STOPS:
+        message += f" in the {_STOPS[feature]}"
         return Finding(owner, message, feature, "assign it")
     return Finding(owner, message, feature, "assign it, or add an Ignore")
 
 
 def _feature(owner: Owner) -> str:
-    return "assignments" if isinstance(owner, bridge.ListAssignment) else "toJaus"
+    if isinstance(owner, bridge.ListAssignment):
+        return "assignments"
+    if isinstance(owner, bridge.Stop):
+        return "values"
+    return "safeValue" if isinstance(owner, bridge.Connection) else "toJaus"
 
 
 def _overlaps(first: Steps, second: Steps) -> bool:

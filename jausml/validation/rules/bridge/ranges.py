@@ -134,12 +134,15 @@ def missed_zeros(subject: Subject) -> Iterator[Finding]:
     A scaled field with a range such as -100..100 has an even number of steps, none of which is 0:
     what is sent is half a step beside it, and a receiver that acts on any value but 0 acts. The
     receiver should have a dead band. A documentation of the assignment silences the rule.
+    The stop of a map is not asked: it has no better value.
 
     Bad: `<safeValue target="PropulsiveLinearEffortX" value="0"/>`
 
     Good: the same with `documentation="0.0015 % is sent, which the dead band of the motor hides"`
     """
     for direction in directions(subject):
+        if isinstance(direction.owner, bridge.Stop):
+            continue
         for placed in direction.of_kind(bridge.ConstantAssignment):
             for path, target in placed.targets:
                 sent = _sent_for_zero(placed.assignment.value, target)

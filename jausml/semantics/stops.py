@@ -1,0 +1,94 @@
+"""Stops: what a connection sends when the source of a command is lost, or why nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge
+from jausml.semantics import commands
+from jausml.semantics.paths import parse_path, target_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+SILENCE_TIMEOUT = 1.0
+"""Seconds of silence that a command with a safe value stands when nobody says how long.
+
+Whoever steers repeats the command several times a second; one second forgives a few lost datagrams,
+and in it a vehicle at walking pace goes little more than a metre.
+"""
+
+
+def is_command(connection: bridge.Connection) -> bool:
+    """Tells whether a connection carries commands, which set something in motion."""
+    return connection.exchange.name == "message" and commands.is_command(connection.map.message)
+
+
+def holds(connection: bridge.Connection) -> bool:
+    """Tells whether the last command stands when its source is lost, for a reason."""
+    if connection.onSilence.name == "hold":
+        return True
+    has_stop = connection.safeValue or stop_of_map(connection) is not None
+    return not has_stop and bool(connection.map.holdReason)
+
+
+def hold_reason(connection: bridge.Connection) -> str:
+    """Returns why the last command may stand; empty when nobody says it."""
+    return connection.holdReason or connection.map.holdReason or ""
+
+
+def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:
+    """Returns the stop of the map for the direction of a connection."""
+    used = connection.map
+    return used.stopRos if connection.direction.name == "jausToRos" else used.stopJaus
+
+
+def has_stop(connection: bridge.Connection) -> bool:
+    """Tells whether a connection sends something when its source is lost."""
+    if connection.safeValue:
+        return True
+    return is_command(connection) and not holds(connection) and stop_of_map(connection) is not None
+
+
+def silence_timeout(connection: bridge.Connection) -> float:
+    """Returns the seconds of silence that count as a loss of the source; 0 is never."""
+    if connection.silenceTimeout is not None:
+        return float(connection.silenceTimeout)
+    if not is_command(connection) or not has_stop(connection):
+        return 0.0
+    stop = stop_of_map(connection)
+    return SILENCE_TIMEOUT if stop is None else float(stop.silenceTimeout)
+
+
+def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, ...]:
+    """Returns what fills the stop or safe value of a connection.
+
+    What its map fills without a source, with constants and the clock, comes before the values of
+    the stop itself, which may say otherwise.
+    """
+    stop = stop_of_map(connection)
+    values: Iterable[bridge.ConstantAssignment] = connection.safeValue
+    if not values and stop is not None:
+        values = stop.values
+    to_ros = connection.direction.name == "jausToRos"
+    return with_constants(connection.map, values, to_ros=to_ros)
+
+
+def with_constants(
+    used: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
+) -> tuple[bridge.Assignment, ...]:
+    """Returns the values of a stop behind what the map fills without a source.
+
+    Args:
+        used: The map.
+        values: What the stop itself says.
+        to_ros: The direction.
+    """
+    said = {parse_path(path) for value in values for path in target_paths(value)}
+    constants = (
+        each
+        for each in (used.toRos if to_ros else used.toJaus)
+        if isinstance(each, (bridge.ConstantAssignment, bridge.ClockAssignment))
+        and not said & {parse_path(path) for path in target_paths(each)}
+    )
+    return (*constants, *values)
