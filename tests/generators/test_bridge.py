@@ -163,7 +163,9 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
     def safe_drive(self) -> SetWrenchEffort:
-        \"\"\"Sent once when drive hears nothing for 0.4 s.\"\"\"
+        \"\"\"Sent once at the start, at the end, when nobody may command any more, or when drive
+        hears nothing for 0.4 s.
+        \"\"\"
         target = SetWrenchEffort()
         target.propulsive_linear_effort_x = 0.0  # percent
         return target

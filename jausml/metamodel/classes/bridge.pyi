@@ -95,6 +95,15 @@ class ConnectionSilentTopicPolicy(EEnumLiteral):
         "keep",
     ]
 
+class SilencePolicy(EEnumLiteral):
+    """What happens on the other side when the source of a command is lost: it falls silent,
+    control ends, the bridge leaves Ready, or the bridge itself ends."""
+
+    name: Literal[
+        "stop",
+        "hold",
+    ]
+
 class ConversionKind(EEnumLiteral):
     """Named value conversions.
 
@@ -190,7 +199,43 @@ class AttributeMap(NamedElement):
     whenStale: SilentTopicPolicy
     """What becomes of the report when there is no fresh message."""
 
+    stopRos: Stop | None
+    """The ROS message that stops what a message of this map has set in motion.
+
+    A map whose ROS message cannot say that, such as one of a goal, has none.
+    """
+
+    stopJaus: Stop | None
+    """The JAUS message that stops what a message of this map has set in motion."""
+
+    holdReason: str | None
+    """For a command that moves nothing, such as that of a lamp: why its last message may stand when
+    the source is lost.
+
+    Connections need not decide it then.
+    """
+
     def eContainer(self) -> MapLibrary | Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
+class Stop(EObject):
+    """A message that stops.
+
+    What the map fills without a source, with constants and the clock, is filled in it too; other
+    attributes keep their defaults, which is 0 for numbers.
+    """
+
+    values: abc.Sequence[ConstantAssignment]
+    """Attributes that a stop needs beyond that."""
+
+    silenceTimeout: float
+    """Seconds of silence after which connections by this map send the stop, unless they say it
+    themselves.
+
+    0 is for commands that are sent once and stand: their stop is sent for other reasons alone.
+    """
+
+    def eContainer(self) -> AttributeMap | None:
         """Returns the element that owns this one, None for a root."""
 
 class MapLibrary(NamedElement):
@@ -310,7 +355,7 @@ class Assignment(EObject):
     model.
     """
 
-    def eContainer(self) -> AttributeMap | ListAssignment | Connection | None:
+    def eContainer(self) -> AttributeMap | Stop | ListAssignment | Connection | None:
         """Returns the element that owns this one, None for a root."""
 
 class FieldAssignment(Assignment):
@@ -497,13 +542,29 @@ class Connection(NamedElement):
     """What to do with values that the target cannot carry, for assignments that do not say it
     themselves."""
 
-    silenceTimeout: float
-    """Seconds without a message from the source after which the safe value is sent once; 0 means
-    never."""
+    silenceTimeout: float | None
+    """Seconds without a message from the source after which the stop or safe value is sent once; 0
+    means never.
+
+    A command that is not told one takes that of the stop of its map, or 1 second for a safeValue;
+    what is no command is not watched then.
+    """
 
     safeValue: abc.Sequence[ConstantAssignment]
-    """Attributes of the target message that is sent when the source stays silent; the others
-    keep their defaults."""
+    """Attributes of the target message that is sent when the source is lost, in the place of the
+    stop of the map.
+
+    What the map fills with constants and the clock is filled too; the others keep their defaults.
+    """
+
+    onSilence: SilencePolicy
+    """What happens when the source of a command is lost."""
+
+    holdReason: str | None
+    """Why it is safe that the last message stands; onSilence hold needs it.
+
+    With a stop it is the reason for a silenceTimeout of 0.
+    """
 
     freshness: float
     """Seconds after which the latest message of the ROS topics counts as stale for the report

@@ -312,7 +312,13 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
     assert not connection.is_silent
     world.run(60.0, step=0.5)
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0, -1.0]  # one silence, one safe value
+    assert setting.ros.numbers("times") == [
+        -1.0,
+        2.0,
+        -1.0,
+        3.0,
+        -1.0,
+    ]  # one silence, one safe value
 
 
 def test_losing_control_is_safe_without_a_timeout_too(world, setting):
