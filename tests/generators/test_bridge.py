@@ -163,8 +163,10 @@ def test_same_model_gives_the_same_bytes(loop_files):
 """,
         """
     def safe_drive(self) -> SetWrenchEffort:
-        \"\"\"Sent once at the start, at the end, when nobody may command any more, or when drive
-        hears nothing for 0.4 s.
+        \"\"\"Stops what was commanded.
+
+        Sent once at the start, at the end, when nobody may command any more, and when drive hears
+        nothing for 0.4 s.
         \"\"\"
         target = SetWrenchEffort()
         target.propulsive_linear_effort_x = 0.0  # percent

@@ -326,14 +326,15 @@ class ConnectionView:
     @property
     def safe_documentation(self) -> str:
         """When the safe value is sent."""
-        moments = []
-        if self.is_command:
-            moments += ["at the start", "at the end", "when nobody may command any more"]
+        silence = ""
         if self.silence_timeout > 0:
             seconds = python_literal(self.silence_timeout)
-            moments.append(f"when {self.connection.name} hears nothing for {seconds} s")
-        *others, last = moments
-        return f"Sent once {', '.join(others)}{', or ' if others else ''}{last}."
+            silence = f"when {self.connection.name} hears nothing for {seconds} s"
+        if not self.is_command:
+            return f"Sent once {silence}."
+        lost = "at the start, at the end, when nobody may command any more"
+        moments = f"{lost}, and {silence}" if silence else lost
+        return f"Stops what was commanded.\n\nSent once {moments}."
 
     @property
     def is_command(self) -> bool:
