@@ -21,11 +21,13 @@ speed {
 effort {
     JAUS SetWrenchEffort
     ROS std_msgs/Float64
+    stopRos: {}
     JAUS->ROS ( PropulsiveLinearEffortX -> data )
 }
 pull {
     JAUS SetWrenchEffort
     ROS std_msgs/Float64
+    stopJaus: { values: { target: PropulsiveLinearEffortX  value: 0 } }
     ROS->JAUS ( data -> PropulsiveLinearEffortX )
 }
 """

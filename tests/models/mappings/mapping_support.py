@@ -105,11 +105,21 @@ def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
             f"    map: {attribute_map.name}",
             f"    direction: {'jausToRos' if to_ros else 'rosToJaus'}",
             f"    exchange: {exchange}",
+            *_hold(attribute_map, to_ros=to_ros),
             *([f"    peers: {peer}"] if peer else []),
             *topics,
             "  }",
         ]
     )
+
+
+def _hold(attribute_map: Any, *, to_ros: bool) -> list[str]:
+    """Returns the decision that a map without a stop leaves to the connection: goals and lists."""
+    stop = attribute_map.stopRos if to_ros else attribute_map.stopJaus
+    decided = stop is not None or attribute_map.holdReason
+    if decided or not attribute_map.message.isCommand:
+        return []
+    return ["    onSilence: hold", '    holdReason: "a goal stands until the next one"']
 
 
 def _address(service: Any) -> str:

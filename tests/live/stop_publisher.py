@@ -1,0 +1,32 @@
+"""A ROS node that drives: repeats a command on every topic that it is given, until it is killed."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import rclpy
+from geometry_msgs.msg import Twist, TwistStamped
+from std_msgs.msg import Float64
+
+
+def moving(name: str) -> Twist | TwistStamped | Float64:
+    """Returns a command that moves, of the type of the topic."""
+    if name.endswith("speed"):
+        return Float64(data=2.0)
+    twist = Twist()
+    twist.linear.x, twist.angular.z = 1.0, 0.5
+    is_stamped = name.endswith(("stamped", "vector"))
+    return TwistStamped(twist=twist) if is_stamped else twist
+
+
+if __name__ == "__main__":
+    rclpy.init()
+    node = rclpy.create_node("driver")
+    commands = [
+        (node.create_publisher(type(moving(name)), name, 10), moving(name)) for name in sys.argv[1:]
+    ]
+    while True:
+        for publisher, message in commands:
+            publisher.publish(message)
+        time.sleep(0.05)

@@ -1,0 +1,292 @@
+"""Who dies, and what stops: two bridges with every ready map of a driver, in both directions.
+
+A ROS node drives by the bridge `station`, whose commands the bridge `vehicle` publishes. Each
+test loses something on the way; afterwards the topics of the vehicle carry a stop, and nothing
+behind it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from workspaces import packages_of
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.clients.control_session import ControlState
+from jausml.runtime.component.component import JausComponent
+from jausml.runtime.component.process import running_transport
+from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Standby
+from jausml.text.notation import NOTATIONS
+
+from .bridge_support import Process, RosPeer, free_port, wait_for
+from .stop_publisher import moving
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+FOLDER = Path(__file__).resolve().parent
+VEHICLE, STATION = JausAddress(10, 1, 1), JausAddress(10, 1, 2)
+STREAMED = [
+    "wrench_effort",
+    "wrench_effort_stamped",
+    "velocity_command",
+    "velocity_command_stamped",
+]
+STREAMED += ["global_vector", "local_vector"]
+SENT_ONCE = ["travel_speed", "local_travel_speed"]
+MAPS = STREAMED + SENT_ONCE
+PATIENCE = 60.0
+AFTERWARDS = 1.0
+"""Seconds in which nothing may move behind a stop."""
+
+
+class Rival(JausComponent):
+    """A component of the test that takes over, and sets emergencies."""
+
+    def __init__(self, transport):
+        super().__init__(transport, JausAddress(10, 1, 9), name="rival", services=())
+        self.session = None
+
+    def take(self, peer, *, resume):
+        with self.loop.lock:
+            self.session = self.control(peer, authority=250, resume=resume)
+        states = (ControlState.READY,) if resume else (ControlState.READY, ControlState.CONTROLLED)
+        wait_for(lambda: self.session.state in states, "control", PATIENCE)
+
+    def leave(self):
+        with self.loop.lock:
+            if self.session is not None:
+                self.session.release()
+            self.session = None
+
+
+class System:
+    """Both bridges, the node that drives, and what the topics of the vehicle carried."""
+
+    def __init__(self, path, logs):
+        self.path, self.logs, self.port = path, logs, free_port()
+        self.running: dict[str, Process] = {}
+        self.started = 0
+        self.ros = RosPeer()
+        self.heard = {name: self.ros.listen(type(moving(name)), f"out/{name}") for name in MAPS}
+
+    def start(self, name):
+        self.started += 1
+        line = ["-m", f"{name}.main", "--jaus-port", str(self.port)]
+        if name == "driver":
+            line = [str(FOLDER / "stop_publisher.py"), *(f"in/{each}" for each in MAPS)]
+        log = self.logs / f"{name}-{self.started}.log"
+        self.running[name] = Process(line, self.path, log)
+
+    def end(self, name, kind):
+        """Sends a signal to a process; returns its exit code once it has ended."""
+        process = self.running.pop(name)
+        process.popen.send_signal(kind)
+        process.popen.wait(timeout=PATIENCE)
+        process.close()
+        return process.popen.returncode
+
+    def log(self, name):
+        return self.running[name].log.read_text()
+
+    def drive(self):
+        """Starts what does not run, and waits until all topics carry motion."""
+        for name in ("vehicle", "station", "driver"):
+            if name not in self.running:
+                self.start(name)
+        before = self.counts()
+        wait_for(lambda: self.moving_since(before) == set(MAPS), "motion", PATIENCE)
+
+    def counts(self):
+        return {name: len(heard) for name, heard in self.heard.items()}
+
+    def moving_since(self, counts):
+        return {name for name in MAPS if any(map(moves, self.heard[name][counts[name] :]))}
+
+    def stands(self, maps=MAPS):
+        return all(self.heard[name] and not moves(self.heard[name][-1]) for name in maps)
+
+    def stops(self, maps=MAPS):
+        """Waits for the stop on each topic, and sees that nothing moves behind it."""
+        wait_for(lambda: self.stands(maps), "stop", PATIENCE)
+        before = self.counts()
+        time.sleep(AFTERWARDS)
+        assert not self.moving_since(before) & set(maps)
+
+    def close(self):
+        for process in self.running.values():
+            process.close()
+        self.ros.close()
+        for log in sorted(self.logs.iterdir()):
+            sys.stderr.write(f"{log.name}\n{log.read_text()}")
+
+
+def moves(message):
+    twist = getattr(message, "twist", message)
+    if hasattr(message, "data"):
+        return message.data != 0.0
+    parts = (twist.linear, twist.angular)
+    return any(abs(value) > 1e-3 for part in parts for value in (part.x, part.y, part.z))
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory):
+    workspace = tmp_path_factory.mktemp("workspace")
+    result = read_models([FOLDER / "stops.ros2jaus"], notations=NOTATIONS)
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
+        target = workspace / artifact.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(artifact.text, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+        started = System(packages_of(workspace), tmp_path_factory.mktemp("logs"))
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="module")
+def rival(system):
+    with running_transport(TransportSettings(port=system.port)) as transport:
+        component = Rival(transport)
+        component.start()
+        yield component
+        component.stop()
+
+
+@pytest.fixture
+def driven(system):
+    """The system in motion."""
+    system.drive()
+    return system
+
+
+# Both directions at once: what kills the station loses its stops towards JAUS too.
+
+
+def test_driver_is_killed(driven):
+    driven.end("driver", signal.SIGKILL)
+    driven.stops(STREAMED)
+    assert not driven.stands(SENT_ONCE)  # a speed is sent once, and stands while control does
+    assert "velocity_command: the source is silent; the stop is sent" in driven.log("station")
+
+
+def test_station_is_killed(driven):
+    driven.end("station", signal.SIGKILL)
+    driven.stops()
+    log = driven.log("vehicle")
+    assert "velocity_command: the source is silent; the stop is sent" in log
+    assert "control was released or lapsed: " in log
+    assert "travel_speed: the stop is sent" in log
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_station_ends(driven, kind):
+    process = driven.running["station"]
+    assert driven.end("station", kind) == 0
+    driven.stops()
+    assert "the bridge ends: wrench_effort: the stop is sent" in process.log.read_text()
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_vehicle_ends(driven, kind):
+    """The last word reaches ROS before the context goes down."""
+    assert driven.end("vehicle", kind) == 0
+    driven.stops()
+
+
+def test_stamped_stops_say_when_and_in_which_frame(driven):
+    driven.end("station", signal.SIGINT)
+    driven.stops()
+    for name in (
+        "wrench_effort_stamped",
+        "velocity_command_stamped",
+        "global_vector",
+        "local_vector",
+    ):
+        header = driven.heard[name][-1].header
+        assert header.frame_id
+        assert header.stamp.sec > 0
+
+
+def test_vehicle_that_starts_again_stops_first(driven):
+    """A bridge that crashed left the robot in motion; the next one begins with a stop."""
+    driven.end("station", signal.SIGKILL)
+    driven.end("vehicle", signal.SIGKILL)
+    assert not driven.stands(SENT_ONCE)
+    before = driven.counts()
+    driven.start("vehicle")
+    driven.stops()
+    assert not driven.moving_since(before)
+
+
+def test_take_over_in_ready(driven, rival):
+    rival.take(VEHICLE, resume=True)
+    driven.stops()
+    assert "another component took control: " in driven.log("vehicle")
+    rival.leave()
+    driven.drive()
+
+
+def test_emergency_of_the_vehicle(driven, rival):
+    rival.send(SetEmergency(emergency_code=1), VEHICLE)
+    driven.stops()
+    assert "emergency: wrench_effort: the stop is sent" in driven.log("vehicle")
+    rival.send(ClearEmergency(emergency_code=1), VEHICLE)
+    driven.drive()
+
+
+def test_emergency_of_the_station_stops_what_it_commands(driven, rival):
+    rival.send(SetEmergency(emergency_code=1), STATION)
+    driven.stops()
+    assert "emergency: wrench_effort: the stop is sent" in driven.log("station")
+    rival.send(ClearEmergency(emergency_code=1), STATION)
+    driven.drive()
+
+
+def test_standby_of_the_station_stops_what_it_commands(driven, rival):
+    rival.take(STATION, resume=True)
+    driven.drive()
+    with rival.loop.lock:
+        rival.session.release()
+        rival.session = rival.control(STATION, authority=250, resume=False)
+    wait_for(lambda: rival.session.state is ControlState.CONTROLLED, "control", PATIENCE)
+    driven.stops()
+    assert "the bridge stands by: " in driven.log("station")
+    rival.leave()
+    driven.drive()
+
+
+def test_standby_of_the_vehicle(driven, rival):
+    rival.take(VEHICLE, resume=True)
+    rival.send(Standby(), VEHICLE)
+    driven.stops()
+    rival.leave()
+    driven.drive()
+
+
+def test_shutdown_of_the_vehicle(driven, rival):
+    rival.take(VEHICLE, resume=True)
+    process = driven.running.pop("vehicle")
+    rival.send(Shutdown(), VEHICLE)
+    assert process.popen.wait(timeout=PATIENCE) == 0
+    process.close()
+    driven.stops()
+    rival.leave()
