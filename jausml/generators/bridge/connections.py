@@ -194,7 +194,6 @@ class ConnectionView:
     @property
     def arguments(self) -> tuple[tuple[str, str], ...]:
         """Arguments of the runtime class after name and translate."""
-        connection = self.connection
         found = [
             ("message", self.message_name),
             ("type", self.ros_name),
