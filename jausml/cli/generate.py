@@ -80,7 +80,16 @@ class WholeLibraryOption(click.Option):
     is_flag=True,
     cls=WholeLibraryOption,
 )
-@click.option("--check", is_flag=True, help="Write nothing; fail when something would change.")
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Write nothing; fail when something would change, or files of yours fell behind.",
+)
+@click.option(
+    "--strict",
+    is_flag=True,
+    help="Fail on warnings about the model too, and when files of yours fell behind.",
+)
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change as a patch.")
 @click.option("--dry-run", is_flag=True, help="Write nothing; list what would happen.")
 @click.option(
@@ -105,6 +114,7 @@ def command(
     out: str | None,
     names: tuple[str, ...],
     whole_library: bool,
+    strict: bool,
     adopt: str,
     force: bool,
     frequency: float | None,
@@ -119,7 +129,8 @@ def command(
     The model is validated first. Files of yours (skeletons) are written once and never again.
 
     Exit status: 0 done (--check: up to date), 1 problems in the model, a refused file (--check: or
-    something would change), 2 usage or environment, 3 internal error.
+    something would change; --check and --strict: or a file of yours fell behind the model), 2 usage
+    or environment, 3 internal error.
     """
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
@@ -133,11 +144,13 @@ def command(
     if frequency is not None:
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
-    valid = _valid_model(read)
+    valid = _valid_model(read, strict=strict)
     mode = chosen[0] if chosen else "write"
     result = _generated(valid, selection, folder, adopt=adopt, force=force, write=mode == "write")
     _report_drift(result)
     _report(result, mode, quiet=quiet)
+    if (strict or mode == "check") and any(each.severity != "info" for each in result.drift):
+        raise click.exceptions.Exit(PROBLEMS)
 
 
 def _out_folder(model: str, out: str | None) -> Path:
@@ -160,10 +173,10 @@ def _read(
     )
 
 
-def _valid_model(read: ReadResult) -> Model:
+def _valid_model(read: ReadResult, *, strict: bool) -> Model:
     report = check(read)
     click.echo(text.render(report), nl=False, err=True)
-    if report.has_errors:
+    if report.has_errors or (strict and report.has_warnings):
         click.echo(f"{text.summary(report)}; nothing generated", err=True)
         raise click.exceptions.Exit(PROBLEMS)
     return report.model
@@ -222,7 +235,7 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
     else:
-        _list(plan, quiet=quiet)
+        _list(plan, quiet=quiet or mode == "check")
     for action in plan.refused:
         click.echo(f"{plan.out / action.path}: error: {action.reason}", err=True)
     click.echo(_summary(result), err=True)

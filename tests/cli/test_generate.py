@@ -162,6 +162,27 @@ def test_drift_is_reported_with_a_place_and_a_stub(jausml):
     assert "\nstub\n" in result.stderr
 
 
+@pytest.mark.parametrize("option", ["--check", "--strict"])
+def test_code_that_fell_behind_fails_where_it_is_asked(jausml, option):
+    jausml("generate", "good.xmi", "-o", "out")
+    assert jausml("generate", "good.xmi", "-o", "out", option).exit_code == 0
+    # A handler that the class lacks has a default in the base; one that nobody calls is lost.
+    Path("out/sensor.py").write_text(SKELETON.replace("on_velocity", "on_nothing_like_it"))
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    result = jausml("generate", "good.xmi", "-o", "out", option)
+    assert result.exit_code == 1
+    assert "warning: on_nothing_like_it" in result.stderr
+
+
+def test_strict_generation_stops_at_warnings_about_the_model(jausml, model_text):
+    Path("good.xmi").write_text(model_text.replace('address="10.1.1"', 'address="511.1.1"'))
+    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
+    result = jausml("generate", "good.xmi", "-o", "strict", "--strict")
+    assert result.exit_code == 1
+    assert "JML309" in result.stderr
+    assert not Path("strict").exists()
+
+
 def test_component_that_is_gone(jausml, model_text):
     jausml("generate", "good.xmi", "-o", "out")
     Path("good.xmi").write_text(model_text.replace('name="sensor_bridge"', 'name="other_bridge"'))

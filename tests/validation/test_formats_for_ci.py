@@ -142,6 +142,8 @@ def test_sarif_lists_every_rule():
     assert driver["name"] == "jausml"
     assert [rule["id"] for rule in driver["rules"]] == [entry.id for entry in catalogue()]
     assert all(rule["shortDescription"]["text"] for rule in driver["rules"])
+    help_texts = {rule["id"]: rule["help"]["markdown"] for rule in driver["rules"]}
+    assert 'Good: `<components name="vehicle" address="100.1.1"/>`' in help_texts["JML301"]
     assert run_of()["results"] == []
 
 

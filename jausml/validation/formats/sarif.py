@@ -42,6 +42,7 @@ def render(report: Report) -> str:
             "name": each.id,
             "shortDescription": {"text": each.title},
             "fullDescription": {"text": each.documentation},
+            "help": {"text": each.documentation, "markdown": each.documentation},
             "defaultConfiguration": {"level": _LEVELS[each.severity]},
         }
         for each in catalogue()
