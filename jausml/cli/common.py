@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import click
 
@@ -27,6 +28,56 @@ class EnvironmentFault(click.ClickException):
     """Something outside the models is wrong: a path, a permission, a missing package."""
 
     exit_code = 2
+
+
+class Reading(TypedDict):
+    """What `reading_options` hands to a verb, for `read_models` and `validate`."""
+
+    project_root: str | None
+    allow_outside: bool
+    projects: dict[str, str]
+
+
+def reading_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of where references may lead; the verb takes them as `reading`."""
+
+    @click.option(
+        "--project-root",
+        metavar="DIR",
+        type=click.Path(exists=True, file_okay=False),
+        help="Folder that references may not leave; by default the checkout or Eclipse project.",
+    )
+    @click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+    @click.option(
+        "--project",
+        "projects",
+        multiple=True,
+        metavar="NAME=DIR",
+        callback=_projects,
+        help="Folder of an Eclipse project that references name; those nearby are found.",
+    )
+    @functools.wraps(command)
+    def with_reading(
+        *arguments: object,
+        project_root: str | None,
+        allow_outside: bool,
+        projects: dict[str, str],
+        **others: object,
+    ) -> None:
+        reading = Reading(project_root=project_root, allow_outside=allow_outside, projects=projects)
+        command(*arguments, reading=reading, **others)
+
+    return with_reading
+
+
+def _projects(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
+    found = {}
+    for value in values:
+        name, sign, folder = value.partition("=")
+        if not (name and sign and Path(folder).is_dir()):
+            raise click.BadParameter(f"'{value}' is not NAME=DIR with an existing folder")
+        found[name] = folder
+    return found
 
 
 def bridge_options(command: Callable[..., None]) -> Callable[..., None]:

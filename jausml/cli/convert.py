@@ -16,6 +16,7 @@ from jausml.cli.common import (
     find_files,
     frequency_option,
     notations_for,
+    reading_options,
 )
 from jausml.cli.imported import counted, say, write_document
 from jausml.model.diagnostics import Severity
@@ -30,6 +31,7 @@ from jausml.validation.report import Report
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.cli.common import Reading
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
@@ -40,13 +42,7 @@ _XMI, _TEXT = SUFFIXES
 @click.argument("source", metavar="FROM")
 @click.argument("target", metavar="TO")
 @click.option("--force", is_flag=True, help="Overwrite TO when it differs.")
-@click.option(
-    "--project-root",
-    metavar="DIR",
-    type=click.Path(exists=True, file_okay=False),
-    help="Folder that references may not leave; by default the Git checkout.",
-)
-@click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@reading_options
 @bridge_options
 @frequency_option
 @click.option("-q", "--quiet", is_flag=True, help="Print no summary.")
@@ -54,8 +50,7 @@ def command(
     source: str,
     target: str,
     force: bool,
-    project_root: str | None,
-    allow_outside: bool,
+    reading: Reading,
     bridge_address: str | None,
     frequency: float | None,
     quiet: bool,
@@ -70,9 +65,7 @@ def command(
     """
     _check_paths(source, target)
     notations = notations_for(source, bridge_address, frequency)
-    result = read_models(
-        [source], project_root=project_root, allow_outside=allow_outside, notations=notations
-    )
+    result = read_models([source], notations=notations, **reading)
     _report(result, source, quiet=quiet)
     model, document = result.model, result.model.documents[0]
     try:

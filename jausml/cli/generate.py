@@ -13,6 +13,7 @@ from jausml.cli.common import (
     bridge_options,
     find_models,
     notations_for,
+    reading_options,
 )
 from jausml.generation import (
     ActionKind,
@@ -41,6 +42,7 @@ from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.cli.common import Reading
     from jausml.generation import Plan, Target
     from jausml.model.model import Model
     from jausml.model.notation import Notation
@@ -106,8 +108,7 @@ class WholeLibraryOption(click.Option):
     help="Frequency of every bridge, for connections that state no rate of their own.",
 )
 @bridge_options
-@click.option("--project-root", metavar="DIR", type=click.Path(exists=True, file_okay=False))
-@click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@reading_options
 @click.option("-q", "--quiet", is_flag=True, help="Do not list files that stay as they are.")
 def command(
     model: str,
@@ -119,8 +120,7 @@ def command(
     force: bool,
     frequency: float | None,
     bridge_address: str | None,
-    project_root: str | None,
-    allow_outside: bool,
+    reading: Reading,
     quiet: bool,
     **modes: bool,
 ) -> None:
@@ -140,7 +140,7 @@ def command(
     folder = _out_folder(model, out)
     selection = _selected(names, whole_library=whole_library)
     notations = notations_for(model, bridge_address, frequency)
-    read = _read(model, project_root, notations, allow_outside=allow_outside)
+    read = _read(model, reading, notations)
     if frequency is not None:
         for owner in read.model.instances(bridge.Bridge):
             owner.frequency = frequency
@@ -160,17 +160,10 @@ def _out_folder(model: str, out: str | None) -> Path:
     return folder
 
 
-def _read(
-    path: str, project_root: str | None, notations: Sequence[Notation], *, allow_outside: bool
-) -> ReadResult:
+def _read(path: str, reading: Reading, notations: Sequence[Notation]) -> ReadResult:
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
-    return read_models(
-        find_models([path]),
-        project_root=project_root,
-        allow_outside=allow_outside,
-        notations=notations,
-    )
+    return read_models(find_models([path]), notations=notations, **reading)
 
 
 def _valid_model(read: ReadResult, *, strict: bool) -> Model:

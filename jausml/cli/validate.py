@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from jausml.cli.common import (
@@ -10,10 +12,14 @@ from jausml.cli.common import (
     find_models,
     frequency_option,
     notations_for,
+    reading_options,
     write_report,
 )
 from jausml.validation.engine import validate
 from jausml.validation.formats import RENDERERS, text
+
+if TYPE_CHECKING:
+    from jausml.cli.common import Reading
 
 
 @click.command("validate")
@@ -27,13 +33,7 @@ from jausml.validation.formats import RENDERERS, text
     help="Format of the report.",
 )
 @click.option("--output", metavar="FILE", help="Write the report to a file, not to stdout.")
-@click.option(
-    "--project-root",
-    metavar="DIR",
-    type=click.Path(exists=True, file_okay=False),
-    help="Folder that references may not leave; by default the Git checkout.",
-)
-@click.option("--allow-outside", is_flag=True, help="Let references leave the project root.")
+@reading_options
 @bridge_options
 @frequency_option
 @click.option("--strict", is_flag=True, help="Fail on warnings too.")
@@ -42,8 +42,7 @@ def command(
     paths: tuple[str, ...],
     output_format: str,
     output: str | None,
-    project_root: str | None,
-    allow_outside: bool,
+    reading: Reading,
     bridge_address: str | None,
     frequency: float | None,
     strict: bool,
@@ -60,9 +59,7 @@ def command(
         raise click.UsageError("--bridge-address takes one file of maps")
     notations = notations_for(paths[0], bridge_address, frequency)
     models = find_models(paths)
-    report = validate(
-        models, project_root=project_root, allow_outside=allow_outside, notations=notations
-    )
+    report = validate(models, notations=notations, **reading)
     write_report(RENDERERS[output_format](report), output)
     if not quiet:
         click.echo(text.summary(report), err=True)

@@ -168,8 +168,9 @@ _RULES = {
     ),
     "JML210": RuleInfo(
         "unknown Eclipse project",
-        "A platform:/resource/ href names an Eclipse project. It is looked for as the project root "
-        "itself, as a folder of the project root, and in the mapping that was given.",
+        "A platform:/resource/ href names an Eclipse project. It is looked for by the names in the "
+        "files .project of the project root, of its folders, and of the folders beside the project "
+        "of the model; then by the names of folders. --project NAME=FOLDER says where it is.",
     ),
     "JML211": RuleInfo(
         "unsupported URI",

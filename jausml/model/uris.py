@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
+from jausml.model.eclipse import enclosing_project, projects_around, projects_in
 from jausml.model.values import suggest
 
 if TYPE_CHECKING:
@@ -54,15 +55,20 @@ def library_root() -> Path:
 def find_project_root(paths: Iterable[Path]) -> Path:
     """Returns the folder that hrefs may not leave, when the user names none.
 
-    It is the nearest folder above the first file that is a Git checkout; else the current folder,
-    when all files lie in it; else the folder that all files share.
+    It is the nearest folder above the first file that is a Git checkout; else the Eclipse project
+    that holds the file; else the current folder, when all files lie in it; else the folder that all
+    files share.
     """
-    folders = [Path(os.path.realpath(path)).parent for path in paths]
+    real = [Path(os.path.realpath(path)) for path in paths]
+    folders = [path.parent for path in real]
     if not folders:
         return Path.cwd()
     for folder in (folders[0], *folders[0].parents):
         if (folder / ".git").exists():
             return folder
+    project = enclosing_project(real[0])
+    if project is not None:
+        return project
     here = Path.cwd()
     if all(folder.is_relative_to(here) for folder in folders):
         return here
@@ -75,7 +81,8 @@ class UriResolver:
     Args:
         project_root: The folder that hrefs may not leave.
         allow_outside: True when they may.
-        projects: Folders of Eclipse projects by name, for platform:/resource/ URIs.
+        projects: Folders of Eclipse projects by name, for platform:/resource/ URIs. Projects in the
+            root, and beside the one that holds a document, are found by themselves.
     """
 
     def __init__(
@@ -86,6 +93,7 @@ class UriResolver:
         self._projects = projects
         self._library = Path(os.path.realpath(library_root()))
         self._known: set[Path] = set()
+        self._around: dict[Path, dict[str, Path]] = {}
 
     def given(self, path: str) -> FileTarget:
         """Returns the target for a file that the user named; hrefs may then lead to it."""
@@ -144,26 +152,36 @@ class UriResolver:
     def _file(self, path: str, base: Document) -> FileTarget | UriFault:
         # Not by pathlib: `a/../b` must lose its dots before symbolic links are followed.
         display = os.path.normpath(Path(base.display).parent / path)
-        return self._checked(display, path)
+        return self._checked(display, path, base)
 
-    def _checked(self, display: str, written: str) -> FileTarget | UriFault:
+    def _checked(self, display: str, written: str, base: Document) -> FileTarget | UriFault:
         real = Path(os.path.realpath(display))
         if real.is_relative_to(self._library):
             return FileTarget(real, display, is_library=True)
         allowed = self._allow_outside or real in self._known or real.is_relative_to(self._root)
-        if not allowed:
+        if not (allowed or any(map(real.is_relative_to, self._projects_of(base).values()))):
             return UriFault(
                 "JML209",
                 f"'{written}' lies outside the project root {self._root}",
-                "give another project root, or allow references to the outside",
+                "name another one by --project-root, or use --allow-outside",
             )
         return FileTarget(real, display, is_library=False)
 
+    def _projects_of(self, base: Document) -> dict[str, Path]:
+        """The Eclipse projects that a document may refer to, by name."""
+        document = Path(os.path.realpath(base.display))
+        if document.parent not in self._around:
+            given = {name: Path(os.path.realpath(each)) for name, each in self._projects.items()}
+            found = {**projects_around(document), **projects_in(self._root), **given}
+            self._around[document.parent] = found
+        return self._around[document.parent]
+
     def _in_workspace(self, path: str, base: Document) -> FileTarget | UriFault:
-        """Finds a file of an Eclipse project: mapped, the root itself, or a folder of the root."""
+        """Finds a file of an Eclipse project, or of a folder of the root that has its name."""
         project, _, rest = path.partition("/")
-        if project in self._projects:
-            folder = self._projects[project]
+        projects = self._projects_of(base)
+        if project in projects:
+            folder = projects[project]
         elif os.path.isdir(self._root / project):  # noqa: PTH112 -- a name may be too long
             folder = self._root / project
         elif self._root.name == project:
@@ -172,7 +190,7 @@ class UriResolver:
             return UriFault(
                 "JML210",
                 f"no Eclipse project '{project}' is known",
-                f"map '{project}' to its folder",
+                f"say where it is by --project {project}=FOLDER",
             )
         return self._file(os.path.relpath(folder / rest, Path(base.display).parent), base)
 

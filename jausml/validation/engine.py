@@ -11,7 +11,7 @@ from jausml.validation.rules import all_rules
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.model.notation import Notation
     from jausml.validation.rule import Finding, Rule
@@ -35,6 +35,7 @@ def validate(
     *,
     project_root: str | os.PathLike[str] | None = None,
     allow_outside: bool = False,
+    projects: Mapping[str, str | os.PathLike[str]] | None = None,
     notations: Sequence[Notation] = (),
 ) -> Report:
     """Reads model files with all that they refer to and checks them.
@@ -43,6 +44,7 @@ def validate(
         paths: The files.
         project_root: The folder that references may not leave; found by itself when None.
         allow_outside: True to let references leave it.
+        projects: Folders of Eclipse projects by name.
         notations: What reads files that are no XMI.
 
     Returns:
@@ -52,7 +54,11 @@ def validate(
         RuleError: A rule failed.
     """
     result = read_models(
-        paths, project_root=project_root, allow_outside=allow_outside, notations=notations
+        paths,
+        project_root=project_root,
+        allow_outside=allow_outside,
+        projects=projects,
+        notations=notations,
     )
     return check(result)
 

@@ -5,7 +5,7 @@ import shutil
 import socket
 
 import pytest
-from reader_support import zoo
+from reader_support import ZOO_METAMODELS, zoo
 
 from jausml.metamodel.classes import jaus
 from jausml.model import LIBRARY_URI, find_project_root, library_root, read_models
@@ -172,3 +172,70 @@ def test_project_root_without_checkout(tmp_path, monkeypatch):
     assert find_project_root([one, other]) == tmp_path
     assert find_project_root([]) == tmp_path / "a"
     shutil.rmtree(tmp_path / "a")
+
+
+PROJECT = "<projectDescription><name>{}</name></projectDescription>"
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    """Two Eclipse projects side by side; the folder of one has another name than the project."""
+    for folder, name in (("robot", "robot.model"), ("shared folder", "robot.library")):
+        (tmp_path / folder / "model").mkdir(parents=True)
+        (tmp_path / folder / ".project").write_text(PROJECT.format(name), encoding="utf-8")
+    (tmp_path / "shared folder" / "model" / "lib.xmi").write_text(zoo('<cages id="far"/>'))
+    (tmp_path / "secret.xmi").write_text(zoo('<cages id="far"/>'))
+    return tmp_path
+
+
+def zoo_model(path, **options):
+    """Reads a model without saying where its project is."""
+    return read_models([path], metamodels=ZOO_METAMODELS, **options)
+
+
+@pytest.mark.parametrize("here", [".", "robot", "robot/model", "shared folder"])
+@pytest.mark.parametrize(
+    ("href", "expected"),
+    [
+        ("platform:/resource/robot.library/model/lib.xmi#far", []),
+        ("../../shared%20folder/model/lib.xmi#far", []),
+        ("platform:/resource/elsewhere/model/lib.xmi#far", ["JML210"]),
+        ("../../secret.xmi#far", ["JML209"]),
+    ],
+)
+def test_eclipse_projects_are_found_wherever_one_stands(
+    workspace, monkeypatch, here, href, expected
+):
+    model = workspace / "robot" / "model" / "robot.xmi"
+    model.write_text(zoo(f'<main href="{href}"/>'), encoding="utf-8")
+    monkeypatch.chdir(workspace / here)
+    assert rules(zoo_model(os.path.relpath(model))) == expected
+
+
+def test_a_project_that_is_elsewhere_is_named(workspace, tmp_path_factory):
+    far = tmp_path_factory.mktemp("far")
+    (far / "lib.xmi").write_text(zoo('<cages id="far"/>'), encoding="utf-8")
+    model = workspace / "robot" / "model" / "robot.xmi"
+    text = zoo('<main href="platform:/resource/elsewhere/lib.xmi#far"/>')
+    model.write_text(text, encoding="utf-8")
+    assert rules(zoo_model(model)) == ["JML210"]
+    assert rules(zoo_model(model, projects={"elsewhere": far})) == []
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\xff\xfe",
+        b"<projectDescription/>",
+        b"<other><name>robot.library</name></other>",
+        b'<!DOCTYPE p [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
+        b"<projectDescription><name>&x;</name></projectDescription>",
+    ],
+)
+def test_a_project_file_that_says_nothing_is_no_project(workspace, content):
+    (workspace / "shared folder" / ".project").write_bytes(content)
+    model = workspace / "robot" / "model" / "robot.xmi"
+    text = zoo('<main href="platform:/resource/robot.library/model/lib.xmi#far"/>')
+    model.write_text(text, encoding="utf-8")
+    assert rules(zoo_model(model)) == ["JML210"]
