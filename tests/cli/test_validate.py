@@ -107,6 +107,22 @@ def test_references_out_of_the_project_need_permission(jausml, folder, model_tex
     assert allowed.exit_code == 0, allowed.stdout
 
 
+def test_a_project_is_found_where_an_option_says(jausml, folder, model_text):
+    (folder / "far").mkdir()
+    (folder / "far" / "other.xmi").write_text(model_text)
+    (folder / "near").mkdir()
+    reference = '<peers href="platform:/resource/other.models/other.xmi#sensor"/><topics'
+    text = model_text.replace('peers="sensor"', "").replace("<topics", reference)
+    (folder / "near" / "model.xmi").write_text(text)
+    arguments = ("validate", "near/model.xmi", "--project-root", "near")
+    assert "JML210" in jausml(*arguments).stdout
+    assert jausml(*arguments, "--project", "other.models=far").exit_code == 0
+    for wrong in ("other.models", "other.models=nowhere", "=far"):
+        result = jausml(*arguments, "--project", wrong)
+        assert result.exit_code == 2
+        assert f"'{wrong}' is not NAME=DIR" in result.stderr
+
+
 def test_same_bytes_in_every_process(folder):
     (folder / "bad.xmi").write_text(
         (folder / "bad.xmi").read_text().replace("Velocity_X", "V").replace("10.1.2", "10.1.1")
