@@ -121,8 +121,8 @@ def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
 def test_the_launch_files_pass_it_on(tmp_path):
     generate(tmp_path, "nodeManager")
     text = (tmp_path / "fleet_bringup" / "launch" / "fleet_robot.launch.py").read_text("utf-8")
-    assert 'default_value="node-manager"' in text
-    assert '"--jaus-transport",\n    LaunchConfiguration("jaus_transport"),' in text
+    assert "judp, jtcp or node-manager (node-manager)" in text  # which the processes have anyway
+    assert '["--jaus-transport=", LaunchConfiguration("jaus_transport")],' in text
 
 
 def test_generated_processes_of_two_hosts_talk_over_tcp(tmp_path):
