@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
 from jausml.semantics.layouts import signature
+from jausml.semantics.standard_services import with_standard
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -73,8 +74,11 @@ def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.S
 
 
 def provided_services(component: jaus.Component) -> list[jaus.Service]:
-    """Returns the services that a component provides, inherited ones included, each once."""
-    return with_inherited(component.provides)
+    """Returns the services that a component provides, each once.
+
+    Those that they inherit are among them, and the standard core services.
+    """
+    return with_inherited(with_standard(component))
 
 
 def is_known(subject: Subject, provider: Provider | None) -> bool:

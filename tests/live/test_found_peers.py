@@ -143,3 +143,22 @@ def test_commands_go_to_whoever_is_found(system):
         second = system.vehicle("10.1.2", 1.0)
         wait_for(lambda: second.of_kind("effort"), "command to the vehicle that came instead")
     assert {each["sender"] for each in second.of_kind("effort")} == {"10.1.9"}
+
+
+def test_another_component_with_the_id_of_the_bridge_is_told_of(system):
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    found = system.ros.listen(DiagnosticArray, "/diagnostics")
+    bridge = system.bridge()
+    wait_for(lambda: found, "diagnostics")
+    system.vehicle("10.1.9", 1.0)
+    text = "another component has your id: 10.1.9 at 127.0.0.1:"
+
+    def doubles():
+        every = [status for array in list(found) for status in array.status]
+        return [each for each in every if each.name.endswith(": jaus id")]
+
+    wait_for(doubles, "double in the diagnostics")
+    assert doubles()[0].message.startswith(text)
+    assert doubles()[0].level == b"\x02"
+    assert bridge.log.read_text().count(text) == 1

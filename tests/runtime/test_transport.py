@@ -486,6 +486,22 @@ class TestBadDatagrams:
         assert driver.counter(counter) == 1
         assert driver.payloads == [STATUS]
 
+    def test_another_component_with_our_id_is_an_error_once(
+        self, station, peer, wait_until, caplog
+    ):
+        driver = station().attach(DRIVER, SENSOR)
+        assert driver.transport.double_of(DRIVER) is None
+        for sequence, source in enumerate([DRIVER, DRIVER, SENSOR, DRIVER]):
+            peer.send(from_peer(sequence=sequence)._replace(source=source).encode())
+        wait_until(lambda: driver.counter("transport.own_source") == 4)
+        errors = [each.message for each in caplog.records if each.levelname == "ERROR"]
+        assert len(errors) == 2
+        place = f"127.0.0.1:{peer.unicast.getsockname()[1]}"
+        start = f"another component has your id: {DRIVER} at {place} (first heard "
+        assert errors[0].startswith(start)
+        assert str(driver.transport.double_of(DRIVER)) == errors[0]
+        assert driver.loop.counters.drops()["transport.own_source"] == 4
+
     def test_two_messages_in_one_datagram_are_both_delivered(self, station, peer, wait_until):
         driver = station().attach(DRIVER)
         peer.send(from_peer(sequence=1).encode() + from_peer(b"\x01\x00", 2).encode()[1:])

@@ -19,13 +19,13 @@ from jausml.generators.common import runtime
 from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
+    component_settings,
     service_identities,
     transport_settings,
 )
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
-from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.paths import source_paths
 
@@ -135,12 +135,6 @@ class BridgeView:
     def settings(self) -> tuple[tuple[str, str], ...]:
         """Arguments of BridgeSettings, as names and expressions."""
         bridge = self.bridge
-        component = call(
-            "ComponentSettings",
-            f"default_authority={bridge.defaultAuthority}",
-            f"control_timeout={bridge.controlTimeout}",
-            f"event_timeout={bridge.eventTimeout}",
-        )
         services = tuple(("services", f"({', '.join(self.services)},)") for _ in self.services[:1])
         return (
             ("name", python_string(self.name)),
@@ -150,7 +144,7 @@ class BridgeView:
             ("frequency", python_literal(float(bridge.frequency))),
             ("component_type", str(SUBSYSTEM_TYPES[bridge.type.name])),
             ("authority", str(bridge.authority)),
-            ("component", component),
+            ("component", component_settings(self.system, bridge)),
             ("transport", transport_settings(self.system, bridge)),
             *services,
         )
@@ -158,7 +152,7 @@ class BridgeView:
     @functools.cached_property
     def services(self) -> tuple[str, ...]:
         """The services that the bridge provides, inherited ones before those that inherit."""
-        return service_identities(self.bridge.provides)
+        return service_identities(self.bridge)
 
     # ------------------------------------------------------------------ the modules
 

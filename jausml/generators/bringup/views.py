@@ -10,7 +10,12 @@ from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
 from jausml.generators.bridge.parameters import ParameterLine, parameter_lines
 from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common.components import TRANSPORTS, host_of
+from jausml.generators.common.components import (
+    TRANSPORTS,
+    host_of,
+    own_bridges,
+    plain_components,
+)
 from jausml.generators.common.ros import parameter_value
 from jausml.generators.python.names import package_name
 from jausml.generators.python.statements import call
@@ -293,8 +298,10 @@ class BringupView:
     @functools.cached_property
     def processes(self) -> tuple[ProcessView, ...]:
         """Components, bridges and nodes, in the order in which they are started."""
-        components = [self._process(item, "component") for item in self.system.components]
-        bridges = [self._process(item, "bridge", item.namespace) for item in self.system.bridges]
+        components = [self._process(item, "component") for item in plain_components(self.system)]
+        bridges = [
+            self._process(item, "bridge", item.namespace) for item in own_bridges(self.system)
+        ]
         nodes = [self._process(item, "node", item.namespace) for item in self.system.nodes]
         return tuple(components + bridges + nodes)
 

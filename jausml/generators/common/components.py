@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generators.python.statements import call
-from jausml.metamodel.classes import bridge
+from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.core_services import CORE
 from jausml.semantics.services import query_name
+from jausml.semantics.standard_services import answers_for_subsystem, with_standard
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import jaus, ros
+    from jausml.metamodel.classes import ros
     from jausml.metamodel.classes.system import Host, System
 
 SUBSYSTEM_TYPES = {
@@ -28,8 +29,17 @@ SUBSYSTEM_TYPES = {
 
 
 def plain_components(system: System) -> list[jaus.Component]:
-    """Returns the components of a system that are no bridges."""
-    return [each for each in system.components if not isinstance(each, bridge.Bridge)]
+    """Returns the components of a system that are no bridges, and are not there already."""
+    return [
+        each
+        for each in system.components
+        if not isinstance(each, bridge.Bridge) and not each.external
+    ]
+
+
+def own_bridges(system: System) -> list[bridge.Bridge]:
+    """Returns the bridges of a system that are not there already."""
+    return [each for each in system.bridges if not each.external]
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
@@ -57,24 +67,56 @@ def inherits(service: jaus.Service, name: str) -> bool:
     return any(each.urn == CORE + name for each in with_inherited([service]))
 
 
-def service_identities(services: Iterable[jaus.Service]) -> tuple[str, ...]:
-    """Returns what Discovery reports of services and those that they inherit.
-
-    Service sets of different age may inherit different versions of a core service; the component
-    speaks the newest of them.
+def provides(component: jaus.Component, name: str) -> bool:
+    """Tells whether a component provides a core service.
 
     Args:
-        services: The services.
+        component: The component.
+        name: Name of the core service, e.g. `Management`.
+    """
+    return any(inherits(each, name) for each in with_standard(component))
+
+
+def service_identities(component: jaus.Component) -> tuple[str, ...]:
+    """Returns what Discovery reports of the services of a component and those that they inherit.
+
+    Service sets of different age may inherit different versions of a core service; the component
+    speaks the newest of them, or the one that the model names.
+
+    Args:
+        component: The component.
     """
     versions: dict[str, tuple[int, int]] = {}
-    for service in with_inherited(services):
-        major, minor = (int(part) for part in str(service.version).split("."))
+    for service in with_inherited(with_standard(component)):
         urn = str(service.urn)
-        versions[urn] = max(versions.get(urn, (0, 0)), (major, minor))
+        versions[urn] = max(versions.get(urn, (0, 0)), _version(service))
+    versions.update({str(each.urn): _version(each) for each in component.provides})
     return tuple(
         call("ServiceIdentity", python_string(urn), str(major), str(minor))
         for urn, (major, minor) in versions.items()
     )
+
+
+def _version(service: jaus.Service) -> tuple[int, int]:
+    major, minor = str(service.version).split(".")
+    return int(major), int(minor)
+
+
+def component_settings(system: System, component: jaus.Component) -> str:
+    """Returns the modelled behaviour of a component as a Python expression.
+
+    Args:
+        system: The system.
+        component: The component.
+    """
+    arguments = [
+        f"default_authority={int(component.defaultAuthority)}",
+        f"control_timeout={int(component.controlTimeout)}",
+        f"event_timeout={int(component.eventTimeout)}",
+    ]
+    if answers_for_subsystem(component, [*system.components, *system.bridges]):
+        arguments.append("discovery_scope=Scope.SUBSYSTEM")
+    return call("ComponentSettings", *arguments)
 
 
 def address_call(component: jaus.Component) -> str:
@@ -116,6 +158,8 @@ _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
 def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     """Returns the host that an element runs on, the first one without a placement, or None.
 
+    Where an external component runs is known by its placement alone.
+
     Args:
         system: The system.
         element: A component, bridge or node of the system.
@@ -123,6 +167,8 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     for placement in system.placements:
         if element in (*placement.components, *placement.nodes):
             return placement.host
+    if isinstance(element, jaus.Component) and element.external:
+        return None  # it is wherever somebody else has put it
     return system.hosts[0] if system.hosts else None
 
 

@@ -28,7 +28,7 @@ from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.codec.message_examples import example_bytes
 from jausml.generators.python.guards import condition, may_set_limits
 from jausml.generators.python.package import EntryPoint
-from jausml.generators.python.statements import call, long_string
+from jausml.generators.python.statements import long_string
 from jausml.semantics.commands import guard_of
 from jausml.semantics.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.semantics.services import provided_services
@@ -331,7 +331,7 @@ class ComponentView:
     @property
     def is_managed(self) -> bool:
         """Whether the component has the states of Management."""
-        return any(components.inherits(each, "Management") for each in self.component.provides)
+        return components.provides(self.component, "Management")
 
     # -- text ------------------------------------------------------------------------------------
 
@@ -343,7 +343,7 @@ class ComponentView:
     @property
     def services(self) -> tuple[str, ...]:
         """The services that Discovery reports."""
-        return components.service_identities(self.component.provides)
+        return components.service_identities(self.component)
 
     @property
     def component_type(self) -> int:
@@ -363,22 +363,7 @@ class ComponentView:
     @property
     def settings(self) -> str:
         """The modelled behaviour."""
-        element = self.component
-        arguments = [
-            f"default_authority={int(element.defaultAuthority)}",
-            f"control_timeout={int(element.controlTimeout)}",
-            f"event_timeout={int(element.eventTimeout)}",
-        ]
-        if self._answers_for_subsystem:
-            arguments.append("discovery_scope=Scope.SUBSYSTEM")
-        return call("ComponentSettings", *arguments)
-
-    @property
-    def _answers_for_subsystem(self) -> bool:
-        """Whether it is component 1 of node 1 with Discovery, by convention the subsystem's."""
-        node_and_component = [int(part) for part in self.component.address.split(".")[1:]]
-        discovers = any(each.urn.endswith(":Discovery") for each in self.component.provides)
-        return discovers and node_and_component == [1, 1]
+        return components.component_settings(self.system, self.component)
 
     @property
     def transport(self) -> str:

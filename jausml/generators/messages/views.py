@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from jausml.generation.docstrings import clean
 from jausml.generation.languages.python import Origin, statements
 from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common.components import plain_components
+from jausml.generators.common.components import own_bridges, plain_components
 from jausml.generators.common.runtime import FACE
 from jausml.generators.jaus_component.views import ComponentView
 from jausml.generators.python.codec.message_builder import build_message_map
@@ -99,7 +99,7 @@ class SystemMessages:
         self.element_id = f"messages:{system.name}"
         self.users: tuple[User, ...] = (
             *(ComponentView(each, system, source) for each in plain_components(system)),
-            *(BridgeView(each, system, source) for each in system.bridges),
+            *(BridgeView(each, system, source) for each in own_bridges(system)),
         )
         self._views = build_message_map(
             element for user in self.users for element in user.message_map

@@ -9,13 +9,12 @@ from jausml.generators.common.components import with_inherited
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
 from jausml.semantics.core_services import CORE
+from jausml.semantics.standard_services import NEWEST_SET
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.model.model import Model
-
-_NEWEST_CORE = "core-1.1.xmi"
 
 
 def used_services(model: Model) -> list[jaus.Service]:
@@ -29,7 +28,7 @@ def used_services(model: Model) -> list[jaus.Service]:
     found = list(dict.fromkeys(_services(model)))
     own = [service for service in with_inherited(found) if not _is_core(service)]
     old = [service for service in with_inherited(found) if _is_core(service)]
-    return [*own, *library_services(_NEWEST_CORE), *old]
+    return [*own, *library_services(NEWEST_SET), *old]
 
 
 def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:

@@ -18,6 +18,7 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from . import parameters
+from .diagnostics import double_status
 from .ends import ReportHolder
 from .stops import Standing, StopReason
 
@@ -218,7 +219,11 @@ class Bridge:
     def _diagnose(self) -> None:
         self._next_diagnostics = max(self._next_diagnostics + self._period, self.loop.now())
         self.loop.call_at(self._next_diagnostics, self._diagnose)
-        self.ros.publish_diagnostics([connection.status() for connection in self.connections])
+        statuses = [connection.status() for connection in self.connections]
+        double = self.component.transport.double_of(self.settings.address)
+        if double is not None:
+            statuses.append(double_status(double, self.loop.now()))
+        self.ros.publish_diagnostics(statuses)
 
 
 class _BridgeComponent(JausComponent):

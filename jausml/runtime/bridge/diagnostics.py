@@ -6,7 +6,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..transports.delivery import Double
     from .stops import StopReason
+
+DOUBLE_LIFETIME = 10.0
+"""Seconds after which a component with the same address that was heard no more is history."""
 
 
 @dataclass(slots=True)
@@ -68,3 +72,16 @@ class ConnectionStatus:
     message: str
     hardware_id: str
     values: tuple[tuple[str, str], ...]
+
+
+def double_status(double: Double, now: float) -> ConnectionStatus:
+    """Returns the status of a bridge whose address somebody else was heard with.
+
+    Args:
+        double: The other one.
+        now: Time of the loop.
+    """
+    age = now - double.last_heard
+    values = (("place", double.place), ("age (s)", f"{age:.3f}"))
+    level = "error" if age < DOUBLE_LIFETIME else "warning"
+    return ConnectionStatus("jaus id", level, str(double), str(double.address), values)

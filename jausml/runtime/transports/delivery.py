@@ -7,6 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from ..base.address import JausAddress
     from ..base.loop import Loop
     from .packets.packet import Priority
@@ -31,6 +33,29 @@ class ReceivedMessage(NamedTuple):
     payload: bytes
     priority: Priority
     sequence: int
+
+
+class Double(NamedTuple):
+    """Another component that was heard with the address of one of this process.
+
+    Attributes:
+        address: The address.
+        place: Where the other one sends from.
+        first_heard: When it was heard first, in UTC.
+        last_heard: When it was heard last, by the clock of the loop.
+    """
+
+    address: JausAddress
+    place: str
+    first_heard: datetime
+    last_heard: float
+
+    def __str__(self) -> str:
+        """Return what is wrong, for people."""
+        since = f"{self.first_heard:%Y-%m-%d %H:%M:%S} UTC"
+        return (
+            f"another component has your id: {self.address} at {self.place} (first heard {since})"
+        )
 
 
 Receive = Callable[[ReceivedMessage], None]

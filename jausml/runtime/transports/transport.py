@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
-    from .delivery import OnResult, Receive
+    from .delivery import Double, OnResult, Receive
     from .packets.messenger import Messenger
 
 
@@ -69,6 +69,16 @@ class Transport(ABC):
         """Stop to receive messages for a component; no effect when it is unknown."""
         with self.loop.lock:
             self._detach(address)
+
+    def double_of(self, address: JausAddress) -> Double | None:
+        """Return who else was heard with the address of a component, None when nobody was.
+
+        Args:
+            address: A component of this process.
+        """
+        with self.loop.lock:
+            messenger = self._messenger_of(address)
+            return None if messenger is None else messenger.inbox.double_of(address)
 
     def send(
         self,

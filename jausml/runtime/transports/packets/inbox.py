@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import logging
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Generic
 
-from ..delivery import MESSAGE_CODE_SIZE, ReceivedMessage
+from ...base.counters import LOGGER
+from ..delivery import MESSAGE_CODE_SIZE, Double, ReceivedMessage
 from .carrier import Origin
 from .duplicates import DuplicateWindow
 from .flagless import FlaglessMessages
@@ -56,6 +59,7 @@ class Inbox(Generic[Origin]):
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
         self._expiry: Timer | None = None
+        self._doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Receive] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
 
@@ -103,9 +107,25 @@ class Inbox(Generic[Origin]):
         source = packet.source
         if source.is_concrete and source not in self.receivers:
             return False
-        name = "transport.own_source" if source.is_concrete else "transport.bad_source"
-        self._counters.count(name, f"{source} at {origin}")
+        if source.is_concrete:
+            self._note_double(source, origin)
+        else:
+            self._counters.count("transport.bad_source", f"{source} at {origin}")
         return True
+
+    def double_of(self, address: JausAddress) -> Double | None:
+        """Return who else was heard with the address of a component of this process."""
+        return self._doubles.get(address)
+
+    def _note_double(self, source: JausAddress, origin: Origin) -> None:
+        """Tell once, as an error, that somebody else has the address of a component here."""
+        known = self._doubles.get(source)
+        place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
+        first = datetime.now(timezone.utc) if known is None else known.first_heard
+        double = self._doubles[source] = Double(source, place, first, self._loop.now())
+        if known is None:
+            LOGGER.error("%s", double)
+        self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
         """Take a packet of another process; return False when it is for nobody here.

@@ -162,7 +162,8 @@ def peers_controllable(subject: Subject) -> Iterator[Finding]:
 
     Commands wait until control was granted, which such a peer never does (AS5710).
 
-    Bad: `control` (true by default) for a command to a peer without AccessControl
+    Bad: `control` (true by default) for a command to a peer with `coreServices="none"` whose
+    services do not inherit AccessControl
 
     Good: `control="false"` for this peer
     """

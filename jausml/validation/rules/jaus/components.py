@@ -191,11 +191,11 @@ def connection_rate(subject: Subject) -> Iterator[Finding]:
 
 @rule("JML307", Severity.ERROR, "control of a component that cannot be controlled")
 def controls_access(subject: Subject) -> Iterator[Finding]:
-    """A component named in `controls` provides AccessControl, mostly by inheritance.
+    """A component named in `controls` provides AccessControl, which components do by default.
 
     Without the service it never answers a request for control (AS5710, RequestControl).
 
-    Bad: `controls="sensor"` where sensor provides VelocityStateSensor alone
+    Bad: `controls="sensor"` where sensor is `external` and provides VelocityStateSensor alone
 
     Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
     """

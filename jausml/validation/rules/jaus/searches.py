@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics.standard_services import is_discovered
 from jausml.validation.rule import Finding, rule
 
 if TYPE_CHECKING:
@@ -80,6 +82,52 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
             message = f"'{connection.name}' takes control of all that its search finds"
             hint = "search for one, or in one subsystem"
             yield Finding(connection, message, "search", hint)
+
+
+@rule("JML357", Severity.INFO, "subsystem that nobody finds")
+def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
+    """Some component of a subsystem provides Discovery, as components do by default.
+
+    Operator control units that look around by Discovery do not see the subsystem otherwise, nor
+    do searches of other components (AS5710). A subsystem with external components is left out:
+    one of them may answer for it.
+
+    Bad: one component, with `coreServices="none"` and without Discovery
+
+    Good: the same without `coreServices`
+    """
+    for group in subject.systems():
+        subsystems: dict[str, list[jaus.Component]] = defaultdict(list)
+        for each in group:
+            if isinstance(each, jaus.Component) and each.address:
+                subsystems[each.address.split(".")[0]].append(each)
+        for number, components in subsystems.items():
+            if not any(each.external or is_discovered(each) for each in components):
+                first = components[0]
+                message = f"nobody in subsystem {number} provides Discovery, so nobody finds it"
+                yield Finding(first, message, "coreServices", "let one of them provide it")
+
+
+@rule("JML358", Severity.WARNING, "external component that shall do something")
+def external_is_idle(subject: Subject) -> Iterator[Finding]:
+    """An external component has no connections and controls nobody: nothing is generated for it.
+
+    Its address, its type and its services tell others what is there.
+
+    Bad: `<components name="vehicle" external="true" controls="trailer"/>`
+
+    Good: `<components name="vehicle" external="true"/>`
+    """
+    for component in subject.instances(jaus.Component):
+        if not component.external:
+            continue
+        if isinstance(component, bridge.Bridge):
+            message = f"the bridge '{component.name}' is external: it is not generated"
+            yield Finding(component, message, "external")
+        for feature in ("connections", "controls"):
+            if getattr(component, feature):
+                message = f"'{component.name}' is external: nobody carries out its {feature}"
+                yield Finding(component, message, feature)
 
 
 def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.semantics.layouts import signature
 from jausml.semantics.services import along_inheritance, code, lineage, with_inherited
+from jausml.semantics.standard_services import with_standard
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -120,11 +121,14 @@ def _ambiguous(
     subject: Subject, component: jaus.Component, first: jaus.MessageDef, other: jaus.MessageDef
 ) -> Finding:
     how = "another name" if first.name != other.name else "another layout"
+    # No document of the model has the messages of standard services.
+    written = [each for each in (first, other) if subject.model.document_of(each) is not None]
     return Finding(
         component,
         f"'{component.name}' has two messages of the code {first.code}: {first.name} and"
         f" {other.name} with {how}",
-        related=tuple(Note(each, subject.path(each), "code") for each in (first, other)),
+        hint="" if len(written) > 1 else 'with coreServices="none" it has no core services',
+        related=tuple(Note(each, subject.path(each), "code") for each in written),
         severity=subject.severity(first) if first.eContainer() is other.eContainer() else None,
     )
 
@@ -141,7 +145,7 @@ def _messages(service: jaus.Service) -> list[jaus.MessageDef]:
 
 def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
     found: dict[jaus.MessageDef | None, None] = {}
-    for service in with_inherited((*component.provides, *component.uses)):
+    for service in with_inherited((*with_standard(component), *component.uses)):
         found.update(dict.fromkeys(_messages(service)))
     for connection in component.connections:
         found.update(dict.fromkeys((connection.message, connection.query)))
