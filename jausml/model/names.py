@@ -12,6 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
+from jausml.metamodel.classes import jaus
 from jausml.model.documents import Document
 from jausml.model.uris import LIBRARY_URI, library_root
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from jausml.model.uris import UriFault
 
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
+_VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
 _NAMED = re.compile(r'<(services|inputs|outputs|types|messages|actions)\s[^<]*?\bname="([^"<]*)"')
 """What of the library is referred to by name: its containment feature and its name."""
 
@@ -51,6 +53,8 @@ class NameFinder:
     ) -> list[EObject]:
         """Returns the elements that a name may mean: those of the nearest scope that has any.
 
+        Of one service in several versions the newest is meant.
+
         Args:
             name: The name as written.
             wanted: The class of the elements.
@@ -64,7 +68,7 @@ class NameFinder:
         if own:
             return own
         imported = self._within(document.imports, name, wanted)
-        return imported or self._within(self._library(name, wanted), name, wanted)
+        return newest(imported or self._within(self._library(name, wanted), name, wanted))
 
     def alike(self, name: str, wanted: ClassTable, document: Document) -> list[str]:
         """Returns known names of a class that are much like a name, the nearest first."""
@@ -175,6 +179,36 @@ class NameFinder:
                 if name:
                     index.setdefault(_last_step(_normal(name)), []).append(element)
         return index
+
+
+def newest(elements: list[EObject]) -> list[EObject]:
+    """Returns the newest of elements that are one in several versions of a JAUS service.
+
+    Versions of one service with the same major number understand each other; others are as far
+    apart as different services. What is not that comes back as it is.
+    """
+    versions = [_version_of(each) for each in elements]
+    whose = {None if each is None else each[0] for each in versions}
+    if len(whose) != 1 or None in whose:
+        return elements
+    best = max(each[1] for each in versions if each is not None)
+    return [
+        element
+        for element, version in zip(elements, versions, strict=True)
+        if version is not None and version[1] == best
+    ]
+
+
+def _version_of(element: EObject) -> tuple[tuple[str, int], int] | None:
+    """Returns URN and major version of the service that an element is or stands in, and the minor.
+
+    None when it stands in no service with such a version.
+    """
+    for owner in _lineage(element):
+        if isinstance(owner, jaus.Service):
+            match = _VERSION.fullmatch(owner.version or "")
+            return ((owner.urn or "", int(match[1])), int(match[2])) if match else None
+    return None
 
 
 def qualified_name(element: EObject) -> str:

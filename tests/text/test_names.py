@@ -112,15 +112,32 @@ def test_imports_in_a_circle(texts):
     assert [c.controls[0].name for c in model.instances(jaus.Component)] == ["two", "one"]
 
 
-def test_import_decides_between_versions(texts):
-    text = "component a { address: 1.1.1 provides: Events }"
+def test_of_two_versions_the_newest_is_meant(texts):
+    text = "component a { address: 1.1.1 provides: Events, Discovery }"
+    for imported, version in (("", "1.1"), ("import `jaus.core-1.0`\n", "1.0")):
+        [component] = texts.good(f"{imported}{text}").instances(jaus.Component, library=False)
+        assert [each.version for each in component.provides] == [version, version]
+
+
+def test_messages_of_two_versions_are_those_of_the_newest(texts):
+    model = texts.good(
+        "component a { address: 1.1.1 }\n"
+        "component b { address: 1.1.2\n"
+        "    service_connection c { provider: a message: ReportStatus } }"
+    )
+    [connection] = model.instances(jaus.ServiceConnection)
+    assert connection.message.eContainer().version == "1.1"
+
+
+def test_import_decides_between_versions_that_do_not_understand_each_other(texts):
+    text = "component a { address: 1.1.1 provides: PrimitivePanTilt }"
     [ambiguous] = texts.one(text).diagnostics
     assert ambiguous.rule == "JML216"
-    assert "core.Events (core-1.0.xmi), core.Events (core-1.1.xmi)" in ambiguous.message
+    assert "manipulator.PrimitivePanTilt (manipulator-1.0.xmi)" in ambiguous.message
     assert len(ambiguous.related) == 2
-    assert "import `jaus.core-1.1`" in ambiguous.hint
-    for written in (f'"{LIBRARY}core-1.1.xmi"', "`jaus.core-1.1`"):
-        assert provided(texts.good(f"import {written}\n{text}")) == ["Events"]
+    assert "import `jaus.manipulator-2.0`" in ambiguous.hint
+    for written in (f'"{LIBRARY}manipulator-2.0.xmi"', "`jaus.manipulator-2.0`"):
+        assert provided(texts.good(f"import {written}\n{text}")) == ["PrimitivePanTilt"]
 
 
 def test_import_of_library_maps(texts):

@@ -81,16 +81,18 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
     """Returns what Discovery reports of the services of a component and those that they inherit.
 
     Service sets of different age may inherit different versions of a core service; the component
-    speaks the newest of them, or the one that the model names.
+    speaks the newest of them. Standard services raise no version of what the model names: peers
+    of core 1.0 do not know, for example, that events of 1.1 lapse.
 
     Args:
         component: The component.
     """
     versions: dict[str, tuple[int, int]] = {}
-    for service in with_inherited(with_standard(component)):
+    for service in with_inherited(component.provides):
         urn = str(service.urn)
         versions[urn] = max(versions.get(urn, (0, 0)), _version(service))
-    versions.update({str(each.urn): _version(each) for each in component.provides})
+    for service in with_inherited(with_standard(component)):
+        versions.setdefault(str(service.urn), _version(service))
     return tuple(
         call("ServiceIdentity", python_string(urn), str(major), str(minor))
         for urn, (major, minor) in versions.items()
