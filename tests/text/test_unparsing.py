@@ -202,21 +202,22 @@ def test_other_files_are_imported_and_unnamed_elements_are_pointed_at(text_of):
     assert 'components: arm, @"hosts.xmi#//@components.1"' in text
 
 
-def test_of_two_versions_the_one_that_is_meant_is_imported(text_of):
+@pytest.mark.parametrize(
+    ("often", "once", "head"), [("1.1", "1.0", ""), ("1.0", "1.1", "import `jaus.core-1.0`\n\n")]
+)
+def test_of_two_versions_the_older_one_is_imported(text_of, often, once, head):
     provides = "".join(
-        f'<provides href="{JAUS}/{each}"/>'
-        for each in ("core-1.1.xmi#Management", "core-1.1.xmi#Events", "core-1.0.xmi#Events")
+        f'<provides href="{JAUS}/core-{each}"/>'
+        for each in (f"{often}.xmi#Management", f"{often}.xmi#Events", f"{once}.xmi#Events")
     )
     component = f'<components name="a" address="1.1.1">{provides}</components>'
     text = text_of(f'<system:System name="robot">{component}</system:System>')
     assert (
         text
         == f"""\
-import `jaus.core-1.1`
-
-component a {{
+{head}component a {{
     address: 1.1.1
-    provides: Management, Events, @"{JAUS}/core-1.0.xmi#Events"
+    provides: Management, Events, @"{JAUS}/core-{once}.xmi#Events"
 }}
 """
     )

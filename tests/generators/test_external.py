@@ -1,0 +1,109 @@
+"""Components that exist already, and connections of components to whatever is found."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.generators.bringup.target import processes
+from jausml.generators.jaus_component.target import TARGET as COMPONENT
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+VEHICLE = "component vehicle { address: 100.1.1 provides: VelocityStateSensor external: true }\n"
+FRONT = """
+import mappings.velocity_state_sensor
+bridge front {
+    address: 100.1.2
+    connection velocity { map: velocity_state peers: vehicle topic odometry }
+}
+"""
+WATCHER = """
+component watcher {
+    address: 100.1.3
+    service_connection velocity {
+        search: { services: VelocityStateSensor  subsystem: 100  choice: all }
+        message: ReportVelocityState
+        silenceTimeout: 2
+    }
+    service_connection once {
+        search: { services: VelocityStateSensor }
+        message: ReportVelocityState
+        exchange: oneTime
+    }
+}
+"""
+
+
+@pytest.fixture
+def model_of(tmp_path):
+    def read(text):
+        path = tmp_path / "model.ros2jaus"
+        path.write_text(text, encoding="utf-8")
+        result = read_models([path], notations=NOTATIONS)
+        assert not result.has_errors, result.diagnostics
+        return result.model
+
+    return read
+
+
+def files_of(model):
+    targets = [BRIDGE, COMPONENT, MESSAGES, BRINGUP]
+    return {str(each.path): each.text for each in render(model, targets)}
+
+
+def test_nothing_is_generated_or_started_for_an_external_component(model_of):
+    model = model_of(FRONT + VEHICLE)
+    files = files_of(model)
+    assert not [path for path in files if path.startswith("vehicle/")]
+    assert [each["name"] for each in processes(model)] == ["front"]
+    launch = files["model_bringup/launch/model.launch.py"]
+    assert "vehicle" not in launch
+    assert "vehicle" not in files["model_bringup/package.xml"]
+
+
+def test_its_address_is_known_all_the_same(model_of):
+    base = files_of(model_of(FRONT + VEHICLE))["front/front/front_base.py"]
+    assert "peers=[JausAddress(100, 1, 1)]" in base
+
+
+def test_an_external_bridge_is_nobodys_package(model_of):
+    model = model_of(FRONT.replace("address: 100.1.2", "address: 100.1.2 external: true") + VEHICLE)
+    assert not [path for path in files_of(model) if path.startswith("front/")]
+    assert processes(model) == []
+
+
+def test_where_an_external_component_is_follows_from_its_placement_alone(model_of):
+    hosts = """
+        host here { interface: "127.0.0.1" transport: jtcp }
+        host there { interface: "127.0.0.2" transport: jtcp }
+        placement { host: there components: front }
+    """
+    base = files_of(model_of(FRONT + VEHICLE + hosts))["front/front/front_base.py"]
+    assert "100.1.1=" not in base
+    placed = hosts + "placement { host: here components: vehicle }"
+    base = files_of(model_of(FRONT + VEHICLE + placed))["front/front/front_base.py"]
+    assert '"100.1.1=127.0.0.1:3794"' in base
+
+
+def test_reports_of_whatever_is_found(model_of):
+    base = files_of(model_of(WATCHER))["watcher/watcher/watcher_base.py"]
+    calls = [
+        ast.unparse(each)
+        for each in ast.walk(ast.parse(base))
+        if isinstance(each, ast.Call) and "_found" in ast.unparse(each.func)
+    ]
+    urn = "('urn:jaus:jss:mobility:VelocityStateSensor',)"
+    assert calls == [
+        f"self.subscribe_to_found(PeerSearch({urn}, subsystem=100, choice=PeerChoice.ALL), "
+        "QueryVelocityState(presence_vector=511), ReportVelocityState, self.on_velocity, rate=1.0, "
+        "silence_timeout=2.0, on_silence=self.on_velocity_silent)",
+        f"self.query_found(PeerSearch({urn}), QueryVelocityState(presence_vector=511), "
+        "ReportVelocityState, self.on_once)",
+    ]
+    assert "a provider of VelocityStateSensor" in base
