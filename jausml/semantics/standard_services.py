@@ -34,7 +34,7 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
     if component.external or component.coreServices.name == "none":
         return named
     urns = {_OTHER_NAMES.get(str(each.urn), str(each.urn)) for each in _closure(named)}
-    return [*named, *(each for each in _standard_services() if str(each.urn) not in urns)]
+    return [*named, *(each for each in standard_services() if str(each.urn) not in urns)]
 
 
 def is_discovered(component: jaus.Component) -> bool:
@@ -78,7 +78,7 @@ def _closure(services: Iterable[jaus.Service]) -> set[jaus.Service]:
 
 
 @cache
-def _standard_services() -> tuple[jaus.Service, ...]:
+def standard_services() -> tuple[jaus.Service, ...]:
     """Returns the standard services as the library has them, read at the first call.
 
     Models that refer to the same file have elements of their own; what counts is the URN.

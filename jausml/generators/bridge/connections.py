@@ -21,7 +21,8 @@ from jausml.generators.python.statements import call
 from jausml.semantics import stops
 from jausml.semantics.commands import needs_control, needs_ready
 from jausml.semantics.freshness import freshness_of
-from jausml.semantics.services import provided_services
+from jausml.semantics.services import provided_services, searched_services
+from jausml.semantics.standard_services import standard_services
 from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
@@ -293,6 +294,9 @@ class ConnectionView:
         # A command that a service keeps in Standby moves what listens to a topic at once.
         receivers = (self.connection.eContainer(),) if self.to_ros else self.connection.peers
         provided = [provided_services(each) for each in receivers if each is not None]
+        if not self.to_ros and self.connection.search is not None:
+            # What is found mostly is as components are that name nothing.
+            provided = [[*searched_services(self.connection.search), *standard_services()]]
         is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
         return "READY" if is_for_ready else "CONTROLLED"
 
