@@ -66,6 +66,9 @@ class World:
     def detach(self, address: JausAddress) -> None:
         self._receivers.pop(address, None)
 
+    def double_of(self, _address: JausAddress) -> None:
+        """Nobody else has an address here: it is attached once."""
+
     def send(
         self,
         source: JausAddress,
