@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus
 from jausml.model.names import qualified_name
-from jausml.model.uris import library_root
 from jausml.semantics.services import with_inherited
-from jausml.text.reading.imports import library_files
+from jausml.text.reading.library_maps import library_maps
 from jausml.text.tree import Element, Feature, Import, Name
 
 if TYPE_CHECKING:
@@ -20,27 +17,6 @@ if TYPE_CHECKING:
 
     from jausml.editor.context import Context
     from jausml.editor.workbench import Workbench
-
-_MAP = re.compile(
-    r"^(\w+) \{\n(?:(?!\}).*\n)*?    JAUS (\w+).*\n(?:(?!\}).*\n)*?    ROS ([\w/]+)", re.MULTILINE
-)
-
-
-@dataclass(frozen=True, slots=True)
-class LibraryMap:
-    """A map of the shipped library.
-
-    Attributes:
-        name: Its name.
-        module: What to import for it, such as `mappings.velocity_state_sensor`.
-        message: Its JAUS message.
-        type: Its ROS type.
-    """
-
-    name: str
-    module: str
-    message: str
-    type: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,17 +34,6 @@ class Candidate:
     detail: str
     module: str = ""
     fits: bool = False
-
-
-@cache
-def library_maps() -> tuple[LibraryMap, ...]:
-    """Returns the maps of the library; its texts are looked through at the first call."""
-    found = []
-    for module, path in library_files().items():
-        if path.endswith(".ros2jaus"):
-            text = (library_root() / path).read_text(encoding="utf-8")
-            found += [LibraryMap(name, module, *ends) for name, *ends in _MAP.findall(text)]
-    return tuple(found)
 
 
 def services(bench: Workbench, path: Path) -> Iterator[Candidate]:

@@ -11,10 +11,8 @@ from jausml.editor.definition import define
 from jausml.editor.hover import hover
 from jausml.editor.outline import outline
 from jausml.editor.positions import Columns, Place
-from jausml.editor.references import library_maps
 from jausml.editor.renaming import RenameError, rename
 from jausml.languages.units import parse_unit
-from jausml.text.reading.explaining import library_maps as known_maps
 from jausml.text.reading.parsing import parse
 
 MAP = """\
@@ -357,7 +355,3 @@ def test_hover_shows_the_ends_of_a_map(bench, at):
     said = said_at(bench, at, text)
     assert "JAUS `SetWrenchEffort`, ROS `geometry_msgs/Twist`" in said
     assert "JAUS->ROS, ROS->JAUS" in said
-
-
-def test_every_map_of_the_library_is_known_to_the_editor():
-    assert {each.name: (each.module,) for each in library_maps()} == dict(known_maps())

@@ -7,7 +7,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.metamodel.classes import bridge, jaus, ros
-from jausml.text.reading.explaining import library_maps
+from jausml.model.uris import library_root
+from jausml.text.reading.library_maps import library_maps
 
 LIBRARY = "http://www.jausml.org/library/jaus/"
 
@@ -225,8 +226,19 @@ def test_unknown_name_tells_what_makes_it_known(texts, text, hint):
 
 
 def test_every_map_of_the_library_is_found_by_its_name(texts):
-    for name, modules in library_maps().items():
-        [module] = modules
-        model = texts.one(f"import {module}\nbridge b {{ connection c {{ map: {name} }} }}").model
-        [connection] = model.instances(bridge.Connection)
-        assert connection.map.name == name
+    for each in library_maps():
+        text = f"import {each.module}\nbridge b {{ connection c {{ map: {each.name} }} }}"
+        [connection] = texts.one(text).model.instances(bridge.Connection)
+        used = connection.map
+        assert (used.name, used.message.name) == (each.name, each.message)
+        assert each.type == f"{used.type.eContainer().name}/{used.type.name}"
+
+
+def test_index_of_the_library_has_all_its_maps(texts):
+    folder = library_root() / "mappings"
+    modules = {each.module for each in library_maps()}
+    assert modules == {f"mappings.{each.stem}" for each in folder.glob("*.ros2jaus")}
+    imports = "".join(f"import {each}\n" for each in sorted(modules))
+    model = texts.one(imports).model
+    known = [each.name for each in model.instances(bridge.AttributeMap)]
+    assert sorted(known) == sorted(each.name for each in library_maps())

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.model.notation import Explanation
 from jausml.model.uris import library_root
-from jausml.text.reading.imports import library_files
+from jausml.text.reading.library_maps import library_maps
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from jausml.text.reading.declaring.messages import OwnService
-
-_MAP = re.compile(r"^(\w+) \{$", re.MULTILINE)
-_TEXT = ".ros2jaus"
 
 
 def explain(qualified_class: str, name: str, service: OwnService) -> Explanation:
@@ -28,8 +21,9 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
         service: The service of the messages that the text declares.
     """
     if qualified_class == "bridge.AttributeMap":
-        places = library_maps().get(name.rpartition(".")[2], ())
-        imports = " or ".join(f"import {each}" for each in places)
+        wanted = name.rpartition(".")[2]
+        modules = [each.module for each in library_maps() if each.name == wanted]
+        imports = " or ".join(f"import {each}" for each in modules)
         return Explanation(f"the library has it: {imports}" if imports else "", bool(imports))
     if qualified_class == "jaus.Service" and service.node is not None and service.written is None:
         hint = f"the messages of this file belong to '{service.name}', named after the file"
@@ -43,14 +37,3 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
         hint = f"list its members to declare it: {package or 'my_msgs'}/{type_name} ( float64 x )"
         return Explanation(f"{hint}; jausml import ros reads packages")
     return Explanation()
-
-
-@cache
-def library_maps() -> Mapping[str, tuple[str, ...]]:
-    """Returns what to import for each map of the library, by its name; read at the first call."""
-    found: dict[str, tuple[str, ...]] = {}
-    for module, path in library_files().items():
-        if path.endswith(_TEXT):
-            for name in _MAP.findall((library_root() / path).read_text(encoding="utf-8")):
-                found[name] = (*found.get(name, ()), module)
-    return found
