@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics.commands import needs_control
 from jausml.semantics.services import (
     find_query,
     find_same,
     is_known,
     outputs,
+    provided_services,
     provides_access_control,
     query_name,
 )
@@ -123,6 +125,34 @@ def component_numbers(subject: Subject) -> Iterator[Finding]:
         if not (math.isfinite(value) and value >= 0):
             message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
             yield Finding(connection, message, "silenceTimeout")
+
+
+@rule("JML353", Severity.ERROR, "command that nobody can give")
+def commands_controlled(subject: Subject) -> Iterator[Finding]:
+    """A component whose services have commands provides AccessControl.
+
+    Commands are obeyed from the controller alone, and without AccessControl nobody becomes that
+    (AS5710). Commands for everyone are those of published services without AccessControl.
+
+    Bad: a component with `coreServices="none"` that provides a service of yours with the command
+    SetLamp, which inherits nothing
+
+    Good: the same service with `inherits` of Management
+    """
+    for component in subject.instances(jaus.Component):
+        if component.external or not is_known(subject, component):
+            continue
+        if provides_access_control(component):
+            continue
+        for service in provided_services(component):
+            command = next((each for each in service.inputs if needs_control(each, service)), None)
+            if command is not None:
+                message = f"'{component.name}' obeys {command.name} from nobody"
+                hint = f"let {service.name} inherit Management"
+                note = Note(service, f"'{service.name}'")
+                yield Finding(
+                    component, f"{message}: it provides no AccessControl", "provides", hint, (note,)
+                )
 
 
 @rule("JML304", Severity.ERROR, "connection to a report that the provider does not send")
