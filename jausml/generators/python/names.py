@@ -74,6 +74,12 @@ RESERVED_ATTRIBUTES = names_in(
     sized start struct tag take text to_integer from_integer unpadded whole write_to
     """
 )
+# Imports of the modules that hold generated messages, in sight of the classes inside of a message.
+RESERVED_INNER_CLASSES = names_in(
+    """
+    CODE ClassVar DecodeError EncodeError IntEnum Message NAME Sequence StampedMessage Struct TAG
+    """
+)
 # Imports of the modules that use generated messages.
 RESERVED_CLASSES = names_in(
     """
@@ -156,12 +162,15 @@ class Scope:
         other._numbers |= self._numbers
         return other
 
-    def claim(self, name: str) -> str:
+    def claim(self, name: str, otherwise: str = "") -> str:
         """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`.
 
         Args:
             name: A valid Python name.
+            otherwise: A name that says more, to take instead of a changed one.
         """
+        if otherwise and (name in self._taken or name in self._reserved):
+            return self.claim(otherwise)
         first = name + self._separator if name in self._reserved else name
         candidate, number = first, self._numbers.get(name, 1)
         while candidate in self._taken or candidate in self._reserved:

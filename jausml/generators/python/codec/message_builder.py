@@ -219,8 +219,9 @@ class MessageBuilder:
         """Returns the class of a field as a part; each option of a variant has its own."""
         key = (field.kind, field.name, tag)
         if tag is not None or key not in self._scope.known:
-            name = self._scope.scope.claim(names.class_name(field.name))
-            part = self._class_named(name, field, tag)
+            name = self._scope.claim(names.class_name(field.name))
+            with self._scope.inside(name):
+                part = self._class_named(name, field, tag)
             self._scope.classes.append(part)
             self._scope.known[key] = PartValue(part, part.path)
         part_value: PartValue = self._scope.known[key]
@@ -332,7 +333,7 @@ class MessageBuilder:
         if len(kind.options) == 1:
             only = self._class(kind.options[0], 0)
             return VariantValue("", only.python_type, tag_format, (only,))
-        alias = self._scope.scope.claim(names.class_name(name))
+        alias = self._scope.claim(names.class_name(name))
         options = tuple(self._class(option, tag) for tag, option in enumerate(kind.options))
         classes = tuple(option.part.name for option in options)
         self._scope.classes.append(VariantAlias(alias, classes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import docstrings as docs
@@ -10,7 +11,7 @@ from jausml.generators.python.codec import scalars
 from jausml.generators.python.codec.classes import BitFieldClass, Enumeration, SubField
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml import wire
     from jausml.generators.python.codec.classes import NestedClass
@@ -20,7 +21,6 @@ class MessageScope:
     """The inside of one message class while it is built.
 
     Attributes:
-        scope: Names of the classes.
         classes: The classes in the order to write.
         structs: Formats of the module's constants by name.
         known: What was built already, by what makes it equal to another.
@@ -29,12 +29,34 @@ class MessageScope:
     def __init__(self, class_name: str, message: str) -> None:
         self._class_name = class_name
         self._message = message
-        self.scope = names.Scope(
-            names.RESERVED_CLASSES | {class_name, "CODE", "NAME", "TAG"}, separator=""
-        )
+        reserved = names.RESERVED_INNER_CLASSES | {class_name}
+        self._scope = names.Scope(reserved, separator="")
+        self._enclosing = [class_name]
         self.classes: list[NestedClass] = []
         self.structs: dict[str, str] = {}
         self.known: dict[object, Any] = {}
+
+    @contextmanager
+    def inside(self, name: str) -> Iterator[None]:
+        """Builds what a class encloses.
+
+        Args:
+            name: Name of the class.
+        """
+        self._enclosing.append(name)
+        yield
+        self._enclosing.pop()
+
+    def claim(self, name: str) -> str:
+        """Returns the name of a class; where it is taken, with that of the enclosing class first.
+
+        Of two fields State with different values, one of them in the record Wheel, the classes are
+        called State and WheelState: the plain name is for the one that stands first.
+
+        Args:
+            name: What the class should be called.
+        """
+        return self._scope.claim(name, names.class_name(f"{self._enclosing[-1]}{name}"))
 
     def summary(self, field: wire.Field) -> str:
         """Returns the first line of the docstring of a field's class."""
@@ -59,10 +81,11 @@ class MessageScope:
     def bit_field(self, field: wire.Field, kind: wire.BitField) -> BitFieldClass:
         """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
         scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
-        subs = tuple(self._sub_field(each, scope) for each in kind.groups)
+        with self.inside(names.class_name(field.name)):
+            subs = tuple(self._sub_field(each, scope) for each in kind.groups)
         key = (field.name, subs)
         if key not in self.known:
-            name = self.scope.claim(names.class_name(field.name))
+            name = self.claim(names.class_name(field.name))
             is_inherited = kind.is_published_time_stamp and name == "TimeStamp"
             self.known[key] = BitFieldClass(
                 name, self.path(name), self.summary(field), subs, is_inherited
@@ -112,7 +135,7 @@ class MessageScope:
         constants = tuple((scope.claim(names.constant_name(first[v])), v) for v in dict(listed))
         key = (name, constants)
         if key not in self.known:
-            self.known[key] = Enumeration(self.scope.claim(name), of, constants)
+            self.known[key] = Enumeration(self.claim(name), of, constants)
             self.classes.append(self.known[key])
         enumeration: Enumeration = self.known[key]
         return enumeration.name
