@@ -19,6 +19,7 @@ SHIPPED = (
     "minimal/minimal.xmi",
 )
 MOST = 40
+WIDEST = 100
 
 
 def too_long(folder: Path) -> dict[str, int]:
@@ -34,8 +35,19 @@ def too_long(folder: Path) -> dict[str, int]:
     return found
 
 
-def test_translations_of_ready_maps_are_short(workspace: Path) -> None:
+def too_wide(folder: Path) -> list[str]:
+    """Returns the lines of bridges that are wider than the line length of generated code."""
+    return [
+        f"{path.name}:{number}"
+        for path in folder.rglob("*_base.py")
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if len(line) > WIDEST
+    ]
+
+
+def test_translations_of_ready_maps_are_short_and_narrow(workspace: Path) -> None:
     assert too_long(workspace) == {}
+    assert too_wide(workspace) == []
 
 
 @pytest.mark.parametrize("model", SHIPPED)
