@@ -198,8 +198,12 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
         raise EnvironmentFault(_no_system(error)) from error
     except OwnershipError as error:
         raise EnvironmentFault(str(error)) from error
-    except (RefusedError, WriteError) as error:
+    except RefusedError as error:
         raise EnvironmentFault(f"cannot write into {folder}: {error}") from error
+    except WriteError as error:
+        message = f"cannot write into {folder}: {error}"
+        rest = "some files may be written already; mend this and run it again"
+        raise EnvironmentFault(f"{message} ({rest})") from error
     except GenerationError as error:
         # A target's view found what no rule demands.
         raise click.ClickException(f"cannot generate from this model: {error}") from error

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import stat
 from dataclasses import dataclass, field, replace
-from pathlib import PurePath
+from pathlib import PurePath, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from jausml import __version__
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MANIFEST_PATH = ".jausml/manifest.json"
+PENDING_PATH = ".jausml/pending.json"
+"""The manifest that a run means to leave, while it writes: what a killed one has begun."""
 SCHEMA = 2
 _WITHOUT_MODELS = 1
 """The schema that knew one model for each workspace, and not its name."""
@@ -60,11 +63,13 @@ class Manifest:
         models: What other verbs want to know of each model (JSON values), by the model's name, e.g.
             `processes` for `jausml run`.
         problem: Why nothing is known of earlier runs (missing, conflicted), or empty.
+        unfinished: The files of a run that was killed; they are among `files`.
     """
 
     files: Mapping[str, Entry] = field(default_factory=dict)
     models: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     problem: str = ""
+    unfinished: tuple[str, ...] = ()
 
     def strangers(self, source: str) -> list[str]:
         """Returns the model files of which the schema knew no model's name, but for one.
@@ -110,8 +115,29 @@ def read_manifest(out: Path) -> Manifest:
         The manifest, or an empty one with `problem` set: callers then treat skeletons as the
         user's and files with a valid header as generated.
     """
+    manifest = _read(out / MANIFEST_PATH)
+    pending = _read(out / PENDING_PATH)
+    if pending.problem:
+        return manifest
+    files = {**pending.files, **manifest.files}
+    return replace(manifest, files=files, unfinished=(*sorted(pending.files), MANIFEST_PATH))
+
+
+def temporary(path: str) -> str:
+    """Returns the path under which a file is written before it takes its place.
+
+    Args:
+        path: Path of the file.
+    """
+    place = PurePosixPath(path)
+    return place.with_name(f".{place.name}.jausml-tmp").as_posix()
+
+
+def _read(path: Path) -> Manifest:
     try:
-        return _parse((out / MANIFEST_PATH).read_bytes())
+        if not stat.S_ISREG(path.stat().st_mode):
+            return Manifest(problem="the manifest is no regular file")
+        return _parse(path.read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         return Manifest(problem="there is no manifest")
     except OSError as error:

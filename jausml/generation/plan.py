@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.artifact import Artifact, Kind, text_digest
 from jausml.generation.folder import FileState, find_generated, inspect
 from jausml.generation.header import has_valid_header
-from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, new_entry
+from jausml.generation.manifest import (
+    MANIFEST_PATH,
+    PENDING_PATH,
+    Entry,
+    Manifest,
+    new_entry,
+    temporary,
+)
 from jausml.generation.paths import find_problems
 
 if TYPE_CHECKING:
@@ -59,10 +66,12 @@ class Plan:
     Attributes:
         out: The output folder.
         actions: In the order of their paths.
+        manifest: Text of the manifest when all is done.
     """
 
     out: Path
     actions: tuple[Action, ...]
+    manifest: str = ""
 
     @property
     def changes(self) -> tuple[Action, ...]:
@@ -145,10 +154,11 @@ def make_plan(
         if action and action.kind is ActionKind.ORPHAN:
             files[path] = entry
     actions += _strays(out, manifest, unique)
+    actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
     models = {**manifest.models, model: {**manifest.models.get(model, {}), **(known or {})}}
     new = Manifest(files=files, models=models)
-    return Plan(out, (*actions, _manifest_action(out, manifest, new)))
+    return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
 
 
 def unified_diff(plan: Plan) -> str:
@@ -256,6 +266,14 @@ def _strays(out: Path, manifest: Manifest, unique: Mapping[str, Artifact]) -> It
     for path in find_generated(out):
         if path not in unique:
             yield Action(ActionKind.ORPHAN, path, reason)
+
+
+def _remains(out: Path, manifest: Manifest) -> Iterator[Action]:
+    """Yields the deletions of what a killed run left besides its files."""
+    for path in (*map(temporary, manifest.unfinished), PENDING_PATH):
+        state = inspect(out, path)
+        if state.exists:
+            yield Action(ActionKind.DELETE, path, "of a run that was killed", old=state.text)
 
 
 def _backup_path(out: Path, path: str) -> str:

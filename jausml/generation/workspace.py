@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.drift import Finding, drift
 from jausml.generation.errors import OwnershipError, SelectionError
+from jausml.generation.lock import locked
 from jausml.generation.manifest import Manifest, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
+    from jausml.generation.artifact import Artifact
     from jausml.generation.target import Target
     from jausml.model.model import Model
 
@@ -111,6 +114,21 @@ def generate(
     if any(target.needs_system for target in targets):
         system_of(model)
     artifacts = render(model, targets)
+    with locked(out) if write else nullcontext():
+        return _generate(model, targets, artifacts, out, kept, adopt, force=force, write=write)
+
+
+def _generate(
+    model: Model,
+    targets: Sequence[Target[Any]],
+    artifacts: Sequence[Artifact],
+    out: Path,
+    kept: Collection[str] | None,
+    adopt: str,
+    *,
+    force: bool,
+    write: bool,
+) -> Result:
     name = name_of(model)
     manifest = _manifest(out, name, source_of(model), adopt)
     written = {entry.target for entry in manifest.files.values()}

@@ -1,17 +1,29 @@
-"""Writer of plans: each file is either old or new at any moment, the manifest comes last."""
+"""Writer of plans: each file is either old or new at any moment, the manifest comes last.
+
+Where the system can, each file is opened from its folder, and that from the one above: a link that
+takes the place of a folder after the plan was made is not followed.
+"""
 
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager, suppress
+from itertools import count
+from pathlib import PurePath, PurePosixPath
 from typing import TYPE_CHECKING
 
+from jausml.generation.artifact import normalize_newlines
 from jausml.generation.errors import RefusedError, WriteError
+from jausml.generation.manifest import PENDING_PATH, temporary
 from jausml.generation.plan import Action, ActionKind, Plan
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-_TEMPORARY_SUFFIX = ".jausml-tmp"
+_IS_ANCHORED = {os.open, os.mkdir, os.unlink, os.rmdir, os.rename} <= os.supports_dir_fd
+_FOLDER = getattr(os, "O_DIRECTORY", 0) | getattr(os, "O_NOFOLLOW", 0)
+_FILE = getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 
 
 def apply(plan: Plan) -> None:
@@ -19,7 +31,7 @@ def apply(plan: Plan) -> None:
 
     Deletions come first, so that a file whose name changed in upper and lower case only survives
     on a file system that does not tell them apart. After a failure the same run, repeated, ends
-    in the same tree.
+    in the same tree; another one knows what was meant to be written, and tidies up.
 
     Args:
         plan: A fresh plan.
@@ -31,50 +43,161 @@ def apply(plan: Plan) -> None:
     if plan.refused:
         reasons = "; ".join(f"{action.path}: {action.reason}" for action in plan.refused)
         raise RefusedError(f"nothing was written: {reasons}")
-    for action in plan.of(ActionKind.DELETE):
-        _attempt(plan.out, action)
-    for action in plan.of(ActionKind.CREATE, ActionKind.UPDATE):
-        _attempt(plan.out, action)
-
-
-def _attempt(out: Path, action: Action) -> None:
-    try:
+    changes = [each for each in plan.changes if each.path != PENDING_PATH]
+    with _told(PENDING_PATH):
+        if changes:
+            plan.out.mkdir(parents=True, exist_ok=True)
+            _announce(plan)
+    for action in changes:
         if action.kind is ActionKind.DELETE:
-            _delete(out, action.path)
-        else:
-            _write(out, action)
+            with _told(action.path):
+                _delete(plan.out, action)
+    for action in changes:
+        if action.kind is not ActionKind.DELETE:
+            with _told(action.path):
+                _write(plan.out, action)
+    with _told(PENDING_PATH), suppress(FileNotFoundError), _opened(plan.out, PENDING_PATH) as file:
+        file.unlink()
+
+
+class _File:
+    """A file by its name and its open folder; without such folders by its path alone.
+
+    Args:
+        name: The name, or the path.
+        folder: Descriptor of the folder.
+    """
+
+    def __init__(self, name: str, folder: int | None) -> None:
+        self._name = name
+        self._folder = folder
+
+    def beside(self, name: str) -> _File:
+        """Returns another file of the folder."""
+        return _File(str(PurePath(self._name).with_name(name)), self._folder)
+
+    def read(self) -> bytes:
+        """Returns the content; a link is not followed."""
+        descriptor = os.open(self._name, os.O_RDONLY | _FILE, dir_fd=self._folder)
+        with os.fdopen(descriptor, "rb") as file:
+            return file.read()
+
+    def create(self, data: bytes, mode: int = 0o666) -> None:
+        """Writes a file that is not there yet."""
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FILE
+        descriptor = os.open(self._name, flags, mode, dir_fd=self._folder)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(data)
+
+    def is_there(self) -> bool:
+        """Whether anything has the name, a link too."""
+        try:
+            os.stat(self._name, dir_fd=self._folder, follow_symlinks=False)
+        except FileNotFoundError:
+            return False
+        return True
+
+    def replace(self, other: _File) -> None:
+        """Takes the place of another file."""
+        os.replace(self._name, other._name, src_dir_fd=self._folder, dst_dir_fd=other._folder)
+
+    def unlink(self) -> None:
+        """Removes the file."""
+        os.unlink(self._name, dir_fd=self._folder)
+
+    def rmdir(self) -> None:
+        """Removes the folder."""
+        os.rmdir(self._name, dir_fd=self._folder)
+
+
+@contextmanager
+def _told(path: str) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
-        raise WriteError(action.path, error.strerror or str(error)) from error
+        raise WriteError(path, error.strerror or str(error)) from error
+
+
+@contextmanager
+def _opened(out: Path, path: str, *, make: bool = False) -> Iterator[_File]:
+    """Yields a file of the output folder; with the folders on its way, if they are to be made."""
+    *folders, name = path.split("/")
+    if not _IS_ANCHORED:
+        folder = out.joinpath(*folders)
+        if make:
+            folder.mkdir(parents=True, exist_ok=True)
+        yield _File(str(folder / name), None)
+        return
+    descriptor = os.open(out, os.O_RDONLY | getattr(os, "O_DIRECTORY", 0))
+    try:
+        for each in folders:
+            if make:
+                with suppress(FileExistsError):
+                    os.mkdir(each, dir_fd=descriptor)
+            inner = os.open(each, os.O_RDONLY | _FOLDER, dir_fd=descriptor)
+            os.close(descriptor)
+            descriptor = inner
+        yield _File(name, descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _announce(plan: Plan) -> None:
+    """Writes what will be there into a file that stays when the run is killed."""
+    with _opened(plan.out, PENDING_PATH, make=True) as file:
+        with suppress(FileNotFoundError):
+            file.unlink()
+        file.create(plan.manifest.encode("utf-8"))
 
 
 def _write(out: Path, action: Action) -> None:
-    path = out / action.path
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if action.kind is ActionKind.CREATE and os.path.lexists(path):
-        # A skeleton is never opened for writing, not even one that is a second old.
-        raise WriteError(action.path, "the file appeared while jausml was running")
-    if action.backup:
-        _replace(out / action.backup, path.read_bytes())
-    _replace(path, (action.new or "").encode("utf-8"), executable=action.executable)
+    with _opened(out, action.path, make=True) as file:
+        if action.kind is ActionKind.CREATE and file.is_there():
+            # A skeleton is never opened for writing, not even one that is a second old.
+            raise WriteError(action.path, "the file appeared while jausml was running")
+        if action.kind is ActionKind.UPDATE:
+            _keep(file, action)
+        new = file.beside(PurePosixPath(temporary(action.path)).name)
+        with suppress(FileNotFoundError):
+            new.unlink()  # left by a run that was killed
+        try:
+            new.create((action.new or "").encode("utf-8"), 0o777 if action.executable else 0o666)
+            new.replace(file)
+        except BaseException:
+            with suppress(FileNotFoundError):
+                new.unlink()
+            raise
 
 
-def _replace(path: Path, data: bytes, *, executable: bool = False) -> None:
-    temporary = path.with_name(f".{path.name}{_TEMPORARY_SUFFIX}")
-    temporary.unlink(missing_ok=True)  # left by a run that was killed
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-    descriptor = os.open(temporary, flags, 0o777 if executable else 0o666)
+def _keep(file: _File, action: Action) -> None:
+    """Copies what the user wrote: as the plan says, or since it was made."""
+    data = file.read()
+    if not action.backup and _text(data) == action.old:
+        return
+    name = PurePosixPath(action.path).name
+    numbered = (f"{name}.orig{number if number > 1 else ''}" for number in count(1))
+    names = (PurePosixPath(action.backup).name,) if action.backup else numbered
+    next(copy for each in names if not (copy := file.beside(each)).is_there()).create(data)
+
+
+def _text(data: bytes) -> str | None:
     try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(data)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+        return normalize_newlines(data.decode("utf-8"))
+    except UnicodeDecodeError:
+        return None
 
 
-def _delete(out: Path, path: str) -> None:
-    (out / path).unlink(missing_ok=True)
-    for folder in (out / path).parents:
-        if folder == out or any(folder.iterdir()):
-            return
-        folder.rmdir()
+def _delete(out: Path, action: Action) -> None:
+    try:
+        with _opened(out, action.path) as file:
+            if _text(file.read()) != action.old:
+                raise WriteError(action.path, "the file was edited while jausml was running")
+            file.unlink()
+        for folder in PurePosixPath(action.path).parents[:-1]:
+            with _opened(out, folder.as_posix()) as emptied:
+                emptied.rmdir()
+    except FileNotFoundError:
+        return  # somebody else deleted it
+    except OSError:
+        if os.path.lexists(out / action.path):
+            raise  # else a folder that holds something

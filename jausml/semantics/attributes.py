@@ -105,7 +105,7 @@ def nearest_name(name: str, fields: Iterable[Part]) -> str:
         fields: Elements with names.
     """
     known = [field.name for field in fields if field.name]
-    near = get_close_matches(name, known, n=1) or [k for k in known if k.lower() == name.lower()]
+    near = [k for k in known if k.lower() == name.lower()] or get_close_matches(name, known, n=1)
     if near:
         return f"did you mean '{near[0]}'?"
     return f"it has {', '.join(known)}" if 0 < len(known) <= 8 else ""

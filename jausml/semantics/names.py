@@ -9,7 +9,7 @@ import sys
 from jausml.model.words import snake_case
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
-_DEVICES = frozenset(
+DEVICES = frozenset(
     {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 )
 # Interface packages of ROS are not among them: a model of one has its name.
@@ -46,6 +46,6 @@ def taken(name: str) -> str:
         return "is a module of Python's standard library"
     if name in _TOOLING:
         return "is a package that generated code or its build needs"
-    if name in _DEVICES:
+    if name in DEVICES:
         return "is a device name on Windows"
     return ""

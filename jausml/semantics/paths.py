@@ -188,12 +188,12 @@ def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:
 
 def source_paths(assignment: bridge.Assignment) -> list[str]:
     """Returns the source paths of an assignment."""
-    return _split(assignment.source or "") if has_source(assignment) else []
+    return _split(assignment.source) if has_source(assignment) else []
 
 
 def target_paths(assignment: bridge.Assignment) -> list[str]:
     """Returns the target paths of an assignment."""
-    return _split(assignment.target or "")
+    return _split(assignment.target)
 
 
 def parse_path(path: str) -> tuple[str, ...]:
@@ -221,5 +221,5 @@ def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
     return known if len(known) == len(found) else []
 
 
-def _split(text: str) -> list[str]:
-    return [path.strip() for path in text.split(",")] if text else []
+def _split(text: str | None) -> list[str]:
+    return [path.strip() for path in text.split(",")] if text is not None else []

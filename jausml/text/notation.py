@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -112,6 +113,9 @@ def decode(data: bytes) -> tuple[str, Fault | None]:
     """
     if len(data) > MAX_BYTES:
         return "", Fault("JML714", f"the file is larger than {MAX_BYTES // (1024 * 1024)} MiB")
+    if not data.removeprefix(codecs.BOM_UTF8):
+        hint = "write a component, a bridge or a map, or remove the file"
+        return "", Fault("JML714", "the file is empty", hint)
     try:
         return data.decode("utf-8-sig"), None
     except UnicodeDecodeError as error:

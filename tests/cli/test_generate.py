@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -355,3 +357,31 @@ def test_a_workspace_that_does_not_know_its_model(jausml, folder, targets):
 
 def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.usefixtures("folder")
+def test_runs_at_once_wait_for_each_other():
+    """All end well, and the tree is that of one run."""
+    command = [sys.executable, "-m", "jausml", "generate", "good.xmi", "-o", "out", "-q"]
+    runs = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    outputs = [run.communicate(timeout=300) for run in runs]
+
+    assert [run.returncode for run in runs] == [0, 0, 0], outputs
+    assert subprocess.run([*command, "--check"], check=False, capture_output=True).returncode == 0
+    assert sum("created" in error for _, error in outputs) == 1
+
+
+def test_a_folder_that_cannot_be_written_says_that_a_part_may_be(jausml, folder):
+    jausml("generate", "good.xmi", "-o", "out")
+    base = folder / "out" / "sensor_base.py"
+    base.unlink()
+    base.with_name(f".{base.name}.jausml-tmp").mkdir()
+
+    result = jausml("generate", "good.xmi", "-o", "out")
+
+    assert result.exit_code == 2
+    assert base.name in result.output
+    assert "some files may be written already" in result.output

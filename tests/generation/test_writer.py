@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from jausml import generation as gen
+from jausml.generation.manifest import PENDING_PATH
 
 NOBODY = 65534
 
@@ -19,25 +20,21 @@ class Killed(BaseException):
 
 
 class FailingReplace:
-    """Path.replace that fails at one of its calls, before or after it took place."""
+    """os.replace that fails at one of its calls, before or after it took place."""
 
     def __init__(self, monkeypatch, failing_call, error, *, after):
         self.calls = 0
         self.failing_call = failing_call
         self.error = error
         self.after = after
-        self.real = Path.replace
+        self.real = os.replace
+        monkeypatch.setattr(os, "replace", self.run)
 
-        def replace(path, target):
-            return self.run(path, target)
-
-        monkeypatch.setattr(Path, "replace", replace)
-
-    def run(self, path, target):
+    def run(self, path, target, **folders):
         self.calls += 1
         if self.calls == self.failing_call and not self.after:
             raise self.error
-        result = self.real(path, target)
+        result = self.real(path, target, **folders)
         if self.calls == self.failing_call:
             raise self.error
         return result
@@ -71,7 +68,9 @@ def test_a_failure_between_any_two_files_is_healed_by_a_rerun(
             with pytest.raises((Killed, gen.WriteError)):
                 gen.apply(plan)
 
-        for path, content in contents(workspace).items():
+        left = contents(workspace)
+        assert left.pop(PENDING_PATH)
+        for path, content in left.items():
             assert content in (old.get(path), new.get(path)), path
         last_reached = failing_call == writes and after
         assert (contents(workspace)[gen.MANIFEST_PATH] == new[gen.MANIFEST_PATH]) is last_reached
@@ -88,7 +87,7 @@ def test_a_failed_first_run_leaves_no_temporary_file(workspace, vehicle):
         with pytest.raises(Killed):
             gen.apply(plan)
 
-    assert len(contents(workspace)) == 2
+    assert len(contents(workspace)) == 3  # two files, and what was meant
     workspace.write([vehicle])
     assert workspace.plan([vehicle]).is_up_to_date
 
@@ -151,13 +150,16 @@ def test_a_read_only_folder_is_an_error_with_the_files_name(workspace, vehicle, 
         workspace.write([vehicle])
         before = contents(workspace)
         plan = workspace.plan([rename(vehicle, doc="Changed.")])
+        workspace.path(".jausml").chmod(0o777)
         workspace.path("vehicle").chmod(0o555)
         workspace.path("vehicle/config").chmod(0o555)
 
         with unprivileged(), pytest.raises(gen.WriteError, match=r"vehicle/.*: Permission denied"):
             gen.apply(plan)
 
-        assert contents(workspace) == before
+        left = contents(workspace)
+        del left[PENDING_PATH]
+        assert left == before
         workspace.path("vehicle").chmod(0o755)
         workspace.path("vehicle/config").chmod(0o755)
 
@@ -180,3 +182,97 @@ def test_an_output_path_that_is_a_file_is_an_error(workspace, vehicle):
         workspace.write([vehicle])
 
     assert workspace.out.read_text(encoding="utf-8") == "x"
+
+
+def killed_at(workspace, model, call):
+    """Has a run killed as it puts a file in its place, with the new one half written."""
+    plan = workspace.plan(model)
+    half = []
+
+    def replace(path, target, **folders):
+        half.append(path)
+        if len(half) == call:
+            # No handler of the process runs when it is killed: the new file stays.
+            raise Killed
+        return real(path, target, **folders)
+
+    real, unlink = os.replace, os.unlink
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "replace", replace)
+        patch.setattr(
+            os, "unlink", lambda path, **fd: None if len(half) == call else unlink(path, **fd)
+        )
+        with pytest.raises(Killed):
+            gen.apply(plan)
+
+
+@pytest.mark.parametrize("call", range(1, 14))
+def test_what_a_killed_run_of_another_model_left_is_tidied_up(
+    workspace, vehicle, arm, rename, tmp_path, call
+):
+    reference = type(workspace)(tmp_path / "reference", workspace.targets)
+    reference.write([vehicle])
+    kept = {path for path in reference.files() if not path.startswith(".jausml")}
+    killed_at(workspace, [arm, rename(vehicle, name="rear")], call)
+
+    workspace.write([vehicle])
+
+    mine = {path for path in workspace.files() if path.endswith(("arm.py", "rear.py"))}
+    assert set(workspace.files()) == kept | mine | {gen.MANIFEST_PATH}
+    assert {each.path for each in workspace.plan([vehicle]).orphans} >= mine
+    assert workspace.plan([vehicle]).is_up_to_date
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links")
+def test_a_link_that_appears_after_the_plan_is_not_followed(workspace, vehicle, rename, tmp_path):
+    workspace.write([vehicle])
+    outside = tmp_path / "outside"
+    workspace.path("vehicle").rename(outside)
+    before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
+    for model in ([rename(vehicle, doc="Changed.")], []):
+        outside.rename(workspace.path("vehicle"))
+        plan = workspace.plan(model)
+        workspace.path("vehicle").rename(outside)
+        workspace.path("vehicle").symlink_to(outside)
+
+        with pytest.raises(gen.WriteError, match="vehicle/"):
+            gen.apply(plan)
+
+        assert before == {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
+        workspace.path("vehicle").unlink()
+
+
+def test_an_edit_after_the_plan_is_kept(workspace, vehicle, rename):
+    workspace.write([vehicle])
+    plan = workspace.plan([rename(vehicle, doc="Changed.")])
+    base = workspace.path("vehicle/vehicle_base.py")
+    new = next(each.new for each in plan.actions if each.path.endswith("vehicle_base.py"))
+    base.write_text("mine", encoding="utf-8")
+    workspace.path("vehicle/vehicle_base.py.orig").write_text("older", encoding="utf-8")
+
+    gen.apply(plan)
+
+    assert base.read_text(encoding="utf-8") == new
+    assert workspace.path("vehicle/vehicle_base.py.orig2").read_text(encoding="utf-8") == "mine"
+    assert workspace.path("vehicle/vehicle_base.py.orig").read_text(encoding="utf-8") == "older"
+
+
+def test_an_edit_after_the_plan_is_not_deleted(workspace, vehicle, arm):
+    workspace.write([vehicle, arm])
+    plan = workspace.plan([vehicle])
+    workspace.path("arm/arm_base.py").write_text("mine", encoding="utf-8")
+
+    with pytest.raises(gen.WriteError, match=r"arm/arm_base\.py: the file was edited"):
+        gen.apply(plan)
+
+    assert workspace.path("arm/arm_base.py").read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs pipes")
+def test_a_manifest_that_is_a_pipe_is_refused_and_not_read(workspace, vehicle):
+    workspace.path(".jausml").mkdir(parents=True)
+    os.mkfifo(workspace.path(gen.MANIFEST_PATH))
+
+    plan = workspace.plan([vehicle])
+
+    assert [each.path for each in plan.refused] == [gen.MANIFEST_PATH]

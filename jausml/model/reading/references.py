@@ -30,6 +30,8 @@ Open = Callable[[str, Document], "Document | UriFault"]
 
 _FEW_RELATED = 10
 _FEW_SUGGESTIONS = 50
+_DEEPEST = 100
+_ENDLESS = f"leads back to itself, or through more than {_DEEPEST} elements"
 
 
 @dataclass(slots=True)
@@ -120,7 +122,7 @@ class Resolution:
         target: EObject | None = found.node.obj
         if found.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
-            self._report("JML202", reference, f"reference {what} leads back to itself")
+            self._report("JML202", reference, f"reference {what} {_ENDLESS}")
         if target is not None and not self._fits(reference, target):
             return None
         if target is not None and found.by_name:
@@ -134,6 +136,9 @@ class Resolution:
         if node in self._following:
             self._circular.add(node)
         if node.obj is not None or node in self._following:
+            return None
+        if len(self._following) >= _DEEPEST:
+            self._circular.add(node)
             return None
         opened = self._open(uri, document) if uri else document
         if isinstance(opened, UriFault) or not opened.readable:

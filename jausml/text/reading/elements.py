@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     Special = Callable[[Node, Item], None]
 
 _LOST = "jausml format keeps it, but no model has it"
+_MOST_DIGITS = 100
 DOCUMENTATION = "documentation"
 
 
@@ -262,8 +263,8 @@ def literal(value: Name | Number | Text, feature: FeatureTable) -> str:
 
 
 def decimal(number: str) -> str:
-    """Returns a number without hexadecimal digits."""
+    """Returns a number without hexadecimal digits; one that no type holds stays as it is."""
     sign, digits = ("-", number[1:]) if number.startswith("-") else ("", number.lstrip("+"))
-    if digits[:2] in ("0x", "0X"):
+    if digits[:2] in ("0x", "0X") and len(digits) <= _MOST_DIGITS:
         return f"{sign}{int(digits, 16)}"
     return sign + digits

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
 """Tokens of the grammar that no rule has."""
 
+_LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
 _LONE_SURROGATE = re.compile(
     r"\\u[dD][89abAB]\w\w(?!\\u[dD][c-fC-F])|(?<!\\u[dD][89abAB]\w\w)\\u[dD][c-fC-F]\w\w"
@@ -94,10 +95,12 @@ def language() -> Lark:
 def scan(text: str) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 
+    Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
+
     Args:
         text: Any text.
     """
-    parser = language().parse_interactive(text)
+    parser = language().parse_interactive(_LONE_RETURN.sub("\n", text))
     result = Scan()
     before: Token | None = None
     for token in parser.lexer_thread.lex(parser.parser_state):

@@ -10,7 +10,7 @@ from jausml.model.diagnostics import Severity
 from jausml.model.words import snake_case
 from jausml.semantics.inherited_machines import DEEPEST, too_deep
 from jausml.semantics.machines import behaviours
-from jausml.semantics.names import is_identifier, package_key, taken
+from jausml.semantics.names import DEVICES, is_identifier, package_key, taken
 from jausml.semantics.services import with_inherited
 from jausml.validation.rule import Finding, Note, rule
 
@@ -24,12 +24,15 @@ if TYPE_CHECKING:
     Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
 
 
+_FILES = (jaus.Component, jaus.Service, ros.Node, system.System)
+
+
 @rule("JML501", Severity.ERROR, "name is no identifier")
 def identifiers(subject: Subject) -> Iterator[Finding]:
     """Names of elements that become names in code are of letters, digits and underscores.
 
-    They start with a letter. Names of message fields are converted and may be any text that has
-    a letter.
+    They start with a letter. Those that become names of files are no devices on Windows (con, nul).
+    Names of message fields are converted and may be any text that has a letter.
 
     Bad: `<bridgeConnections name="tyre angle">`
 
@@ -47,6 +50,9 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
             noun = element.eClass.name
             hint = "letters, digits and underscores, with a letter first"
             yield Finding(element, f"{noun} name {element.name!a} is no identifier", "name", hint)
+        elif isinstance(element, _FILES) and snake_case(element.name or "") in DEVICES:
+            message = f"{element.eClass.name} name '{element.name}' is a device name on Windows"
+            yield Finding(element, message, "name", "files would have that name")
     fields: tuple[type[Named], ...] = (jaus.Field, jaus.SubField)
     for field in (each for kind in fields for each in subject.instances(kind)):
         if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):

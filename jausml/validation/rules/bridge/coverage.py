@@ -13,7 +13,7 @@ from jausml.semantics.stops import with_constants
 from jausml.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.metamodel.classes.ecore import EObject
     from jausml.semantics.attributes import JausPart
@@ -86,17 +86,26 @@ def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
     return list(found.values())
 
 
-def _repeated(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
-    seen: dict[Steps, bridge.Assignment] = {}
+def _repeated(siblings: Sequence[Placed[bridge.Assignment]]) -> Iterator[Finding]:
+    order = {id(each.assignment): number for number, each in enumerate(siblings)}
+    assigned: dict[Steps, bridge.Assignment] = {}
+    around: dict[Steps, bridge.Assignment] = {}  # the first assignment to a part of a path
     for each in siblings:
         for text, _ in each.targets:
+            if not text:
+                continue  # which leads nowhere
             path = parse_path(text)
-            first = next((a for other, a in seen.items() if _overlaps(path, other)), None)
-            if first is not None:
+            wholes = [path[:length] for length in range(len(path) + 1)]
+            firsts = [assigned[whole] for whole in wholes if whole in assigned]
+            firsts += [around[path]] if path in around else []
+            if firsts:
+                first = min(firsts, key=lambda other: order[id(other)])
                 note = Note(first, f"'{first.target}'", "target")
                 message = f"'{text}' is assigned already"
                 yield Finding(each.assignment, message, "target", related=(note,))
-            seen.setdefault(path, each.assignment)
+            assigned.setdefault(path, each.assignment)
+            for whole in wholes[:-1]:
+                around.setdefault(whole, each.assignment)
 
 
 def _chosen_twice(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
@@ -177,8 +186,3 @@ def _feature(owner: Owner) -> str:
     if isinstance(owner, bridge.Stop):
         return "values"
     return "safeValue" if isinstance(owner, bridge.Connection) else "toJaus"
-
-
-def _overlaps(first: Steps, second: Steps) -> bool:
-    common = min(len(first), len(second))
-    return first[:common] == second[:common]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import math
 import re
 from collections import defaultdict
@@ -13,6 +14,7 @@ from jausml.metamodel.classes import bridge, ros
 from jausml.model.diagnostics import Severity
 from jausml.model.values import show
 from jausml.semantics.attributes import primitive
+from jausml.semantics.names import DEVICES
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.topics import Endpoint, endpoints, namespace_fault, topic_fault
 from jausml.semantics.values import constant_fault, is_integer, is_real
@@ -33,6 +35,7 @@ _LOWER_CASE_HINT = "lower case, words joined by one underscore"
 _UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
+_LARGEST_ARRAY = 4 << 20
 
 
 @rule("JML401", Severity.ERROR, "illegal ROS name")
@@ -161,7 +164,9 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
 
     Packages and fields are of lower case with single underscores, types are in CamelCase,
-    constants of upper case. A fixed array and a bounded sequence have a size of 1 or more.
+    constants of upper case. A field is no keyword of Python: rosidl would write a class that cannot
+    be imported. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no
+    more than 4194304, for each message holds all of it.
 
     Bad: `<messages name="wheel_speeds">` with a field named frontLeft
 
@@ -177,11 +182,19 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
     )
     for kind, pattern, noun, hint in kinds:
         for element in subject.instances(kind):
-            if element.name and not pattern.fullmatch(element.name):
-                yield Finding(element, f"{element.name!a} is no {noun} name", "name", hint)
+            name = element.name
+            if name is not None and not pattern.fullmatch(name):
+                yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
+            elif noun == "type" and (name or "").lower() in DEVICES:
+                message = f"type name '{name}' is a device name on Windows"
+                yield Finding(element, message, "name", "its file would have that name")
     for field in subject.instances(ros.Field):
-        if field.arrayKind.name in ("fixedArray", "boundedSequence") and field.arraySize < 1:
-            message = f"'{field.name}' is a {field.arrayKind.name} of size {field.arraySize}"
+        if keyword.iskeyword(field.name or ""):
+            yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+        array, size = field.arrayKind.name, field.arraySize
+        is_too_large = array == "fixedArray" and size > _LARGEST_ARRAY
+        if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
+            message = f"'{field.name}' is a {array} of size {size}"
             yield Finding(field, message, "arraySize")
 
 

@@ -1,0 +1,122 @@
+"""Whatever a model holds: validation ends, and what it finds no error in can be generated and read.
+
+A long run takes more mutants: JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import lupa
+import mutants
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from workspaces import packages_of, python_path
+
+from jausml.generation import NoSystemError, load_targets, render
+from jausml.generation.paths import find_problems
+from jausml.interfaces.parsing import PARTS, parse_definition
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import validate
+
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
+FILE_NAMES = (
+    "model.xmi",
+    "coding:utf-7;m.xmi",
+    "a--b -->.xmi",
+    "é\"'.xmi",
+    "x\ny=1.xmi",
+    "${x}.xmi",
+)
+_IMPORT = """
+import importlib, sys
+for name in sys.argv[1:]:
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        # Interface packages of the model are built by colcon, and some of ROS are not installed.
+        if "messages" in error.name or (error.name or "").startswith("jausml"):
+            raise
+"""
+
+
+@pytest.fixture(scope="module")
+def targets():
+    """Returns every target, with that of dissectors."""
+    return [each for each in load_targets().values() if each.name != "declared_interfaces"]
+
+
+@settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_a_model_without_errors_makes_a_workspace(targets, data):
+    def choose(things):
+        return data.draw(st.sampled_from(things))
+
+    text = mutants.mutant(choose, mutants.seed_texts())
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        model = folder / choose(FILE_NAMES)
+        model.write_text(text, encoding="utf-8")
+        report = validate([model], notations=NOTATIONS)
+        if report.has_errors:
+            return
+        try:
+            artifacts = render(report.model, targets)
+        except NoSystemError:
+            return  # a mutant of several systems, or none
+        assert find_problems(artifacts) == {}
+        for each in artifacts:
+            read_as_its_format(each)
+            (folder / "ws" / each.path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / "ws" / each.path).write_bytes(each.text.encode("utf-8"))
+        read_by_python(folder / "ws", runs_tests=choose((True, *[False] * 9)))
+
+
+def read_as_its_format(artifact):
+    """Reads what is no Python; that is compiled when it is rendered."""
+    ending = artifact.path.rpartition(".")[2]
+    if ending in ("yaml", "yml"):
+        yaml.safe_load(artifact.text)
+    elif ending == "lua":
+        problem = lupa.LuaRuntime().eval("function(s) local f, e = load(s) return e end")
+        assert problem(artifact.text) is None
+    elif ending in PARTS:
+        assert parse_definition(artifact.text, ending).faults == []
+
+
+def read_by_python(workspace, *, runs_tests):
+    """Imports the packages, and runs their tests where their messages are installed."""
+    pytest.importorskip("rclpy")
+    names = [Path(each).name for each in packages_of(workspace)]
+    environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
+    run = {"env": environment, "capture_output": True, "text": True, "check": False}
+    done = subprocess.run([sys.executable, "-c", _IMPORT, *names], timeout=300, **run)
+    assert done.returncode == 0, done.stderr
+    if not runs_tests or list(workspace.glob("*/CMakeLists.txt")):
+        return
+    for folder in sorted(workspace.glob("*/test")):
+        command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, "--rootdir", ".", "test"]
+        done = subprocess.run(command, cwd=folder.parent, timeout=600, **run)
+        assert done.returncode == 0, done.stdout
+
+
+def test_mutants_are_not_all_refused():
+    """Else the property would say nothing: a good part of what is drawn is generated."""
+    chosen = iter(range(10**9))
+
+    def choose(things):
+        return things[(next(chosen) * 7919) % len(things)]
+
+    refused = 0
+    with tempfile.TemporaryDirectory() as name:
+        for _ in range(20):
+            model = Path(name) / "model.xmi"
+            model.write_text(mutants.mutant(choose, mutants.seed_texts()), encoding="utf-8")
+            refused += validate([model], notations=NOTATIONS).has_errors
+    assert 0 < refused < 19
