@@ -21,6 +21,7 @@ velocity {
         Velocity_X -> twist.twist.linear.x
         Velocity_Y -> twist.twist.linear.y : negate
         "🚜" -> child_frame_id
+        ignore header
     )
 }
 """
@@ -29,7 +30,7 @@ MAPS = """\
 shared {
     JAUS ReportVelocityState
     ROS geometry_msgs/TwistStamped
-    JAUS->ROS ( Velocity_X -> twist.linear.x )
+    JAUS->ROS ( Velocity_X -> twist.linear.x  ignore header )
 }
 """
 
