@@ -270,3 +270,30 @@ def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     )
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout == "shut down\n"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "words"),
+    [
+        ("factor:=2.0", "Parameter factor out of range"),
+        ("factor:=1", "expecting type 'DOUBLE'"),
+    ],
+)
+def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter, words):
+    done = subprocess.run(
+        [sys.executable, "-m", "talker.main", "--ros-args", "-p", parameter],
+        env={**os.environ, "PYTHONPATH": python_path(workspace)},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    assert done.returncode == 2, done.stderr
+    (line,) = [each for each in done.stderr.splitlines() if "cannot run" in each]
+    assert words in line
+    assert "Traceback" not in done.stderr
+
+
+def test_a_misspelt_parameter_is_told(start):
+    talker = start("talker", "--ros-args", "-p", "tect:=hi")
+    talker.wait_for("/talker has no parameter tect; did you mean text")
+    talker.end(signal.SIGINT)

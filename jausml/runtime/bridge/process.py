@@ -85,11 +85,15 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
             when None.
 
     Returns:
-        The exit code 0.
+        The exit code: 0, or 2 when a parameter has a value with which the node cannot be made.
     """
     from . import ros  # noqa: PLC0415
 
-    ros.spin(factory, arguments)
+    try:
+        ros.spin(factory, arguments)
+    except ParameterError as error:
+        LOGGER.error("the node cannot run: %s", error)
+        return EXIT_USAGE
     return EXIT_OK
 
 

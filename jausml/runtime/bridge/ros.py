@@ -241,7 +241,7 @@ class RosNode:
 
     def start(self) -> None:
         """Starts to wait for messages, on a thread of its own, and to log through ROS."""
-        self._tell_unknown_parameters()
+        _tell_unknown_parameters(self._node)
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False
         self._thread.start()
@@ -272,16 +272,6 @@ class RosNode:
             if each.name in self._followers:
                 self._followers[each.name](each.value)
 
-    def _tell_unknown_parameters(self) -> None:
-        """Warns of parameters that nobody declared: they are misspelt, or of something else."""
-        known = self._node.list_parameters([], 0).names
-        # rclpy keeps what command line and files say here, and has no other way to ask for it.
-        for name in self._node._parameter_overrides:  # noqa: SLF001
-            if not self._node.has_parameter(name):
-                meant = nearest(name, known)
-                hint = f"; did you mean {meant}?" if meant else ""
-                LOGGER.warning("%s has no parameter %s%s", self.name, name, hint)
-
     def _spin(self) -> None:
         try:
             self._executor.spin()
@@ -295,13 +285,18 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
     Args:
         factory: Makes the node, after ROS has begun.
         arguments: Command line without the program's name; that of the process when None.
+
+    Raises:
+        ParameterError: A parameter has a value with which the node cannot be made.
     """
     atexit.register(ignore_signals)
     # ROS itself ends on SIGINT; Python's KeyboardInterrupt would strike anywhere, even in clean-up.
     signal.signal(signal.SIGINT, lambda *_: None)
-    rclpy.init(args=None if arguments is None else list(arguments))
+    with _as_parameter_error():
+        rclpy.init(args=None if arguments is None else list(arguments))
     try:
-        node = factory()
+        node = _made(factory)
+        _tell_unknown_parameters(node)
         # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
@@ -314,6 +309,14 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
             raise
     finally:
         try_shutdown()
+
+
+def _made(factory: Callable[[], Any]) -> Any:
+    """Makes a node; errors of the user's code stay as they are."""
+    try:
+        return factory()
+    except ParameterException as error:
+        raise ParameterError(" ".join(str(error).split())) from error
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:
@@ -340,6 +343,18 @@ class _RosLogHandler(logging.Handler):
             self._logger.info(text)
         else:
             self._logger.debug(text)
+
+
+def _tell_unknown_parameters(node: Any) -> None:
+    """Warns of parameters that nobody declared: they are misspelt, or of something else."""
+    known = node.list_parameters([], 0).names
+    # rclpy keeps what command line and files say here, and has no other way to ask for it.
+    for name in node._parameter_overrides:  # noqa: SLF001
+        if not node.has_parameter(name):
+            meant = nearest(name, known)
+            hint = f"; did you mean {meant}?" if meant else ""
+            own = node.get_fully_qualified_name()
+            LOGGER.warning("%s has no parameter %s%s", own, name, hint)
 
 
 @contextmanager
