@@ -100,9 +100,16 @@ def wait_for(condition: Callable[[], bool], what: str, system: System) -> None:
 
 
 def kill_bridge(bridge: System) -> None:
-    """Kills the bridge itself, by the id that the system gives for the child of `jausml run`."""
+    """Kills the bridge itself, by the id that the system gives for the child of `jausml run`.
+
+    The other child is the shell that ends the bridge when `jausml run` is killed.
+    """
     children = Path(f"/proc/{bridge.process.pid}/task/{bridge.process.pid}/children")
-    (child,) = children.read_text(encoding="ascii").split()
+    (child,) = [
+        each
+        for each in children.read_text(encoding="ascii").split()
+        if b"bridge.main" in Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0")
+    ]
     os.kill(int(child), signal.SIGKILL)
     bridge.process.wait(20)
 

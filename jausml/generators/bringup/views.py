@@ -232,7 +232,7 @@ class LaunchView:
                 Argument(
                     self.file_argument(each),
                     f"str(config / {python_string(f'{each.name}.yaml')})",
-                    f"Parameter file of {each.name}, which goes before the generated one",
+                    f"Parameters of {each.name} besides",
                 )
                 for each in self.processes
                 if each.speaks_ros
