@@ -1,0 +1,248 @@
+"""The rover of the page on ready maps stops, whatever becomes of whoever drives it.
+
+The model is the text of the page. Operators of `jausml ocu` drive the generated bridge; after each
+loss the last Twist on cmd_vel is zero while efforts go on arriving, and /diagnostics tells why.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist
+from workspaces import packages_of
+
+from jausml.cli.messages import open_catalogue
+from jausml.live.peers.network import make_network
+from jausml.live.peers.operator import running_operator
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import (
+    ClearEmergency,
+    Resume,
+    SetEmergency,
+    Shutdown,
+    Standby,
+)
+from jausml.runtime.services.definitions import Status
+
+from .bridge_support import ROOT, Process, Repeater, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
+HERE_DOCUMENT = re.compile(
+    r"^\$ cat > rover\.ros2jaus <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL
+)
+ROVER = JausAddress(100, 1, 10)
+EFFORT = {"PropulsiveLinearEffortX": 50}
+SPEED = 4.25
+"""Half of what the page says that the rover can do, in m/s."""
+PILOT, CHIEF = 205, 250
+PATIENCE = 60.0
+BOUND = 10.0
+"""Seconds until the rover stands; what the machine is busy with included."""
+AFTERWARDS = 0.5
+
+
+class Rover:
+    """The bridge, what its topics carried, and two operators."""
+
+    def __init__(self, workspace, logs, ros, pilot, chief, port):
+        self.path, self.logs, self.port = packages_of(workspace), logs, str(port)
+        self.ros, self.pilot, self.chief = ros, pilot, chief
+        self.twists = ros.listen(Twist, "cmd_vel")
+        self.reports = ros.listen(DiagnosticArray, "/diagnostics")
+        self.started = 0
+        self.process = None
+        self.effort = pilot.message(pilot.find(ROVER, "SetWrenchEffort"), EFFORT)
+
+    def start(self, *line):
+        """Starts a process that logs into a file of its own."""
+        self.started += 1
+        return Process([*line], self.path, self.logs / f"{self.started}.log")
+
+    def run(self):
+        """Starts the bridge unless it runs."""
+        if self.process is None:
+            more = ["--ros-args", "-p", "diagnostics_frequency:=20.0"]
+            self.process = self.start("-m", "rover.main", "--jaus-port", self.port, *more)
+
+    def efforts(self):
+        """The pilot's efforts, which come ten times a second whoever else says what."""
+        sender = SimpleNamespace(publish=lambda effort: self.pilot.send(ROVER, effort))
+        return Repeater(sender, self.effort, 0.1)
+
+    def moves(self):
+        """Waits until the rover drives as commanded from now on."""
+        before = len(self.twists)
+        wait_for(lambda: any(map(drives, self.twists[before:])), "motion", PATIENCE)
+
+    def stops(self):
+        """Waits for the zero on cmd_vel, and sees that nothing moves behind it."""
+        wait_for(lambda: is_zero(self.twists[-1]), "stop", BOUND)
+        before = len(self.twists)
+        time.sleep(AFTERWARDS)
+        assert all(map(is_zero, self.twists[before:]))
+
+    def told(self):
+        """The latest entries of the connection on /diagnostics."""
+        for array in reversed(self.reports[-20:]):
+            for status in array.status:
+                if status.name == "/rover: drive":
+                    return status.message, {each.key: each.value for each in status.values}
+        return "", {}
+
+    def tells(self, reason):
+        """Waits until /diagnostics names the reason of the stop."""
+        wait_for(lambda: self.told()[0] == reason, f"'{reason}' on /diagnostics", PATIENCE)
+        _, values = self.told()
+        assert int(values[f"stopped: {reason}"]) > 0
+        assert values["when lost"] == "the stop is sent"
+
+    def ended(self):
+        """Waits for the end of the bridge; returns its exit code."""
+        process, self.process = self.process, None
+        code = process.popen.wait(timeout=PATIENCE)
+        process.close()
+        return code
+
+    def close(self):
+        if self.process is not None:
+            self.process.close()
+        for log in sorted(self.logs.iterdir()):
+            sys.stderr.write(f"{log.name}\n{log.read_text()}")
+
+
+def drives(twist):
+    return twist.linear.x == pytest.approx(SPEED, rel=1e-3)
+
+
+def is_zero(twist):
+    return twist == Twist()
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory):
+    """The workspace that the commands of the page make."""
+    folder = tmp_path_factory.mktemp("page")
+    (text,) = HERE_DOCUMENT.findall(PAGE.read_text(encoding="utf-8"))
+    (folder / "rover.ros2jaus").write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "jausml", "generate", "rover.ros2jaus", "-o", "rover-ws"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    return folder / "rover-ws"
+
+
+@pytest.fixture(scope="module")
+def world(workspace, tmp_path_factory):
+    port = free_port()
+    networks = [
+        make_network(own, "127.0.0.1", port, "239.255.0.1", [])
+        for own in ("65000.1.1", "65000.1.2")
+    ]
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 30) % 90))
+        ros = RosPeer()
+        catalogue = open_catalogue(())
+        with (
+            running_operator(networks[0], catalogue, PATIENCE) as pilot,
+            running_operator(networks[1], catalogue, PATIENCE) as chief,
+        ):
+            made = Rover(workspace, tmp_path_factory.mktemp("logs"), ros, pilot, chief, port)
+            yield made
+            made.close()
+        ros.close()
+
+
+@pytest.fixture
+def rover(world):
+    """The rover in motion, as the pilot commands and goes on to command."""
+    world.run()
+    world.pilot.control(ROVER, PILOT)
+    assert world.pilot.change(ROVER, Resume(), Status.READY) is Status.READY
+    with world.efforts():
+        world.moves()
+        yield world
+        if world.process is not None:
+            world.pilot.release(ROVER)
+
+
+def test_release_by_an_operator_that_keeps_sending(rover):
+    assert rover.pilot.release(ROVER)
+    rover.stops()
+    rover.tells("control was released or lapsed")
+
+
+def test_take_over(rover):
+    rover.chief.control(ROVER, CHIEF)
+    rover.stops()
+    rover.tells("another component took control")
+    assert rover.chief.release(ROVER)
+
+
+def test_emergency(rover):
+    rover.chief.send(ROVER, SetEmergency(emergency_code=1))
+    rover.stops()
+    rover.tells("emergency")
+    rover.chief.send(ROVER, ClearEmergency(emergency_code=1))
+    wait_for(lambda: rover.chief.status(ROVER)[0] is not Status.EMERGENCY, "end", PATIENCE)
+
+
+def test_standby(rover):
+    assert rover.pilot.change(ROVER, Standby(), Status.STANDBY) is Status.STANDBY
+    rover.stops()
+    rover.tells("the bridge stands by")
+
+
+def test_operator_is_killed(world):
+    """Control lapses later than the silence is noticed; the rover stands from then on."""
+    world.run()
+    tool = ["-m", "jausml", "ocu", "command", str(ROVER), "SetWrenchEffort", json.dumps(EFFORT)]
+    course = ["--rate", "20", "--duration", "600", "--timeout", str(PATIENCE)]
+    operator = world.start(*tool, *course, "--port", world.port, "--authority", str(PILOT - 1))
+    world.moves()
+    operator.kill()
+    world.stops()
+    world.tells("the source is silent")
+
+
+def test_operator_falls_silent_and_keeps_control(world):
+    world.run()
+    world.pilot.control(ROVER, PILOT)
+    assert world.pilot.change(ROVER, Resume(), Status.READY) is Status.READY
+    with world.efforts():
+        world.moves()
+    world.stops()
+    world.tells("the source is silent")
+    status, _ = world.pilot.status(ROVER)
+    assert (status, world.pilot.controls(ROVER)) == (Status.READY, True)
+    with world.efforts():
+        world.moves()  # nothing else is needed to go on
+    assert world.pilot.release(ROVER)
+
+
+def test_interrupt_of_the_bridge(rover):
+    rover.process.popen.send_signal(signal.SIGINT)
+    assert rover.ended() == 0
+    rover.stops()
+
+
+def test_shutdown(rover):
+    rover.pilot.send(ROVER, Shutdown())
+    assert rover.ended() == 0
+    rover.stops()
