@@ -24,6 +24,7 @@ from jausml.runtime.messages import (
     ReportEventTimeout,
     ReportTime,
     RequestControl,
+    Reset,
     Resume,
     SetTime,
 )
@@ -834,6 +835,40 @@ def test_diagnostics_judge_each_connection(world, setting):
     drive = setting.ros.statuses[-1]["drive"]
     assert (drive.level, drive.message) == ("warning", "messages are dropped")
     assert any(key.startswith("dropped: ") for key in values(drive))
+
+
+def test_diagnostics_count_the_reasons_of_stops(world, setting):
+    setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
+    )
+    operator = world.probe("5.1.1")
+    for message in (ReleaseControl(), ReleaseControl(), Reset()):
+        for command in (RequestControl(authority_code=200), Resume(), minutes(2), message):
+            operator.send(command, OWN)
+        world.run(1.1)
+    told = values(setting.ros.statuses[-1]["times"])
+    assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
+        "stopped: no message yet": "1",
+        "stopped: control was released or lapsed": "2",
+        "stopped: the bridge is reset": "1",
+    }
+
+
+def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, setting):
+    setting.open(
+        command("drive", is_command=True, safe_value=safe),
+        command("goal", is_command=True, hold_reason="a goal stands until the next one"),
+        event(),
+    )
+    world.run(1.1)
+    told = {
+        name: values(status).get("when lost") for name, status in setting.ros.statuses[-1].items()
+    }
+    assert told == {
+        "drive": "the stop is sent",
+        "goal": "the last message stands (a goal stands until the next one)",
+        "timeout": None,
+    }
 
 
 def test_slow_source_is_told(world, setting):
