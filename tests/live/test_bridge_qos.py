@@ -61,7 +61,7 @@ def test_best_effort_subscriptions_hear_publishers_of_both_kinds(node, peer):
     tested, found = node(), []
     topic = Topic("both", Qos(reliability="best_effort"))
     tested.subscribe(Float64, topic, lambda message: found.append(message.data))
-    tested.start()
+    tested.start(pytest.fail)
     for number, kind in enumerate(("BEST_EFFORT", "RELIABLE"), start=1):
         publisher = peer.node.create_publisher(Float64, "both", policies(reliability=kind))
         message = Float64(data=float(number))
@@ -77,7 +77,7 @@ def test_a_publisher_that_does_not_fit_is_named_with_the_cure_until_it_goes(node
 
     tested, topic = node(namespace="fleet"), Topic("scan")
     tested.subscribe(Float64, topic, lambda _: None)
-    tested.start()
+    tested.start(pytest.fail)
     publisher = peer.node.create_publisher(
         Float64, "/fleet/scan", policies(reliability="BEST_EFFORT")
     )
@@ -101,7 +101,7 @@ def test_the_cure_that_is_named_cures(node, peer):
     tested = node("-p", "qos_overrides./cured.subscription.reliability:=best_effort")
     topic, found = Topic("cured"), []
     tested.subscribe(Float64, topic, found.append)
-    tested.start()
+    tested.start(pytest.fail)
     publisher = peer.node.create_publisher(Float64, "cured", policies(reliability="BEST_EFFORT"))
     wait_for(lambda: publisher.publish(Float64(data=1.0)) or found, "message")
     assert tested.faults(topic, publishes=False) == []
@@ -112,7 +112,7 @@ def test_a_subscription_that_does_not_fit_is_named(node, peer):
 
     tested, topic = node(), Topic("pose")
     tested.publisher(Float64, topic)
-    tested.start()
+    tested.start(pytest.fail)
     latched = peer.node.create_subscription(
         Float64, "pose", lambda _: None, policies(durability="TRANSIENT_LOCAL")
     )
@@ -136,7 +136,7 @@ def test_missed_deadlines_and_lost_liveliness_are_faults(node, peer):
     tested = node()
     topic = Topic("limited", Qos(deadline=0.2, liveliness="manual_by_topic", lease_duration=0.4))
     tested.subscribe(Float64, topic, lambda _: None)
-    tested.start()
+    tested.start(pytest.fail)
     profile = QoSProfile(
         depth=5,
         deadline=Duration(seconds=0.1),
@@ -233,7 +233,7 @@ def test_misspelt_parameters_are_named_with_what_is_near(node, caplog):
     tested = node("-p", "drive.rat:=5.0", "-p", "use_sim_time:=false", "-p", "zzz:=1")
     tested.parameter(Parameter("drive.rate", 1.0, "Rate."))
     with caplog.at_level(logging.WARNING, "jausml"):
-        tested.start()
+        tested.start(pytest.fail)
     assert [each.getMessage() for each in caplog.records] == [
         "/tested has no parameter drive.rat; did you mean drive.rate?",
         "/tested has no parameter zzz",

@@ -113,7 +113,7 @@ def test_subscription_delivers_on_the_ros_thread(node, peer):
         lambda message: found.append((message.data, threading.current_thread().name)),
     )
     publisher = peer.publisher(Float64, "heard")
-    tested.start()
+    tested.start(pytest.fail)
     wait_for(lambda: publisher.publish(Float64(data=3.0)) or found, "message")
     assert found[0] == (3.0, "ros")
 
@@ -122,7 +122,7 @@ def test_clock_follows_the_simulation(node, peer):
     from rosgraph_msgs.msg import Clock
 
     tested = node("-p", "use_sim_time:=true")
-    tested.start()
+    tested.start(pytest.fail)
     clock = peer.publisher(Clock, "/clock")
     message = Clock()
     message.clock.sec, message.clock.nanosec = 1234, 500
@@ -148,7 +148,7 @@ def test_log_goes_through_ros(node, peer):
 
     tested = node()
     found = peer.listen(Log, "/rosout")
-    tested.start()
+    tested.start(pytest.fail)
     logger = logging.getLogger("jausml")
     levels = {logging.ERROR: 40, logging.WARNING: 30, logging.INFO: 20}
     logger.setLevel(logging.INFO)

@@ -21,6 +21,8 @@ pytest.importorskip("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from workspaces import packages_of
 
 from jausml.cli.messages import open_catalogue
@@ -43,6 +45,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
+FRAGILE = ROOT / "tests" / "live" / "fragile_rover.py"
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
 HERE_DOCUMENT = re.compile(
     r"^\$ cat > rover\.ros2jaus <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL
@@ -75,11 +78,17 @@ class Rover:
         self.started += 1
         return Process([*line], self.path, self.logs / f"{self.started}.log")
 
-    def run(self):
-        """Starts the bridge unless it runs."""
+    def run(self, *program):
+        """Starts the bridge unless it runs; as generated, unless a program is given."""
         if self.process is None:
+            line = [*(program or ("-m", "rover.main")), "--jaus-port", self.port]
             more = ["--ros-args", "-p", "diagnostics_frequency:=20.0"]
-            self.process = self.start("-m", "rover.main", "--jaus-port", self.port, *more)
+            self.process = self.start(*line, *more)
+
+    def take(self):
+        """Gives the pilot control of the rover, and leads it to Ready."""
+        self.pilot.control(ROVER, PILOT)
+        assert self.pilot.change(ROVER, Resume(), Status.READY) is Status.READY
 
     def efforts(self):
         """The pilot's efforts, which come ten times a second whoever else says what."""
@@ -112,6 +121,14 @@ class Rover:
         _, values = self.told()
         assert int(values[f"stopped: {reason}"]) > 0
         assert values["when lost"] == "the stop is sent"
+
+    def limit(self, speed):
+        """Asks the node to change the parameter max_speed, without hearing of it."""
+        value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=speed)
+        request = SetParameters.Request(parameters=[Parameter(name="max_speed", value=value)])
+        client = self.ros.node.create_client(SetParameters, "/rover/set_parameters")
+        wait_for(client.service_is_ready, "service of parameters", PATIENCE)
+        client.call_async(request)
 
     def ended(self):
         """Waits for the end of the bridge; returns its exit code."""
@@ -173,8 +190,7 @@ def world(workspace, tmp_path_factory):
 def rover(world):
     """The rover in motion, as the pilot commands and goes on to command."""
     world.run()
-    world.pilot.control(ROVER, PILOT)
-    assert world.pilot.change(ROVER, Resume(), Status.READY) is Status.READY
+    world.take()
     with world.efforts():
         world.moves()
         yield world
@@ -223,8 +239,7 @@ def test_operator_is_killed(world):
 
 def test_operator_falls_silent_and_keeps_control(world):
     world.run()
-    world.pilot.control(ROVER, PILOT)
-    assert world.pilot.change(ROVER, Resume(), Status.READY) is Status.READY
+    world.take()
     with world.efforts():
         world.moves()
     world.stops()
@@ -246,3 +261,33 @@ def test_shutdown(rover):
     rover.pilot.send(ROVER, Shutdown())
     assert rover.ended() == 0
     rover.stops()
+
+
+@pytest.fixture
+def fragile(world):
+    """The rover of the owner who overrides too much, in motion."""
+    world.run(str(FRAGILE))
+    world.take()
+    with world.efforts():
+        world.moves()
+        yield world
+
+
+def test_error_on_the_thread_of_ros_ends_the_bridge(fragile):
+    """Nobody would hear ROS any more: better no bridge than half of one."""
+    process = fragile.process
+    fragile.limit(20.0)
+    assert fragile.ended() == 1
+    fragile.stops()
+    log = process.log.read_text()
+    assert "the bridge ends: drive: the stop is sent" in log
+    assert "RuntimeError: so fast no rover is" in log
+
+
+def test_end_of_ros_ends_the_bridge(fragile):
+    """What publishes is gone too, so that the stop cannot reach ROS; JAUS learns of the end."""
+    process = fragile.process
+    fragile.limit(30.0)
+    assert fragile.ended() == 1
+    assert "rover failed: ROS was shut down under the bridge" in process.log.read_text()
+    wait_for(lambda: not fragile.pilot.controls(ROVER), "end of control", BOUND)

@@ -1,8 +1,12 @@
-"""Errors by which a translation gives up on a message."""
+"""Errors by which a translation gives up on a message, or a bridge on ROS."""
 
 from __future__ import annotations
 
 from ..base.errors import JausError
+
+
+class RosLostError(JausError):
+    """ROS is gone while the bridge runs: nothing arrives from there any more."""
 
 
 class AbsentFieldError(JausError):

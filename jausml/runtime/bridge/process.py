@@ -22,6 +22,7 @@ from ..component.process import (
     running_transport,
 )
 from . import parameters
+from .errors import RosLostError
 from .parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
             when None.
 
     Returns:
-        The exit code: 0 after a clean shutdown, 1 when the bridge could not run, 2 when a parameter
-        has a value with which it cannot.
+        The exit code: 0 after a clean shutdown, 1 when the bridge could not run or has lost ROS, 2
+        when a parameter has a value with which it cannot.
 
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
@@ -69,6 +70,9 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
+        return EXIT_FAILED
+    except RosLostError as error:
+        LOGGER.error("%s failed: %s", bridge.settings.name, error)
         return EXIT_FAILED
     except Exception:
         LOGGER.exception("%s failed", bridge.settings.name)
@@ -132,7 +136,7 @@ def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: St
         try:
             bridge.open(node, network)
             bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
-            node.start()
+            node.start(stop.fail)
             LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
             LOGGER.info("%s ends: %s", node.name, stop.wait())
         finally:

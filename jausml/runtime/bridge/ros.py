@@ -48,6 +48,7 @@ from rclpy.utilities import ok, remove_ros_args, try_shutdown
 from ..base.counters import LOGGER
 from ..component.process import ignore_signals
 from ..conversions import Time
+from .errors import RosLostError
 from .parameters import Parameter, ParameterError, nearest
 from .quality import EndpointHealth
 from .topics import Qos
@@ -108,7 +109,8 @@ class RosNode:
             self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._thread: threading.Thread | None = None
+        self._is_closing = False
         self._log = _RosLogHandler(self._node)
         self._publishers: list[Publisher] = []
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -239,22 +241,28 @@ class RosNode:
         ]
         self._diagnostics.publish(array)
 
-    def start(self) -> None:
-        """Starts to wait for messages, on a thread of its own, and to log through ROS."""
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Starts to wait for messages, on a thread of its own, and to log through ROS.
+
+        Args:
+            fail: Told on that thread why nobody waits any more, unless the node is closed.
+        """
         _tell_unknown_parameters(self._node)
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False
+        self._thread = threading.Thread(target=self._spin, args=[fail], name="ros", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Stops to wait and leaves ROS, once subscribers have what was published last."""
+        self._is_closing = True
         deadline = time.monotonic() + LAST_WORDS
-        for publisher in self._publishers:
+        for publisher in self._publishers if self._context.ok() else ():
             publisher.wait_for_all_acked(Duration(seconds=max(deadline - time.monotonic(), 0.0)))
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
         self._executor.shutdown()
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join()
         self._node.destroy_node()
         try_shutdown(context=self._context)
@@ -272,11 +280,16 @@ class RosNode:
             if each.name in self._followers:
                 self._followers[each.name](each.value)
 
-    def _spin(self) -> None:
+    def _spin(self, fail: Callable[[BaseException], None]) -> None:
+        reason: BaseException = RosLostError("ROS was shut down under the bridge")
         try:
             self._executor.spin()
         except ExternalShutdownException:
-            return
+            pass
+        except BaseException as error:  # SystemExit of overridden methods too
+            reason = error
+        if not self._is_closing:
+            fail(reason)
 
 
 def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:

@@ -209,15 +209,26 @@ class StopRequest:
         """Start without a request."""
         # Unlike Event.set, SimpleQueue.put may be called in a signal handler that interrupts
         # the very thread that waits.
-        self._requests: SimpleQueue[str] = SimpleQueue()
+        self._requests: SimpleQueue[str | BaseException] = SimpleQueue()
 
     def request(self, reason: str) -> None:
         """End the wait."""
         self._requests.put(reason)
 
+    def fail(self, error: BaseException) -> None:
+        """End the wait by an error of a thread without which the process is of no use."""
+        self._requests.put(error)
+
     def wait(self) -> str:
-        """Wait for a request and return its reason."""
-        return self._requests.get()
+        """Wait for a request and return its reason.
+
+        Raises:
+            BaseException: The error of a thread that failed.
+        """
+        request = self._requests.get()
+        if isinstance(request, BaseException):
+            raise request
+        return request
 
     @contextmanager
     def on_signals(self) -> Iterator[None]:
