@@ -186,7 +186,9 @@ def _between(
     wanted = own if taken == OWN else measure(taken)
     if current is not None and wanted is not None and current.unit != wanted.unit:
         return _unexpected(conversion, current, wanted)
-    return own if given == OWN else measure(given)
+    if given == OWN:
+        return current if own is None and taken == OWN else own
+    return measure(given)
 
 
 def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure) -> UnitFault:

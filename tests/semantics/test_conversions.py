@@ -94,7 +94,7 @@ def test_each_function_of_the_runtime_has_its_class():
 
 
 # These words mean something else too, such as a feature or a policy.
-AMBIGUOUS = {"scale", "clamp", "square", "expression", "user", "linear"}
+AMBIGUOUS = {"scale", "clamp", "limit", "square", "expression", "user", "linear"}
 
 
 def test_no_other_file_lists_names_of_conversions():
@@ -137,6 +137,7 @@ INPUTS = {
 TABLE = [(0.0, "off"), (1.0, "on"), ("on", 1.0)]
 ARGUMENTS = {
     "clamp": st.tuples(NUMBERS, NUMBERS).map(sorted),
+    "limit": st.tuples(POSITIVE),
     "deadband": st.tuples(st.floats(0.0, 1e3)),
     "scale": st.tuples(st.floats(-1e3, 1e3)),
     "linear": st.tuples(st.floats(-1e3, 1e3), NUMBERS),
@@ -245,6 +246,10 @@ NAN = math.nan
         ("clamp", (-5.0, -1.0, 2.0), [-1.0]),
         ("clamp", (9.0, -1.0, 2.0), [2.0]),
         ("clamp", (NAN, -1.0, 2.0), [NAN]),
+        ("limit", (-5.0, 2.0), [-2.0]),
+        ("limit", (5.0, 2.0), [2.0]),
+        ("limit", (-1.5, 2.0), [-1.5]),
+        ("limit", (NAN, 2.0), [NAN]),
         ("deadband", (-0.05, 0.1), [0.0]),
         ("deadband", (0.1, 0.1), [0.1]),
         ("square", (-3.0,), [9.0]),
@@ -417,6 +422,7 @@ def test_integers_are_kept(conversion, data):
     [
         ("clamp", (2.0, 1.0), "clamp has minimum 2 above maximum 1"),
         ("clamp", (1.0, 1.0), ""),
+        ("limit", (-1.0,), "limit has the maximum -1, which is not above 0"),
         ("deadband", (-1.0,), "deadband has the negative width -1"),
         ("value_to_percent", (0.0,), "value_to_percent has the maximum 0, which is not above 0"),
         ("percent_to_value", (1.0,), ""),

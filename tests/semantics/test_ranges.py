@@ -71,6 +71,7 @@ STEPS = st.one_of(
     st.builds(step, st.just("scale"), FACTORS),
     st.builds(step, st.just("linear"), FACTORS, NUMBERS),
     st.builds(lambda a, b: step("clamp", min(a, b), max(a, b)), NUMBERS, NUMBERS),
+    st.builds(step, st.just("limit"), st.floats(0.01, 1000.0)),
     st.builds(step, st.just("deadband"), WIDTHS),
     st.builds(step, st.just("value_to_percent"), st.floats(0.01, 1000.0)),
     st.builds(step, st.just("percent_to_value"), st.floats(0.01, 1000.0)),
@@ -124,7 +125,7 @@ def test_numbers_are_sent_through_as_the_runtime_sends_them(model, value, chain)
     try:
         found = sent_through(placed(model, chain), value)
     except NoValueError:
-        assert {kind for kind, *_ in chain} & {"clamp", "deadband", "square_root"}
+        assert {kind for kind, *_ in chain} & {"clamp", "limit", "deadband", "square_root"}
     else:
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
@@ -136,6 +137,8 @@ def test_numbers_are_sent_through_as_the_runtime_sends_them(model, value, chain)
         ("square", (), (-2.0, 1.0), pytest.approx((0.0, 4.0))),
         ("clamp", (0.0, 1.0), (-5.0, 0.5), (0.0, 0.5)),
         ("clamp", (0.0, 1.0), (3.0, 5.0), (1.0, 1.0)),
+        ("limit", (1.0,), (-5.0, 0.5), (-1.0, 0.5)),
+        ("limit", (1.0,), (3.0, 5.0), (1.0, 1.0)),
         ("deadband", (1.0,), (0.5, 2.0), (0.0, 2.0)),
         ("deadband", (1.0,), (1.5, 2.0), (1.5, 2.0)),
         ("linear", (-2.0, 1.0), (0.0, 3.0), (-5.0, 1.0)),

@@ -146,6 +146,7 @@ class ConversionKind(EEnumLiteral):
         "expression",
         "user",
         "orientation_if_known",
+        "limit",
     ]
 
 class NamedElement(EObject):

@@ -15,6 +15,7 @@ __all__ = [
     "covariance_to_rms",
     "deadband",
     "degrees_to_radians",
+    "limit",
     "linear",
     "look_up",
     "negate",
@@ -52,6 +53,11 @@ def clamp(value: float, minimum: float, maximum: float) -> float:
     if value > maximum:
         return maximum
     return value
+
+
+def limit(value: float, maximum: float) -> float:
+    """The value limited to -`maximum` .. `maximum`; not a number stays so."""
+    return clamp(value, -maximum, maximum)
 
 
 def deadband(value: float, width: float) -> float:

@@ -68,6 +68,10 @@ class Argument:
         return self.kind in (ArgumentKind.TEXT, ArgumentKind.FORMULA)
 
 
+MAXIMUM = Argument("maximum")
+"""What values are measured against or limited by: a number above zero."""
+
+
 class UnitEffect(Enum):
     """What becomes of the unit of a number, where a conversion is not from one unit to another."""
 

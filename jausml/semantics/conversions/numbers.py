@@ -8,6 +8,7 @@ from jausml.languages import intervals
 from jausml.languages.intervals import EVERYTHING, Interval
 from jausml.semantics.attributes import NUMBER
 from jausml.semantics.conversions.conversion import (
+    MAXIMUM,
     OWN,
     PERCENT,
     Argument,
@@ -126,6 +127,31 @@ class Clamp(Conversion):
         return ""
 
 
+class Limit(Conversion):
+    """The value limited to a maximum in both directions, from minus the maximum to the maximum."""
+
+    name = "limit"
+    arguments = (MAXIMUM,)
+    units = (OWN, OWN)
+    keeps_sign = keeps_quantity = True
+
+    def forward(self, value: float, maximum: float) -> float:
+        """The one in the middle; not a number stays so."""
+        return sorted((-maximum, value, maximum))[1] if value == value else value
+
+    def interval(self, value: Interval, maximum: float) -> Interval:
+        """Both ends, limited."""
+        return max(-maximum, min(value[0], maximum)), min(maximum, max(value[1], -maximum))
+
+    def loses(self, value: float, maximum: float) -> bool:
+        """Whether its magnitude is above the maximum."""
+        return abs(value) > maximum
+
+    def fault(self, maximum: float) -> str:
+        """A maximum is above zero."""
+        return _maximum_fault(self.name, maximum)
+
+
 class Deadband(Conversion):
     """Zero when the magnitude is below a width, else the value.
 
@@ -220,7 +246,7 @@ class ValueToPercent(Conversion):
     """The value in percent of a maximum."""
 
     name = "value_to_percent"
-    arguments = (Argument("maximum"),)
+    arguments = (MAXIMUM,)
     units = (OWN, PERCENT)
     inverse = "percent_to_value"
     keeps_sign = True
@@ -248,7 +274,7 @@ class PercentToValue(Conversion):
     """Percent of a maximum to the value."""
 
     name = "percent_to_value"
-    arguments = (Argument("maximum"),)
+    arguments = (MAXIMUM,)
     units = (PERCENT, OWN)
     inverse = "value_to_percent"
     keeps_sign = True
@@ -279,6 +305,7 @@ CONVERSIONS = (
     Scale(),
     Linear(),
     Clamp(),
+    Limit(),
     Deadband(),
     Square(),
     SquareRoot(),

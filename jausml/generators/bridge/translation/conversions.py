@@ -23,6 +23,7 @@ from jausml.generators.python.statements import call
 from jausml.languages.expressions import occurrences, parse_expression, source_names
 from jausml.semantics.conversions import conversion_of
 from jausml.semantics.conversions.authored import Expression, LookUp, User, WithUnits
+from jausml.semantics.conversions.conversion import MAXIMUM
 from jausml.semantics.conversions.numbers import Linear, Scale
 
 if TYPE_CHECKING:
@@ -157,7 +158,8 @@ class Chain:
             raise AssignmentError(f"{known.name} does not take {len(values)} values")
         arguments = [python_literal(float(each)) for each in conversion.arguments]
         if conversion.quantity is not None:
-            arguments = [self._surroundings.quantity(conversion.quantity, known.name)]
+            is_maximum = MAXIMUM in known.arguments
+            arguments = [self._surroundings.quantity(conversion.quantity, is_maximum=is_maximum)]
         if known.needs_clock:
             arguments.append("near=self.now()")
         code = call(f"conversions.{known.name}", *(each.code for each in values), *arguments)

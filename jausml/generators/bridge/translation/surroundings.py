@@ -44,7 +44,7 @@ class QuantityView:
         value: Its number.
         units: Its unit; empty when the model has none.
         documentation: What the model says of it.
-        is_maximum: Whether it is what 100 percent mean, and so above 0.
+        is_maximum: Whether values are measured against it or limited by it, so that it is above 0.
     """
 
     name: str
@@ -167,12 +167,12 @@ class Surroundings:
             self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
         return self.constants[key].name
 
-    def quantity(self, quantity: bridge.Quantity, conversion: str) -> str:
+    def quantity(self, quantity: bridge.Quantity, *, is_maximum: bool) -> str:
         """Returns the Python path of a quantity, whose value a parameter may change.
 
         Args:
             quantity: The quantity.
-            conversion: Name of the conversion that uses it.
+            is_maximum: Whether values are measured against it or limited by it.
         """
         key = self._quantity_key(quantity)
         if key not in self.quantities:
@@ -180,7 +180,7 @@ class Surroundings:
             about = found.documentation or quantity.documentation or ""
             name = self.attributes.claim(snake_case(quantity.name))
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
-        if "percent" in conversion:
+        if is_maximum:
             self.quantities[key] = replace(self.quantities[key], is_maximum=True)
         return f"self.{self.quantities[key].name}"
 

@@ -8,6 +8,8 @@ from jausml.languages.units import UnitError, nearest_units, parse_unit
 from jausml.metamodel.classes import bridge, jaus, ros
 from jausml.model.diagnostics import Severity
 from jausml.semantics.attributes import Attribute
+from jausml.semantics.conversions import conversion_of
+from jausml.semantics.conversions.conversion import MAXIMUM
 from jausml.semantics.conversions.numbers import Square, SquareRoot
 from jausml.semantics.directions import directions
 from jausml.semantics.units import Measure, UnitFault, attribute_measure, measure, result_measure
@@ -74,8 +76,8 @@ def quantities(subject: Subject) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 
     It has the name and the dimension of the quantity that it overrides, and a legal value for the
-    conversions that refer to it: the maximum of a percentage is above 0. Its unit may be another
-    one, 30 km/h for a speed in m/s.
+    conversions that refer to it: a maximum is above 0. Its unit may be another one, 30 km/h for a
+    speed in m/s.
 
     Bad: a bridge with the quantity `max_sped`, whose maps have `max_speed`
 
@@ -83,7 +85,9 @@ def quantities(subject: Subject) -> Iterator[Finding]:
     """
     for conversion in subject.instances(bridge.Conversion):
         quantity = conversion.quantity
-        if quantity is not None and "percent" in conversion.kind.name and quantity.value <= 0:
+        if quantity is None or quantity.value > 0:
+            continue
+        if MAXIMUM in conversion_of(conversion).arguments:
             message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
             note = Note(quantity, f"'{quantity.name}'", "value")
             yield Finding(conversion, message, "quantity", related=(note,))
