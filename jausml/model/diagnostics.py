@@ -56,6 +56,8 @@ class Diagnostic:
         element: Path of the element by names (`Robot/b0/maps[2]`), or empty.
         fragment: XMI fragment of the element (`//@bridges.0/@maps.2`), or empty.
         related: Further places.
+        unread: The features of the element whose values could not be read; None where it may be any
+            of them, or where the finding is not one of a reader.
     """
 
     rule: str
@@ -66,6 +68,7 @@ class Diagnostic:
     element: str = ""
     fragment: str = ""
     related: tuple[Related, ...] = ()
+    unread: frozenset[str] | None = None
 
     @property
     def sort_key(self) -> tuple[str, int, int, str, str]:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 ACCESS_CONTROL = "AccessControl"
 
+_PROVIDING = ("name", "external", "coreServices", "provides", "services")
+
 
 def lineage(service: jaus.Service | None) -> list[jaus.Service]:
     """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
@@ -86,7 +88,7 @@ def is_known(subject: Subject, provider: Provider | None) -> bool:
 
     Only then is the absence of a message a finding of its own.
     """
-    if provider is None or subject.is_broken(provider):
+    if provider is None or not subject.is_read(provider, _PROVIDING):
         return False
     return subject.is_intact(*services_of(provider))
 

@@ -90,7 +90,9 @@ def _run(rule: Rule, subject: Subject) -> list[Diagnostic]:
 
 def _diagnostics(rule: Rule, subject: Subject) -> Iterator[Diagnostic]:
     for finding in rule.check(subject):
-        if not subject.is_broken(finding.element):
+        # A finding about an element as a whole needs all of it.
+        at = None if finding.feature is None else (finding.feature,)
+        if subject.is_read(finding.element, at):
             yield _diagnostic(rule, finding, subject)
 
 

@@ -47,6 +47,7 @@ def _report(
     number: int,
     problems: Problems,
 ) -> None:
+    problems.spoil(node.obj, feature.name)
     what = f"feature '{feature.name}' of {_label(table, node.obj)}"
     written = node.get(feature.name) is not None
     place = NodePlace(document, node, ("", feature.name) if written else None)

@@ -169,6 +169,7 @@ class ElementBuilder:
                     given.add(feature.name)
                     self._child(node, child, feature, waiting)
                 else:
+                    self._problems.spoil(node.obj, feature.name)
                     message = f"second value of the single-valued feature '{feature.name}'"
                     self._report("JML111", child, f"{message} of {table.name}")
 

@@ -44,6 +44,7 @@ class _Draft:
     message: str
     hint: str
     related: tuple[Related, ...]
+    hides: bool
 
 
 class Problems:
@@ -58,7 +59,7 @@ class Problems:
     def __init__(self, rules: Mapping[str, RuleInfo] = MappingProxyType({})) -> None:
         self._rules = {**READER_RULES, **rules}
         self._drafts: list[_Draft] = []
-        self._spoilt: set[tuple[int, str]] = set()
+        self._spoilt: dict[int, set[str]] = {}
 
     def report(
         self,
@@ -67,38 +68,51 @@ class Problems:
         message: str,
         hint: str = "",
         related: tuple[Related, ...] = (),
+        *,
+        hides: bool = False,
     ) -> None:
-        """Reports a finding; its severity is that of the rule."""
-        self._drafts.append(_Draft(rule, place, message, hint, related))
+        """Reports a finding; its severity is that of the rule.
+
+        Args:
+            rule: Id of the rule.
+            place: Where.
+            message: What is wrong.
+            hint: What to do about it, or empty.
+            related: Further places.
+            hides: Whether any feature of the element may have another value than the one written;
+                else those do that are spoilt.
+        """
+        self._drafts.append(_Draft(rule, place, message, hint, related, hides))
 
     def spoil(self, obj: EObject, feature: str = "") -> None:
         """Notes that a feature of an element has a finding; without a name, that any may have."""
-        self._spoilt.add((id(obj), feature))
+        self._spoilt.setdefault(id(obj), set()).add(feature)
 
     def is_spoilt(self, obj: EObject, feature: str) -> bool:
         """Tells whether a feature of an element has a finding."""
-        return not self._spoilt.isdisjoint({(id(obj), feature), (id(obj), "")})
+        return not self._spoilt.get(id(obj), set()).isdisjoint({feature, ""})
 
     def diagnostics(self, model: Model) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
         return sorted(
-            _finish(draft, self._rules[draft.rule].severity, model) for draft in self._drafts
+            self._finish(draft, self._rules[draft.rule].severity, model) for draft in self._drafts
         )
 
-
-def _finish(draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
-    place = draft.place
-    obj = None if isinstance(place, Location) else _nearest(place.node)
-    return Diagnostic(
-        draft.rule,
-        severity,
-        place if isinstance(place, Location) else place.location,
-        draft.message,
-        draft.hint,
-        model.element_path(obj) if obj is not None else "",
-        model.fragment(obj) if obj is not None else "",
-        draft.related,
-    )
+    def _finish(self, draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
+        place = draft.place
+        obj = None if isinstance(place, Location) else _nearest(place.node)
+        spoilt = self._spoilt.get(id(obj), set())
+        return Diagnostic(
+            draft.rule,
+            severity,
+            place if isinstance(place, Location) else place.location,
+            draft.message,
+            draft.hint,
+            model.element_path(obj) if obj is not None else "",
+            model.fragment(obj) if obj is not None else "",
+            draft.related,
+            None if draft.hides or "" in spoilt else frozenset(spoilt),
+        )
 
 
 def _nearest(node: Node | None) -> EObject | None:

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from jausml.model.notation import Fault, Notation, Written
     from jausml.model.reading.elements import Reference
 
+_BESIDE = "JML103"
+"""The rule of what is written beside the features of an element, which are read all the same."""
+
 
 @dataclass(frozen=True, slots=True)
 class ReadResult:
@@ -220,7 +223,8 @@ class _Reading:
             # A node of its own places the finding; its parent tells the element.
             node = Node("", [], {}, fault.owner, (fault.line, fault.column, 0))
             place = NodePlace(document, node)
-            self._problems.report(fault.rule, place, fault.message, fault.hint)
+            hides = not fault.feature and fault.rule != _BESIDE
+            self._problems.report(fault.rule, place, fault.message, fault.hint, hides=hides)
             if fault.owner is not None and fault.feature:
                 self._problems.spoil(fault.owner.obj, fault.feature)
             if fault.owner is not None and fault.hides and fault.owner.obj is not None:

@@ -122,6 +122,7 @@ class Resolution:
         target: EObject | None = found.node.obj
         if found.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
+            self._problems.spoil(reference.owner, reference.feature.name)
             self._report("JML202", reference, f"reference {what} {_ENDLESS}")
         if target is not None and not self._fits(reference, target):
             return None
@@ -166,6 +167,7 @@ class Resolution:
         owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
+            self._problems.spoil(reference.owner, reference.feature.name)
             self._report(
                 "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
             )

@@ -45,7 +45,7 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
         *(bridge.AttributeMap, bridge.Connection),
         *(system.System, system.Host),
     )
-    for element in (each for kind in kinds for each in subject.instances(kind)):
+    for element in (each for kind in kinds for each in subject.instances(kind, needs=("name",))):
         if element.name is not None and not is_identifier(element.name):
             noun = element.eClass.name
             hint = "letters, digits and underscores, with a letter first"
@@ -54,7 +54,7 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
             message = f"{element.eClass.name} name '{element.name}' is a device name on Windows"
             yield Finding(element, message, "name", "files would have that name")
     fields: tuple[type[Named], ...] = (jaus.Field, jaus.SubField)
-    for field in (each for kind in fields for each in subject.instances(kind)):
+    for field in (each for kind in fields for each in subject.instances(kind, needs=("name",))):
         if field.name is not None and not any(c.isascii() and c.isalpha() for c in field.name):
             message = f"field name {field.name!a} has no letter to make a name in code of"
             yield Finding(field, message, "name")
@@ -71,7 +71,7 @@ def interface_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<interfaces name="robot_interfaces">`
     """
-    for package in subject.instances(ros.InterfacePackage):
+    for package in subject.instances(ros.InterfacePackage, needs=("name",)):
         reason = taken(package.name or "")
         if reason and not subject.model.is_library(package):
             yield Finding(package, f"interface package name '{package.name}' {reason}", "name")
@@ -90,7 +90,7 @@ def package_collisions(subject: Subject) -> Iterator[Finding]:
     Good: vehicle and vehicle_display
     """
     interfaces = subject.model.instances(ros.InterfacePackage)
-    for whole in subject.instances(system.System):
+    for whole in subject.instances(system.System, needs=("components", "bridges", "nodes")):
         holders: dict[str, Named] = {
             package_key(each.name): each for each in interfaces if each.name
         }
@@ -174,9 +174,9 @@ def machine_names(subject: Subject) -> Iterator[Finding]:
 
     Good: setSpeed in both places
     """
-    for state in subject.instances(jaus.State):
+    for state in subject.instances(jaus.State, needs=("name",)):
         yield from _dotted(state, "state")
-    for action in subject.instances(jaus.Action):
+    for action in subject.instances(jaus.Action, needs=("name",)):
         yield from _dotted(action, "action")
     for machine in subject.instances(jaus.StateMachine):
         for state in too_deep(machine):
@@ -217,20 +217,20 @@ def _siblings(subject: Subject) -> Iterator[Sequence[Named]]:
     yield from (each.fields for each in subject.instances(jaus.Record))
     yield from (each.fields for each in subject.instances(jaus.Sequence))
     yield from (each.subFields for each in subject.instances(jaus.BitField))
-    for service_set in subject.instances(jaus.ServiceSet):
+    for service_set in subject.instances(jaus.ServiceSet, needs=()):
         yield from (service_set.services, service_set.types)
-    for service in subject.instances(jaus.Service):
+    for service in subject.instances(jaus.Service, needs=()):
         yield from (service.inputs, service.outputs, service.events, service.machines)
     yield from (each.states for each in subject.instances(jaus.StateMachine))
     yield from (each.states for each in subject.instances(jaus.State))
-    yield from (each.connections for each in subject.instances(jaus.Component))
-    for owner in subject.instances(bridge.Bridge):
+    yield from (each.connections for each in subject.instances(jaus.Component, needs=()))
+    for owner in subject.instances(bridge.Bridge, needs=()):
         yield from (owner.maps, owner.bridgeConnections)
-    for node in subject.instances(ros.Node):
+    for node in subject.instances(ros.Node, needs=()):
         yield [*node.publishers, *node.serviceClients]
         yield [*node.subscriptions, *node.serviceServers]
         yield node.parameters
-    yield from (each.messages for each in subject.instances(ros.InterfacePackage))
-    for message_type in subject.instances(ros.MessageType):
+    yield from (each.messages for each in subject.instances(ros.InterfacePackage, needs=()))
+    for message_type in subject.instances(ros.MessageType, needs=()):
         yield from (message_type.fields, message_type.constants)
-    yield from (each.hosts for each in subject.instances(system.System))
+    yield from (each.hosts for each in subject.instances(system.System, needs=()))

@@ -35,7 +35,7 @@ def metadata(subject: Subject) -> Iterator[Finding]:
 
     Good: `version="1.0.0"`
     """
-    for whole in subject.instances(system.System):
+    for whole in subject.instances(system.System, needs=()):
         if not _VERSION.fullmatch(whole.version or ""):
             message = f"version {whole.version!a} is not three numbers joined by dots"
             yield Finding(whole, message, "version")
@@ -59,9 +59,9 @@ def network(subject: Subject) -> Iterator[Finding]:
 
     Good: `<hosts name="onboard" multicastGroup="239.255.0.1"/>`
     """
-    for whole in subject.instances(system.System):
+    for whole in subject.instances(system.System, needs=("name",)):
         yield from _range(whole, "rosDomain", whole.rosDomain, 0, _HIGHEST_DOMAIN)
-    for host in subject.instances(system.Host):
+    for host in subject.instances(system.Host, needs=("name",)):
         yield from _range(host, "port", host.port, 1, _HIGHEST_PORT)
         yield from _range(host, "multicastTtl", host.multicastTtl, 0, _HIGHEST_TTL)
         yield from _range(host, "fragmentSize", host.fragmentSize, *_FRAGMENT_SIZES)

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from jausml.semantics.services import Provider
     from jausml.semantics.subject import Subject
 
+_ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "control")
+_TIMES = ("name", "direction", "exchange", "rate")
+
 
 @rule("JML421", Severity.ERROR, "map without assignments for the direction")
 def direction_assigned(subject: Subject) -> Iterator[Finding]:
@@ -141,7 +144,9 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="25.0"`
     """
-    for connection in subject.instances(bridge.Connection):
+    for connection in subject.instances(bridge.Connection, needs=("name",)):
+        yield from _silence_findings(connection)
+    for connection in subject.instances(bridge.Connection, needs=_TIMES):
         asks = connection.exchange.name == "query" and _to_ros(connection)
         is_timed = connection.exchange.name == "periodicEvent" or asks
         owner = connection.eContainer()
@@ -150,10 +155,6 @@ def rate_range(subject: Subject) -> Iterator[Finding]:
         elif is_timed and owner is not None and owner.frequency == 0:
             message = f"'{connection.name}' has no rate, and bridge '{owner.name}' no frequency"
             yield Finding(connection, message, "rate", "state one of them")
-        value = connection.silenceTimeout
-        if value is not None and not (math.isfinite(value) and value >= 0):
-            message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
-            yield Finding(connection, message, "silenceTimeout")
 
 
 @rule("JML427", Severity.ERROR, "command to a peer that cannot be controlled")
@@ -199,7 +200,8 @@ def loops(subject: Subject) -> Iterator[Finding]:
                 flows += [
                     flow_of(connection, owner)
                     for connection in owner.bridgeConnections
-                    if not subject.is_broken(connection) and _is_complete(subject, connection)
+                    if subject.is_read(connection, (*_ENDS, "topics"))
+                    and _is_complete(subject, connection)
                 ]
         for loop in find_loops(flows):
             names = " -> ".join(f"{each.owner.name}/{each.connection.name}" for each in loop)
@@ -209,10 +211,17 @@ def loops(subject: Subject) -> Iterator[Finding]:
             yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
 
 
+def _silence_findings(connection: bridge.Connection) -> Iterator[Finding]:
+    value = connection.silenceTimeout
+    if value is not None and not (math.isfinite(value) and value >= 0):
+        message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
+        yield Finding(connection, message, "silenceTimeout")
+
+
 def _sound_connections(subject: Subject) -> list[bridge.Connection]:
     return [
         each
-        for each in subject.instances(bridge.Connection)
+        for each in subject.instances(bridge.Connection, needs=_ENDS)
         if _is_complete(subject, each) and each.eContainer() is not None
     ]
 

@@ -58,7 +58,7 @@ def one_quality(subject: Subject) -> Iterator[Finding]:
     for owner in subject.instances(bridge.Bridge):
         by_topic: dict[str, list[Endpoint]] = defaultdict(list)
         for end in endpoints([owner]):
-            if end.publishes and not subject.is_broken(end.element):
+            if end.publishes and subject.is_read(end.element):
                 by_topic[end.topic].append(end)
         for first, *others in by_topic.values():
             for end in others:
@@ -83,7 +83,7 @@ def parameter_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<quantities name="max_speed" value="8.5"/>`
     """
-    for quantity in subject.instances(bridge.Quantity):
+    for quantity in subject.instances(bridge.Quantity, needs=()):
         if quantity.name in PARAMETERS:
             message = f"every bridge has a parameter '{quantity.name}'"
             yield Finding(quantity, message, "name", "choose another name")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jausml.semantics.subject import Subject
 
 _TIMED = ("periodicEvent", "query")
+_FLOW = ("name", "map", "direction", "exchange", "peers", "search", "topics")
 
 
 @rule("JML463", Severity.WARNING, "feature without effect")
@@ -62,7 +63,7 @@ def published_once(subject: Subject) -> Iterator[Finding]:
     for owner in subject.instances(bridge.Bridge):
         flows: list[Flow] = []
         for connection in owner.bridgeConnections:
-            if subject.is_broken(connection) or connection.map is None:
+            if not subject.is_read(connection, _FLOW) or connection.map is None:
                 continue
             if not subject.is_intact(connection.map.message, connection.map.type):
                 continue

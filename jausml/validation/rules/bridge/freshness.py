@@ -50,7 +50,7 @@ def freshness_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" exchange="periodicEvent" freshness="1.0"`
     """
-    for each in subject.instances(bridge.AttributeMap):
+    for each in subject.instances(bridge.AttributeMap, needs=("name",)):
         yield from _time_findings(each)
     for connection in subject.instances(bridge.Connection):
         yield from _time_findings(connection)

@@ -59,7 +59,7 @@ def unknown_unit(subject: Subject) -> Iterator[Finding]:
         *(jaus.FixedField, jaus.Alternative),
         *(ros.Field, bridge.Quantity, bridge.Conversion),
     )
-    for element in (each for kind in kinds for each in subject.instances(kind)):
+    for element in (each for kind in kinds for each in subject.instances(kind, needs=())):
         text = element.units
         if not text:
             continue

@@ -34,6 +34,7 @@ MAXIMUM_RATE = 1092.0
 RATE_STEP = MAXIMUM_RATE / 65535
 """Step of that rate on the wire in Hz: a scaled uint16."""
 
+_ENDS = ("name", "provider", "search", "message", "query")
 _LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))
 _WILDCARD_SUBSYSTEM = 65535
 _NUMBERS = {
@@ -54,7 +55,7 @@ def address_range(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="100.1.1"/>`
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name", "address")):
         if not component.address:
             continue
         for (name, maximum), text in zip(_LIMITS, component.address.split("."), strict=False):
@@ -74,7 +75,7 @@ def address_bytes(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" address="512.1.1"/>`
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name", "address")):
         subsystem = int((component.address or "0").split(".")[0])
         if subsystem < _WILDCARD_SUBSYSTEM and 0xFF in divmod(subsystem, 0x100):
             message = f"subsystem id {subsystem} of '{component.name}' has a byte 255"
@@ -91,7 +92,7 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `100.1.1` and `100.1.2`
     """
-    for group in subject.systems():
+    for group in subject.systems(("name", "address")):
         first: dict[tuple[int, ...], jaus.Component] = {}
         for component in group:
             if not isinstance(component, jaus.Component) or not component.address:
@@ -114,13 +115,13 @@ def component_numbers(subject: Subject) -> Iterator[Finding]:
 
     Good: `authority="200"`
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name",)):
         for name, (lower, upper) in _NUMBERS.items():
             value = getattr(component, name)
             if not lower <= value <= upper:
                 message = f"{name} {value} of '{component.name}' is not in {lower}..{upper}"
                 yield Finding(component, message, name)
-    for connection in subject.instances(jaus.ServiceConnection):
+    for connection in subject.instances(jaus.ServiceConnection, needs=("name",)):
         value = connection.silenceTimeout
         if not (math.isfinite(value) and value >= 0):
             message = f"silenceTimeout {value:g} of '{connection.name}' is no time in seconds"
@@ -139,7 +140,9 @@ def commands_controlled(subject: Subject) -> Iterator[Finding]:
 
     Good: the same service with `inherits` of Management
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(
+        jaus.Component, needs=("name", "external", "provides", "coreServices")
+    ):
         if component.external or not is_known(subject, component):
             continue
         if provides_access_control(component):
@@ -166,7 +169,7 @@ def connection_provided(subject: Subject) -> Iterator[Finding]:
 
     Good: the same provider with `provides` of LocalPoseSensor as well
     """
-    for connection in subject.instances(jaus.ServiceConnection):
+    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
         provider, message = connection.provider or connection.search, connection.message
         if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
             continue
@@ -192,7 +195,7 @@ def connection_query(subject: Subject) -> Iterator[Finding]:
 
     Good: the same connection with `query` set to the message that asks for it
     """
-    for connection in subject.instances(jaus.ServiceConnection):
+    for connection in subject.instances(jaus.ServiceConnection, needs=_ENDS):
         provider, message = connection.provider or connection.search, connection.message
         if provider is None or not is_known(subject, provider) or not subject.is_intact(message):
             continue
@@ -214,7 +217,7 @@ def connection_rate(subject: Subject) -> Iterator[Finding]:
 
     Good: `exchange="periodic" rate="10.0"`
     """
-    for connection in subject.instances(jaus.ServiceConnection):
+    for connection in subject.instances(jaus.ServiceConnection, needs=("name", "exchange", "rate")):
         if connection.exchange.name == "periodic":
             yield from rate_finding(connection)
 
@@ -229,7 +232,7 @@ def controls_access(subject: Subject) -> Iterator[Finding]:
 
     Good: `controls="vehicle"` where vehicle provides PrimitiveDriver, which inherits it
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name", "controls")):
         for target in component.controls:
             if target is component:
                 message = f"'{component.name}' controls itself"
@@ -256,7 +259,7 @@ def services_unique(subject: Subject) -> Iterator[Finding]:
 
     Good: `provides` of one of them
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name", "provides")):
         by_urn: dict[str, list[jaus.Service]] = defaultdict(list)
         for service in component.provides:
             if service.urn:

@@ -45,12 +45,12 @@ def no_own_peers(subject: Subject) -> Iterator[Finding]:
 
     Good: `peers="vehicle"`
     """
-    for connection in subject.instances(bridge.Connection):
+    for connection in subject.instances(bridge.Connection, needs=("name", "peers")):
         owner = connection.eContainer()
         if owner is not None and any(peer is owner for peer in connection.peers):
             message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
             yield Finding(connection, message, "peers")
-    for asked in subject.instances(jaus.ServiceConnection):
+    for asked in subject.instances(jaus.ServiceConnection, needs=("name", "provider")):
         component = asked.eContainer()
         if component is not None and asked.provider is component:
             message = f"'{asked.name}' asks '{component.name}', which has it"

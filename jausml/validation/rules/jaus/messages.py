@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _PRESENCE_BITS = {"none": 0, **{name: each.bits for name, each in wire.UNSIGNED.items()}}
 _IN_RECORD = "a member of a record"
+_COUNT = ("name", "countType")
 
 
 @rule("JML321", Severity.ERROR, "type refers to itself")
@@ -104,7 +105,7 @@ def optional_elsewhere(subject: Subject) -> Iterator[Finding]:
 
     Good: a list with `minimumCount="0"`
     """
-    for field in subject.instances(jaus.Field):
+    for field in subject.instances(jaus.Field, needs=("name",)):
         owner = field.eContainer()
         if field.optional and owner is not None and not is_group(owner):
             message = f"'{field.name}' is optional, but is no member of a record or sequence"
@@ -124,7 +125,7 @@ def scale_range(subject: Subject) -> Iterator[Finding]:
     """
     for scale in subject.instances(jaus.ScaleRange):
         field = scale.eContainer()
-        if field is None or subject.is_broken(field):
+        if field is None or not subject.is_read(field):
             continue
         name = field.name
         if not (math.isfinite(scale.lower) and math.isfinite(scale.upper)):
@@ -157,7 +158,7 @@ def bit_ranges(subject: Subject) -> Iterator[Finding]:
             continue
         owners: dict[int, jaus.SubField] = {}
         for part in field.subFields:
-            if subject.is_broken(part):
+            if not subject.is_read(part):
                 continue
             yield from _bit_findings(part, field, whole.bits, owners)
 
@@ -170,12 +171,12 @@ def count_types(subject: Subject) -> Iterator[Finding]:
 
     Good: `<element xsi:type="jaus:List" countType="uint8" .../>`
     """
-    for each in subject.instances(jaus.List):
+    for each in subject.instances(jaus.List, needs=_COUNT):
         yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
     fields: list[Bytes] = [
-        *subject.instances(jaus.VariableLengthString),
-        *subject.instances(jaus.VariableLengthField),
-        *subject.instances(jaus.VariableFormatField),
+        *subject.instances(jaus.VariableLengthString, needs=_COUNT),
+        *subject.instances(jaus.VariableLengthField, needs=_COUNT),
+        *subject.instances(jaus.VariableFormatField, needs=_COUNT),
     ]
     for field in fields:
         yield from _count_findings(field, "Length", field.minimumLength, field.maximumLength)
@@ -199,13 +200,13 @@ def sizes(subject: Subject) -> Iterator[Finding]:
 
     Good: `length="16"`
     """
-    for text in subject.instances(jaus.FixedLengthString):
+    for text in subject.instances(jaus.FixedLengthString, needs=("name",)):
         if text.length < 1:
             yield Finding(text, f"'{text.name}' has a length of {text.length}", "length")
         elif text.length > wire.LARGEST:
             message = f"'{text.name}' has a length of {text.length}, more than {wire.LARGEST}"
             yield Finding(text, message, "length")
-    for array in subject.instances(jaus.Array):
+    for array in subject.instances(jaus.Array, needs=("name",)):
         if any(size < 1 for size in array.dimensions):
             yield Finding(array, f"'{array.name}' has a dimension below 1", "dimensions")
         elif math.prod(array.dimensions) > wire.LARGEST:
@@ -231,9 +232,9 @@ def value_sets(subject: Subject) -> Iterator[Finding]:
     """
     for value_set in subject.instances(jaus.ValueSet):
         field = value_set.eContainer()
-        if field is None or subject.is_broken(field):
+        if field is None or not subject.is_read(field):
             continue
-        values = [value for value in value_set.values if not subject.is_broken(value)]
+        values = [value for value in value_set.values if subject.is_read(value)]
         limits = _limits(field)
         if value_set.offsetToLowerLimit and len(values) == len(value_set.values):
             fault, limits = _counted_limits(value_set, limits)

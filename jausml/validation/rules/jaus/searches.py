@@ -29,11 +29,11 @@ def named_or_searched(subject: Subject) -> Iterator[Finding]:
 
     Good: the connection with one of them
     """
-    for connection in subject.instances(bridge.Connection):
+    for connection in subject.instances(bridge.Connection, needs=("name", "search", "peers")):
         if connection.search is not None and connection.peers:
             message = f"'{connection.name}' names peers and searches for peers"
             yield Finding(connection, message, "search", "leave out one of them")
-    for received in subject.instances(jaus.ServiceConnection):
+    for received in subject.instances(jaus.ServiceConnection, needs=("name", "search", "provider")):
         if received.search is not None and received.provider is not None:
             message = f"'{received.name}' names a provider and searches for one"
             yield Finding(received, message, "search", "leave out one of them")
@@ -52,13 +52,14 @@ def search_possible(subject: Subject) -> Iterator[Finding]:
 
     Good: `<search services="..." subsystem="100"/>`
     """
-    for search in subject.instances(jaus.PeerSearch):
+    for search in subject.instances(jaus.PeerSearch, needs=()):
         for feature, highest in _LIMITS.items():
             number = getattr(search, feature)
             if not 0 <= number <= highest:
                 message = f"{feature} {number} is not in 0..{highest}"
                 yield Finding(search, message, feature)
-        yield from _elsewhere(search)
+        if subject.is_read(search):
+            yield from _elsewhere(search)
 
 
 @rule("JML356", Severity.WARNING, "control of everybody who is found")
@@ -118,7 +119,7 @@ def external_is_idle(subject: Subject) -> Iterator[Finding]:
 
     Good: `<components name="vehicle" external="true"/>`
     """
-    for component in subject.instances(jaus.Component):
+    for component in subject.instances(jaus.Component, needs=("name", "external")):
         if not component.external:
             continue
         if isinstance(component, bridge.Bridge):

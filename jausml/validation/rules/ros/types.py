@@ -33,6 +33,7 @@ _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Fee
 _LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
 _LOWER_CASE_HINT = "lower case, words joined by one underscore"
 _UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
+_TYPE = ("name", "type", "stringBound", "arrayKind", "arraySize")
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 _LARGEST_ARRAY = 4 << 20
@@ -49,11 +50,11 @@ def ros_names(subject: Subject) -> Iterator[Finding]:
 
     Good: `<topics name="robot/odometry"/>`
     """
-    for end in subject.instances(ros.TopicEndpoint):
+    for end in subject.instances(ros.TopicEndpoint, needs=()):
         yield from _name_findings(end, "topic", "topic", end.topic)
-    for server in subject.instances(ros.ServiceEndpoint):
+    for server in subject.instances(ros.ServiceEndpoint, needs=()):
         yield from _name_findings(server, "service", "service", server.service)
-    for topic in subject.instances(bridge.Topic):
+    for topic in subject.instances(bridge.Topic, needs=()):
         yield from _name_findings(topic, "name", "topic", topic.name)
     for node in _nodes(subject):
         fault = namespace_fault(node.namespace or "")
@@ -125,7 +126,7 @@ def qos_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<qos depth="1"/>`
     """
-    for profile in subject.instances(ros.QoSProfile):
+    for profile in subject.instances(ros.QoSProfile, needs=("history",)):
         lowest = 1 if profile.history.name == "keep_last" else 0
         if profile.depth < lowest:
             yield Finding(profile, f"depth {profile.depth} is below {lowest}", "depth")
@@ -146,7 +147,7 @@ def parameter_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<parameters name="gain" type="double" value="0.5" maximum="1.0"/>`
     """
-    for parameter in subject.instances(ros.Parameter):
+    for parameter in subject.instances(ros.Parameter, needs=("name", "type")):
         if parameter.value is None:
             continue
         fault = _parameter_fault(parameter)
@@ -181,14 +182,14 @@ def interfaces(subject: Subject) -> Iterator[Finding]:
         (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
     )
     for kind, pattern, noun, hint in kinds:
-        for element in subject.instances(kind):
+        for element in subject.instances(kind, needs=("name",)):
             name = element.name
             if name is not None and not pattern.fullmatch(name):
                 yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
             elif noun == "type" and (name or "").lower() in DEVICES:
                 message = f"type name '{name}' is a device name on Windows"
                 yield Finding(element, message, "name", "its file would have that name")
-    for field in subject.instances(ros.Field):
+    for field in subject.instances(ros.Field, needs=("name", "arrayKind")):
         if keyword.iskeyword(field.name or ""):
             yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
         array, size = field.arrayKind.name, field.arraySize
@@ -222,7 +223,7 @@ def constant_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<constants name="LIMIT" type="uint8" value="255"/>`
     """
-    for constant in subject.instances(ros.Constant):
+    for constant in subject.instances(ros.Constant, needs=("name", "type")):
         # A byte is no number to rclpy, but its constants are.
         kind = "uint8" if constant.type.name == "byte" else constant.type.name
         fault = constant_fault(constant.value or "", primitive(kind))
@@ -244,7 +245,7 @@ def default_values(subject: Subject) -> Iterator[Finding]:
 
     Good: `<fields xsi:type="ros:PrimitiveField" name="gain" type="uint8" defaultValue="255"/>`
     """
-    for field in subject.instances(ros.PrimitiveField):
+    for field in subject.instances(ros.PrimitiveField, needs=_TYPE):
         if field.defaultValue is None:
             continue
         array = (field.arrayKind.name, field.arraySize)
@@ -257,10 +258,10 @@ def default_values(subject: Subject) -> Iterator[Finding]:
 
 
 def _topics(subject: Subject) -> Iterator[list[Endpoint]]:
-    for group in subject.systems():
+    for group in subject.systems(("name", "namespace")):
         by_topic: dict[str, list[Endpoint]] = defaultdict(list)
         for end in endpoints(group):
-            if not subject.is_broken(end.element):
+            if subject.is_read(end.element):
                 by_topic[end.topic].append(end)
         yield from by_topic.values()
 
@@ -298,7 +299,10 @@ def _seconds(time: float) -> float:
 
 
 def _nodes(subject: Subject) -> list[ros.Node | bridge.Bridge]:
-    return [*subject.instances(ros.Node), *subject.instances(bridge.Bridge)]
+    return [
+        *subject.instances(ros.Node, needs=("name",)),
+        *subject.instances(bridge.Bridge, needs=("name",)),
+    ]
 
 
 def _name_findings(
