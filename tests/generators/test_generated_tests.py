@@ -83,6 +83,18 @@ DAMAGES = {
         "set_time(\n",
         "(\n",
     ),
+    "a figure of a stop": (
+        "target.twist.linear.z = 0.125",
+        "target.twist.linear.z = 0.25",
+    ),
+    "more in a stop than the model says": (
+        "target.twist.linear.z = 0.125",
+        "target.twist.linear.z = target.twist.angular.z = 0.125",
+    ),
+    "a stop that is no zero": (
+        "target.propulsive_rotational_effort_z = 0.0",
+        "target.propulsive_rotational_effort_z = 1.0",
+    ),
     "what is ignored": (
         "header.frame_id = self.speed_frame_id",
         "child_frame_id = target.header.frame_id = self.speed_frame_id",

@@ -231,6 +231,8 @@ class RosMessage:
     def set(self, path: str, value: Scalar) -> str:
         """Returns the statement that gives a field a value."""
         found = self.field(path)
+        if isinstance(value, Code):
+            return store(found.place, value)
         is_real = ros_kind(found) == REAL and not isinstance(value, str)
         return store(found.place, python_literal(float(value) if is_real else value))
 
