@@ -70,7 +70,10 @@ def test_constant_name(name: str, expected: str) -> None:
     assert names.constant_name(name) == expected
 
 
-@pytest.mark.parametrize("name", ["operator", "json", "rclpy", "test", "tomllib", "imp", "class"])
+@pytest.mark.parametrize(
+    "name",
+    ["operator", "json", "rclpy", "test", "tomllib", "imp", "class", "main", "messages"],
+)
 def test_a_package_hides_no_module(name: str) -> None:
     assert names.package_name(name) == f"{name}_jaus"
 

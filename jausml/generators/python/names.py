@@ -56,6 +56,8 @@ _PASSING_MODULES = names_in(
     msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib tomllib uu xdrlib
     """
 )
+# Modules of generated packages, besides the base and the skeleton.
+_OWN_MODULES = frozenset({"main", "messages"})
 _FOREIGN_PACKAGES = names_in(
     """
     ament_copyright ament_flake8 ament_index_python ament_pep257 builtin_interfaces colcon
@@ -130,13 +132,14 @@ def package_name(name: str) -> str:
     """Returns the name of a generated package, e.g. `catvehicle_bridge`.
 
     A name that would hide a module of the standard library, or a package that generated code
-    imports, gets the ending `_jaus`: a component may well be called `operator`.
+    imports, gets the ending `_jaus`: a component may well be called `operator`. So does that of
+    a module that each package has, as a package's skeleton is called like it.
 
     Args:
         name: Any text.
     """
     text = snake_case(name).rstrip("_") or "unnamed"
-    hidden = _PASSING_MODULES | _FOREIGN_PACKAGES | sys.stdlib_module_names
+    hidden = _OWN_MODULES | _PASSING_MODULES | _FOREIGN_PACKAGES | sys.stdlib_module_names
     taken = text in hidden or keyword.iskeyword(text) or text in _BUILTIN_FUNCTIONS
     return f"{text}_jaus" if taken else text
 
