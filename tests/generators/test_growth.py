@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from jausml.generation import load_targets, render, select
+from jausml.generators.bringup.target import processes
 from jausml.validation.engine import validate
 
+TARGETS = ("bridge", "jaus_component", "messages", "bringup")
 GROWTH = Path(__file__).parents[2] / "benchmarks" / "growth.py"
 
 
@@ -23,8 +25,13 @@ def growth():
     return module
 
 
-def calls(text, folder):
-    """Returns how many calls the rendering of a model takes."""
+def rendering(model):
+    """Renders what belongs to a system."""
+    render(model, select(load_targets(), TARGETS).targets)
+
+
+def calls(text, folder, work=rendering):
+    """Returns how many calls some work with a model takes, by default its rendering."""
     model = folder / "grown.xmi"
     model.write_text(text, encoding="utf-8")
     report = validate([model])
@@ -35,11 +42,10 @@ def calls(text, folder):
         nonlocal count
         count += event == "call"
 
-    targets = select(load_targets(), ["bridge", "jaus_component", "messages", "bringup"]).targets
     before = sys.getprofile()
     sys.setprofile(counted)
     try:
-        render(report.model, targets)
+        work(report.model)
     finally:
         sys.setprofile(before)
     return count
@@ -51,6 +57,11 @@ def test_generation_is_linear_in_connections(growth, tmp_path, own_maps):
         calls(growth.connections(n, own_maps=own_maps), tmp_path) for n in (1, 31, 91)
     )
     assert most - few < 3.3 * (more - few)
+
+
+def test_the_list_of_processes_translates_nothing(growth, tmp_path):
+    few, many = (calls(growth.connections(n, own_maps=True), tmp_path, processes) for n in (1, 31))
+    assert many < few + 31
 
 
 def test_generation_is_not_exponential_in_nesting(growth, tmp_path):

@@ -111,7 +111,7 @@ class ProcessView:
         transport: Values of SETTINGS on that host.
         parameters: ROS parameters with their default values.
         address: JAUS address; empty for nodes.
-        bridge_parameters: Further parameters, of a bridge.
+        bridge: The bridge, when it is one.
     """
 
     name: str
@@ -121,7 +121,21 @@ class ProcessView:
     transport: tuple[str, ...]
     parameters: Mapping[str, bool | float | str]
     address: str = ""
-    bridge_parameters: tuple[ParameterLine, ...] = ()
+    bridge: BridgeView | None = None
+
+    @functools.cached_property
+    def bridge_parameters(self) -> tuple[ParameterLine, ...]:
+        """Further parameters, of a bridge; only parameter files need them, which take long."""
+        if self.bridge is None:
+            return ()
+        first, *others = parameter_lines(self.bridge)
+        settings = (
+            ParameterLine(
+                each.name, int(value) if value.isdecimal() else value, f"{each.description}."
+            )
+            for each, value in zip(SETTINGS, self.transport, strict=True)
+        )
+        return (first, *settings, *others)
 
     @property
     def package(self) -> str:
@@ -362,22 +376,13 @@ class BringupView:
             transport=_transport(host),
             parameters={each.name: parameter_value(each) for each in parameters},
             address="" if isinstance(element, ros.Node) else str(element.address),
-            bridge_parameters=self._bridge_parameters(element, _transport(host)),
+            bridge=self._bridge(element),
         )
 
-    def _bridge_parameters(
-        self, element: jaus.Component | ros.Node, transport: tuple[str, ...]
-    ) -> tuple[ParameterLine, ...]:
+    def _bridge(self, element: jaus.Component | ros.Node) -> BridgeView | None:
         if not isinstance(element, bridge.Bridge):
-            return ()
-        first, *others = parameter_lines(BridgeView(element, self.system, self.source))
-        settings = (
-            ParameterLine(
-                each.name, int(value) if value.isdecimal() else value, f"{each.description}."
-            )
-            for each, value in zip(SETTINGS, transport, strict=True)
-        )
-        return (first, *settings, *others)
+            return None
+        return BridgeView(element, self.system, self.source)
 
 
 def _transport(host: Host | None) -> tuple[str, ...]:

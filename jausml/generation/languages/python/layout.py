@@ -69,7 +69,7 @@ def layout(text: str) -> str:
 
 def _spans(module: ast.Module, lines: Sequence[str]) -> Iterator[tuple[int, int]]:
     """Yields the first and last line of each statement or head of a compound one, from 0."""
-    for node in ast.walk(module):
+    for node in _statements(module):
         for decorator in getattr(node, "decorator_list", ()):
             yield decorator.lineno - 1, decorator.end_lineno - 1
         if isinstance(node, (ast.stmt, ast.ExceptHandler)) and not isinstance(node, ast.Match):
@@ -77,6 +77,16 @@ def _spans(module: ast.Module, lines: Sequence[str]) -> Iterator[tuple[int, int]
             end = _end_of_head(body[0], lines) if body else node.end_lineno
             if end is not None and end >= node.lineno:
                 yield node.lineno - 1, end - 1
+
+
+def _statements(module: ast.Module) -> Iterator[ast.AST]:
+    """Yields statements and what holds some; expressions, of which there are far more, do not."""
+    pending: list[ast.AST] = [module]
+    while pending:
+        node = pending.pop()
+        yield node
+        for name in ("body", "handlers", "orelse", "finalbody", "cases"):
+            pending += getattr(node, name, ())
 
 
 def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:

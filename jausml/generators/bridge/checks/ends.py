@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.check import store
-from jausml.generators.bridge.checks.figures import Chain, quantities_of
+from jausml.generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
 from jausml.generators.bridge.translation import used_maps
 from jausml.generators.python.statements import call
@@ -76,11 +76,14 @@ class Ends:
         """The conversions of each FieldAssignment whose sources are of the main message."""
         quantities = quantities_of(self.view.connection.eContainer())
         chains = [
-            Chain(self.map, assignment, self.to_ros, quantities)
+            Chain(self.map, assignment, self.to_ros, quantities, self._unit_step(assignment))
             for assignment in self.assignments
             if isinstance(assignment, bridge.FieldAssignment)
         ]
         return [each for each in chains if not any(map(self.join_of, each.sources))]
+
+    def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
+        return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
 
     @property
     def overridden(self) -> dict[str, float]:

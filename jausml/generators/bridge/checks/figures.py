@@ -10,7 +10,6 @@ from jausml.languages.expressions import source_names
 from jausml.semantics.attributes import NUMBER
 from jausml.semantics.conversions import NoValueError
 from jausml.semantics.steps import Step, step_of
-from jausml.semantics.units import unit_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,6 +17,9 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
 
 _VALUE = "."
+
+NO_STEP = (1.0, 0.0)
+"""Between a unit and itself."""
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,14 @@ class Chain:
         assignment: The `bridge.FieldAssignment`.
         to_ros: Whether it fills the ROS type.
         quantities: The quantities that the bridge states, by name.
+        unit_step: Factor and offset from the unit of the result to that of the target.
     """
 
     map: bridge.AttributeMap
     assignment: bridge.FieldAssignment
     to_ros: bool
     quantities: Mapping[str, bridge.Quantity]
+    unit_step: tuple[float, float]
 
     @property
     def sources(self) -> list[str]:
@@ -98,12 +102,12 @@ class Chain:
             return None
         if len(current) != 1:
             return None
-        factor, offset = self._unit_step
+        factor, offset = self.unit_step
         return float(current[0] * factor + offset)
 
     def back(self, value: float) -> float:
         """Returns the value of the source that gives a value of the target."""
-        factor, offset = self._unit_step
+        factor, offset = self.unit_step
         value = (value - offset) / factor
         for step in reversed(self.steps):
             value = step.back(value)
@@ -112,12 +116,7 @@ class Chain:
     @property
     def has_unit_step(self) -> bool:
         """Whether the unit of the result is not that of the target."""
-        return self._unit_step != (1.0, 0.0)
-
-    @property
-    def _unit_step(self) -> tuple[float, float]:
-        step = unit_step(self.map, self.assignment, to_ros=self.to_ros)
-        return (1.0, 0.0) if step is None else step
+        return self.unit_step != NO_STEP
 
 
 def quantities_of(owner: bridge.Bridge | None) -> dict[str, bridge.Quantity]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.translation.values import AssignmentError
 from jausml.generators.python.names import Scope, constant_name, snake_case
 from jausml.semantics.quantities import value_of
+from jausml.semantics.units import unit_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -132,6 +133,8 @@ class Surroundings:
         constants: Constants of the module by what they are made from.
         quantities: The quantities that are used.
         frames: The names of frames, by connection, last part of the path and value.
+        frame_parameters: Names of the parameters of these.
+        unit_steps: The steps between units that were asked for, by assignment.
         methods: The conversions that the user writes, by name.
         memories: The attributes that keep values.
         nested: The translations of messages inside others, by connection, map and direction.
@@ -145,6 +148,8 @@ class Surroundings:
     constants: dict[object, Constant] = field(default_factory=dict)
     quantities: dict[object, QuantityView] = field(default_factory=dict)
     frames: dict[tuple[str, str, str], FrameView] = field(default_factory=dict)
+    frame_parameters: set[str] = field(default_factory=set)
+    unit_steps: dict[object, tuple[float, float] | None] = field(default_factory=dict)
     methods: dict[str, UserMethod] = field(default_factory=dict)
     memories: list[Memory] = field(default_factory=list)
     nested: dict[object, NestedTranslation] = field(default_factory=dict)
@@ -166,6 +171,25 @@ class Surroundings:
             claimed = self.constant_names.claim(constant_name(name))
             self.constants[key] = Constant(claimed, annotation, tuple(items), brackets, about)
         return self.constants[key].name
+
+    def unit_step(
+        self,
+        attribute_map: bridge.AttributeMap,
+        assignment: bridge.FieldAssignment,
+        *,
+        to_ros: bool,
+    ) -> tuple[float, float] | None:
+        """Returns what `semantics.units.unit_step` does; connections of one map share it.
+
+        Args:
+            attribute_map: The map.
+            assignment: An assignment of it.
+            to_ros: Whether the assignment fills the ROS type.
+        """
+        key = (attribute_map, assignment, to_ros)
+        if key not in self.unit_steps:
+            self.unit_steps[key] = unit_step(attribute_map, assignment, to_ros=to_ros)
+        return self.unit_steps[key]
 
     def quantity(self, quantity: bridge.Quantity, *, is_maximum: bool) -> str:
         """Returns the Python path of a quantity, whose value a parameter may change.
@@ -196,9 +220,9 @@ class Surroundings:
         last = path.rpartition(".")[2]
         key = (connection, last, value)
         if key not in self.frames:
-            taken = {each.parameter for each in self.frames.values()}
             short = f"{connection}.{last}"
-            parameter = short if short not in taken else f"{connection}.{path}"
+            parameter = short if short not in self.frame_parameters else f"{connection}.{path}"
+            self.frame_parameters.add(parameter)
             name = self.attributes.claim(snake_case(parameter.replace(".", "_")))
             about = f"Frame in {path} of {connection}."
             self.frames[key] = FrameView(name, parameter, value, about)

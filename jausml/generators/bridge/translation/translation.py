@@ -22,7 +22,7 @@ from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import UnitEffect, conversion_of
 from jausml.semantics.paths import place
-from jausml.semantics.units import attribute_measure, result_measure, unit_step
+from jausml.semantics.units import attribute_measure, result_measure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -138,7 +138,7 @@ class Translation(ABC):
         targets, to_ros = paths_of(assignment.target), self.to_ros
         chain = Chain(self.body, self.surroundings, self.target, targets, to_ros=to_ros)
         results = chain.apply(assignment.conversions, values, paths_of(assignment.source))
-        step = unit_step(self.map, assignment, to_ros=to_ros)
+        step = self.surroundings.unit_step(self.map, assignment, to_ros=to_ros)
         return chain.scaled(results, step)
 
     def _field(self, assignment: bridge.FieldAssignment) -> None:
@@ -217,7 +217,7 @@ class Translation(ABC):
 
     def _unit_remark(self, assignment: bridge.FieldAssignment) -> str:
         """Both units, where the units of source and target differ."""
-        if unit_step(self.map, assignment, to_ros=self.to_ros) is None:
+        if self.surroundings.unit_step(self.map, assignment, to_ros=self.to_ros) is None:
             return ""
         placed = place(self.map, assignment, to_ros=self.to_ros)
         if placed is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
@@ -61,7 +62,7 @@ def published_once(subject: Subject) -> Iterator[Finding]:
     Good: one of them
     """
     for owner in subject.instances(bridge.Bridge):
-        flows: list[Flow] = []
+        flows: dict[str, list[Flow]] = defaultdict(list)
         for connection in owner.bridgeConnections:
             if not subject.is_read(connection, _FLOW) or connection.map is None:
                 continue
@@ -69,18 +70,20 @@ def published_once(subject: Subject) -> Iterator[Finding]:
                 continue
             yield from _topics_twice(connection, owner)
             flow = flow_of(connection, owner)
-            same = next((each for each in flows if _repeats(flow, each)), None)
+            others = (each for topic in sorted(flow.topics) for each in flows[topic])
+            same = next((each for each in others if _repeats(flow, each)), None)
             if same is not None:
                 topic = min(flow.topics & same.topics)
                 first = same.connection
                 message = f"'{connection.name}' publishes to {topic} what '{first.name}' does"
                 note = Note(first, f"'{first.name}'")
                 yield Finding(connection, message, "topics", related=(note,))
-            flows.append(flow)
+            for topic in flow.topics:
+                flows[topic].append(flow)
 
 
 def _repeats(flow: Flow, other: Flow) -> bool:
-    if not (flow.to_ros and other.to_ros and flow.topics & other.topics):
+    if not (flow.to_ros and other.to_ros):
         return False
     is_same = flow.code == other.code and flow.connection.map is other.connection.map
     return is_same and bool(flow.peers & other.peers or (flow.is_open and other.is_open))
