@@ -6,11 +6,14 @@ A long run takes more mutants: JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
 from __future__ import annotations
 
 import os
+import random
+import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import compositions
 import lupa
 import mutants
 import pytest
@@ -59,9 +62,23 @@ def test_a_model_without_errors_makes_a_workspace(targets, data):
         return data.draw(st.sampled_from(things))
 
     text = mutants.mutant(choose, mutants.seed_texts())
+    make_a_workspace(targets, choose, text, choose(FILE_NAMES))
+
+
+@settings(max_examples=EXAMPLES // 2, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_ready_maps_can_be_put_together(targets, data):
+    def choose(things):
+        return data.draw(st.sampled_from(things))
+
+    make_a_workspace(targets, choose, compositions.composition(choose), "model.ros2jaus")
+
+
+def make_a_workspace(targets, choose, text, file_name):
+    """Generates and reads what a model makes, unless validation refuses it."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        model = folder / choose(FILE_NAMES)
+        model = folder / file_name
         model.write_text(text, encoding="utf-8")
         report = validate([model], notations=NOTATIONS)
         if report.has_errors:
@@ -106,17 +123,31 @@ def read_by_python(workspace, *, runs_tests):
         assert done.returncode == 0, done.stdout
 
 
-def test_mutants_are_not_all_refused():
+def test_neither_mutants_nor_compositions_are_all_refused():
     """Else the property would say nothing: a good part of what is drawn is generated."""
-    chosen = iter(range(10**9))
-
-    def choose(things):
-        return things[(next(chosen) * 7919) % len(things)]
-
-    refused = 0
+    chosen = random.Random(0).choice
+    texts = {
+        "model.xmi": [mutants.mutant(chosen, mutants.seed_texts()) for _ in range(8)],
+        "model.ros2jaus": [compositions.composition(chosen) for _ in range(8)],
+    }
     with tempfile.TemporaryDirectory() as name:
-        for _ in range(20):
-            model = Path(name) / "model.xmi"
-            model.write_text(mutants.mutant(choose, mutants.seed_texts()), encoding="utf-8")
-            refused += validate([model], notations=NOTATIONS).has_errors
-    assert 0 < refused < 19
+        for file_name, drawn in texts.items():
+            model = Path(name) / file_name
+            refused = 0
+            for text in drawn:
+                model.write_text(text, encoding="utf-8")
+                refused += validate([model], notations=NOTATIONS).has_errors
+            assert 0 < refused < 8
+
+
+def test_compositions_can_be_made_again():
+    first, again = (compositions.composition(random.Random(7).choice) for _ in range(2))
+    assert first == again
+
+
+def test_compositions_use_every_ready_map():
+    choose = random.Random(0).choice
+    drawn = "\n".join(compositions.composition(choose) for _ in range(200))
+    assert {each.name for each in compositions.ready_maps()} == set(
+        re.findall(r"^    map: (\w+)$", drawn, flags=re.MULTILINE)
+    )
