@@ -16,6 +16,7 @@ from jausml.generation.errors import (
     OwnershipError,
     RefusedError,
     SelectionError,
+    TooLargeError,
     WriteError,
 )
 from jausml.generation.manifest import MANIFEST_PATH, Entry, Manifest, read_manifest
@@ -52,6 +53,7 @@ __all__ = [
     "Task",
     "TextFile",
     "TextTask",
+    "TooLargeError",
     "View",
     "WholeLibrary",
     "WriteError",

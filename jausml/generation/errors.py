@@ -37,6 +37,10 @@ class NoSystemError(GenerationError):
         self.maps = maps
 
 
+class TooLargeError(GenerationError):
+    """The model asks for more than a workspace can hold; nothing has been written."""
+
+
 class InternalError(GenerationError):
     """A target is wrong (template, view or its output), not the user's model.
 

@@ -15,7 +15,7 @@ from jausml import __version__
 from jausml.generation import docstrings, literals, lua_literals
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.checks import syntax_problem
-from jausml.generation.errors import InternalError
+from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.header import add_header
 from jausml.generation.languages.python import layout, with_imports
 from jausml.generation.tasks import TextTask
@@ -28,6 +28,12 @@ if TYPE_CHECKING:
     from jausml.generation.tasks import Task, View
 
 ModelT = TypeVar("ModelT")
+
+MAX_FILES = 50_000
+"""Most files of a workspace, far more than any system has; a model may ask for any number."""
+
+MAX_CHARACTERS = 256 * 1024 * 1024
+"""Most characters of all files of a workspace, which are held in memory until they are written."""
 
 FILTERS: Mapping[str, Callable[..., str]] = {
     "pystr": literals.python_string,
@@ -56,24 +62,43 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     Raises:
         InternalError: A template, a view or a produced text is wrong; the text names the template
             file and line.
+        TooLargeError: There would be too many files, or too much in them.
     """
+    size = _Size()
     with without_collector():
-        artifacts = [artifact for target in targets for artifact in _rendered(target, model)]
+        renderers = [_Renderer(target, model, size) for target in targets]
+        size.check_files(sum(len(each.task.views) for one in renderers for each in one.tasks))
+        for renderer in renderers:
+            renderer.generate(model, outfolder="")
+    artifacts = [each for one in renderers for task in one.tasks for each in task.artifacts]
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))
 
 
-def _rendered(target: Target[ModelT], model: ModelT) -> Iterable[Artifact]:
-    renderer = _Renderer(target, model)
-    renderer.generate(model, outfolder="")
-    return (artifact for task in renderer.tasks for artifact in task.artifacts)
+class _Size:
+    """How much was rendered; what is too much ends the run before memory does."""
+
+    def __init__(self) -> None:
+        self._characters = 0
+
+    def check_files(self, number: int) -> None:
+        if number > MAX_FILES:
+            message = f"the workspace would have {number} files, more than {MAX_FILES}"
+            raise TooLargeError(f"{message}: make several systems of the model")
+
+    def add(self, artifact: Artifact) -> None:
+        self._characters += len(artifact.text)
+        if self._characters > MAX_CHARACTERS:
+            message = f"the files of the workspace would have more than {MAX_CHARACTERS} characters"
+            hint = f"'{artifact.path}' has {len(artifact.text)} of them"
+            raise TooLargeError(f"{message} ({hint}): make several systems of the model")
 
 
 class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
     """Runs the tasks of one target over one model."""
 
-    def __init__(self, target: Target[ModelT], model: ModelT) -> None:
+    def __init__(self, target: Target[ModelT], model: ModelT, size: _Size) -> None:
         self.templates_path = [str(folder.resolve()) for folder in target.template_folders]
-        self.tasks = [_FilesInMemory(task, target) for task in target.tasks(model)]
+        self.tasks = [_FilesInMemory(task, target, size) for task in target.tasks(model)]
         super().__init__(global_context={"target": target.name, "version": __version__})
 
     def create_environment(self, **kwargs: object) -> jinja2.Environment:
@@ -92,8 +117,9 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
 class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
     """A task in multigen's loop, which keeps the files that it makes."""
 
-    def __init__(self, task: Task, target: Target[Any]) -> None:
+    def __init__(self, task: Task, target: Target[Any], size: _Size) -> None:
         super().__init__()
+        self.size = size
         self.task = task
         self.target = target
         self.artifacts: list[Artifact] = []
@@ -107,6 +133,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
 
         Raises:
             InternalError: The template, the view or the produced text is wrong.
+            TooLargeError: With it there would be too much in all files.
         """
         try:
             self.artifacts.append(self._artifact(element))
@@ -115,6 +142,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
         except Exception as error:
             where = self._template_line(error) or self.task.label(element)
             raise InternalError(where, f"{type(error).__name__}: {error}") from error
+        self.size.add(self.artifacts[-1])
 
     def _artifact(self, view: Any) -> Artifact:
         task, path = self.task, self.task.path(view)

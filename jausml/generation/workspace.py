@@ -108,6 +108,7 @@ def generate(
         NoSystemError: A target needs one system, and the model's file holds none or several.
         InternalError: A target is wrong.
         GenerationError: The model has what a target cannot generate.
+        TooLargeError: The workspace would be too large.
         OwnershipError: The workspace is that of another model, or has no such one to adopt.
         WriteError: The operating system refused.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model.diagnostics import Location
-from jausml.model.xmi.scanning import attribute_position
+from jausml.model.xmi.scanning import attribute_positions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -51,7 +51,7 @@ class Document:
         self.lacks_imports = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}
         self._root_positions: dict[EObject, int] | None = None
-        self._locations: dict[tuple[Node, tuple[str, str]], Location] = {}
+        self._positions: dict[Node, dict[tuple[str, str], tuple[int, int]]] = {}
 
     def __repr__(self) -> str:
         return f"<document {self.display}>"
@@ -79,11 +79,10 @@ class Document:
         """
         if attribute is None or not self.is_xml:
             return Location(self.display, node.line, node.column)
-        known = self._locations.get((node, attribute))
+        known = self._positions.get(node)
         if known is None:
-            line, column = attribute_position(self.data, self.encoding, node, *attribute)
-            known = self._locations[node, attribute] = Location(self.display, line, column)
-        return known
+            known = self._positions[node] = attribute_positions(self.data, self.encoding, node)
+        return Location(self.display, *known.get(attribute, (node.line, node.column)))
 
     def children(self, node: Node, tag: str) -> list[Node]:
         """Returns the child elements of a name, in order."""

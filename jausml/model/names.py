@@ -98,6 +98,10 @@ class NameFinder:
     def how_to_choose(self, elements: list[EObject]) -> str:
         """Returns what makes one of several elements the one that is meant."""
         documents = [self._model.document_of(each) for each in elements]
+        if len({qualified_name(each) for each in elements}) < len(elements) and len(
+            set(documents)
+        ) < len(elements):
+            return "rename one of them"
         shipped = [each.path for each in documents if each is not None and each.is_library]
         if len(set(shipped)) < len(elements):
             return "write enough of the name, or import the document that is meant"

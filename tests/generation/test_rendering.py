@@ -261,3 +261,26 @@ def test_generated_python_is_as_ruff_formats_it(workspace, vehicle, rename, doc)
 
 def test_templates_beside_a_module(tmp_path):
     assert gen.templates_beside(str(tmp_path / "target.py")) == tmp_path / "templates"
+
+
+def test_more_files_than_a_workspace_can_have_are_refused_before_they_are_made(
+    workspace, vehicle, arm, monkeypatch
+):
+    number = len(workspace.render([vehicle, arm]))
+    monkeypatch.setattr("jausml.generation.rendering.MAX_FILES", number)
+    assert len(workspace.render([vehicle, arm])) == number
+    monkeypatch.setattr("jausml.generation.rendering.MAX_FILES", number - 1)
+    made = []
+    monkeypatch.setattr("jausml.generation.rendering.add_header", lambda *given: made.append(given))
+    with pytest.raises(gen.TooLargeError, match=f"would have {number} files, more than"):
+        workspace.render([vehicle, arm])
+    assert made == []
+
+
+def test_files_that_are_too_much_together_are_refused(workspace, vehicle, arm, monkeypatch):
+    size = sum(len(each.text) for each in workspace.render([vehicle, arm]))
+    monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size)
+    workspace.render([vehicle, arm])
+    monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size - 1)
+    with pytest.raises(gen.TooLargeError, match=f"more than {size - 1} characters"):
+        workspace.render([vehicle, arm])

@@ -229,5 +229,5 @@ def test_attributes_are_found_where_they_are(attributes):
         text += f"{name}={quoteattr(value)}"
     data = (text + "/>").encode()
     node = parse(data).root
-    for name, place in places.items():
-        assert scanning.attribute_position(data, "utf-8", node, "", name) == place
+    expected = {("", name): place for name, place in places.items()}
+    assert scanning.attribute_positions(data, "utf-8", node) == expected

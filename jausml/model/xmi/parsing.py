@@ -128,7 +128,9 @@ def parse(data: bytes) -> ParseResult:
         return ParseResult(fault=_explain(error, data))
     except (LookupError, ValueError) as error:
         # pyexpat asks Python for encodings that expat lacks; multi-byte ones are refused so.
-        return ParseResult(fault=ParseFault("JML006", f"the encoding cannot be read: {error}"))
+        return ParseResult(
+            fault=ParseFault("JML006", f"the encoding cannot be read: {error}", _AS_UTF_8)
+        )
     return ParseResult(root=builder.root, encoding=detect_encoding(data))
 
 
@@ -229,17 +231,28 @@ def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
             "JML009", "the file has merge conflict markers", "resolve the conflict", line, 1
         )
     reason = expat.ErrorString(error.code) or str(error)
-    rule = "JML004"
+    rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:
         rule = "JML006"
-        reason = f"the encoding cannot be read: {reason}"
+        reason, hint = f"the encoding cannot be read: {reason}", _AS_UTF_8
     elif line == 1 and not data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"\xff", b"\xfe")):
         reason = f"the file is not XML: {reason}"
     else:
         reason = f"not well-formed XML: {reason}"
-    return ParseFault(rule, reason, "", line, column)
+        hint = _AS_UTF_8 if error.code == _INVALID_TOKEN and not _is_utf_8(data) else ""
+    return ParseFault(rule, reason, hint, line, column)
 
 
+def _is_utf_8(data: bytes) -> bool:
+    try:
+        data.decode(detect_encoding(data))
+    except (LookupError, ValueError):
+        return False
+    return True
+
+
+_AS_UTF_8 = "save it as UTF-8, and let the XML declaration say so"
+_INVALID_TOKEN = expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]
 _ENCODING_ERRORS = frozenset(
     expat.errors.codes[message]
     for message in (

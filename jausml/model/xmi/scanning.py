@@ -14,36 +14,37 @@ _NAME = re.compile(r"<[^\s/>]+")
 _WHOLE = re.compile(r"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*>""")
 
 
-def attribute_position(
-    data: bytes, encoding: str, node: Node, namespace: str, name: str
-) -> tuple[int, int]:
-    """Returns line and column of an attribute of an element.
+def attribute_positions(
+    data: bytes, encoding: str, node: Node
+) -> dict[tuple[str, str], tuple[int, int]]:
+    """Returns line and column of the names of the attributes of an element.
 
     Args:
         data: The document.
         encoding: Its encoding.
         node: The element.
-        namespace: Namespace URI of the attribute, empty when it has none.
-        name: Its local name.
 
     Returns:
-        The place of the attribute's name; that of the element when it has no such attribute.
+        The places by namespace URI, empty for an attribute that has none, and local name.
     """
     tag = _start_tag(data, encoding, node.offset)
-    line, column = node.line, node.column
+    line, start = node.line, 1 - node.column
+    found: dict[tuple[str, str], tuple[int, int]] = {}
     match = _NAME.match(tag)
     at = match.end() if match else 0
     while match := _TOKEN.match(tag, at):
         prefix, _, local = match.group(1).rpartition(":")
         written = node.prefixes.get(prefix, "") if prefix else ""
-        if local == name and written == namespace:
-            before = tag[: match.start(1)]
-            newlines = before.count("\n")
-            if newlines:
-                return line + newlines, len(before) - before.rfind("\n")
-            return line, column + len(before)
+        begin = match.start(1)
+        if newlines := tag.count("\n", at, begin):
+            line += newlines
+            start = tag.rfind("\n", at, begin) + 1
+        found.setdefault((written, local), (line, begin - start + 1))
+        if newlines := tag.count("\n", begin, match.end()):
+            line += newlines
+            start = tag.rfind("\n", begin, match.end()) + 1
         at = match.end()
-    return line, column
+    return found
 
 
 def _start_tag(data: bytes, encoding: str, offset: int) -> str:

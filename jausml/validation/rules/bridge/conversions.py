@@ -201,5 +201,7 @@ def _at(variable: Variable) -> str:
 
 def _nearest(name: str, known: Iterable[str]) -> str:
     near = get_close_matches(name, known, n=1)
-    short = [each for each in known if "." not in each and not re.fullmatch("value[0-9]+", each)]
+    short = [
+        each for each in known if each and "." not in each and not re.fullmatch("value[0-9]+", each)
+    ]
     return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"

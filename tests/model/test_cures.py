@@ -1,0 +1,79 @@
+"""What messages say to do: the cure is one that helps."""
+
+from __future__ import annotations
+
+from jausml.model.xmi import parsing, scanning
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import validate
+
+SYSTEM = (
+    '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="robot">{}</system:System>'
+)
+
+
+def test_other_encodings_are_told_to_become_utf_8():
+    declared = '<?xml version="1.0" encoding="{}"?><a name="é"/>'
+    texts = (
+        declared.format("Shift_JIS").encode("utf-8"),
+        declared.format("UTF-7").encode("utf-8"),
+        '<a name="é"/>'.encode("latin-1"),
+        declared.format("UTF-8").encode("latin-1"),
+    )
+    for data in texts:
+        fault = parsing.parse(data).fault
+        assert fault.rule in ("JML004", "JML006")
+        assert "save it as UTF-8" in fault.hint
+
+
+def test_a_wrong_character_is_no_matter_of_the_encoding():
+    assert parsing.parse(b'<a name="b" & />').fault.hint == ""
+
+
+MAP = """velocity {
+    JAUS ReportVelocityState
+    ROS nav_msgs/Odometry
+    JAUS->ROS ( Velocity_X -> twist.twist.linear.x )
+}
+"""
+
+
+def test_of_two_maps_of_one_name_one_is_renamed(tmp_path):
+    path = tmp_path / "model.ros2jaus"
+    path.write_text(f"{MAP}{MAP}bridge b {{ address: 1.1.1 connection c {{ map: velocity }} }}\n")
+    found = validate([path], notations=NOTATIONS).diagnostics
+    (ambiguous,) = [each for each in found if each.rule == "JML216"]
+    assert ambiguous.hint == "rename one of them"
+
+
+def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, monkeypatch):
+    walks = []
+    whole = scanning.attribute_positions
+
+    def counted(data, encoding, node):
+        walks.append(node)
+        return whole(data, encoding, node)
+
+    monkeypatch.setattr("jausml.model.documents.attribute_positions", counted)
+    path = tmp_path / "model.xmi"
+    unknown = " ".join(f'bogus{number}="1"' for number in range(500))
+    path.write_text(SYSTEM.format(f'<components name="a" address="1.1.1" {unknown}/>'))
+    report = validate([path])
+    assert [each.rule for each in report.diagnostics] == ["JML103"] * 500
+    columns = [each.location.column for each in report.diagnostics]
+    assert columns == sorted(set(columns))
+    assert len(walks) == 1
+
+
+def test_an_empty_source_is_no_name_that_an_expression_may_use(tmp_path):
+    path = tmp_path / "model.xmi"
+    library = "http://www.jausml.org/library"
+    path.write_text(
+        '<bridge:MapLibrary xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
+        ' xmlns:bridge="http://www.jausml.org/bridge/1.0" name="field"><maps name="m">'
+        f'<message href="{library}/jaus/mobility.xmi#VelocityStateSensor.ReportVelocityState"/>'
+        f'<type href="{library}/ros/geometry_msgs.xmi#Twist"/>'
+        '<toRos xsi:type="bridge:FieldAssignment" target="linear.x" source="">'
+        '<conversions kind="expression" expression="x"/></toRos></maps></bridge:MapLibrary>'
+    )
+    (unknown,) = [each for each in validate([path]).diagnostics if each.rule == "JML441"]
+    assert unknown.hint == "there is value"
