@@ -87,7 +87,7 @@ def quantities(subject: Subject) -> Iterator[Finding]:
         quantity = conversion.quantity
         if quantity is None or quantity.value > 0:
             continue
-        if MAXIMUM in conversion_of(conversion).arguments:
+        if tuple(conversion_of(conversion).arguments) == (MAXIMUM,):
             message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
             note = Note(quantity, f"'{quantity.name}'", "value")
             yield Finding(conversion, message, "quantity", related=(note,))
