@@ -64,6 +64,10 @@ def types(subject: Subject) -> Iterator[Finding]:
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
     for direction in directions(subject):
+        for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
+            if len(placed.targets) > 1:
+                message = f"{len(placed.targets)} targets of one value"
+                yield Finding(placed.assignment, message, "target", "write one assignment for each")
         for placed in direction.of_kind(bridge.ClockAssignment):
             for path, target in placed.targets:
                 if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
