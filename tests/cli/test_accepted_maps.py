@@ -184,8 +184,9 @@ def model(pairs, assigned=copied, suffix=""):
         ' xmlns:system="http://www.jausml.org/system/1.0" name="kinds"><serviceSets name="kinds">'
         f'<services xmi:id="S" name="Kinds" urn="urn:example:Kinds">{"".join(messages)}</services>'
         f'</serviceSets><interfaces name="kinds_interfaces">{"".join(types)}</interfaces>'
-        '<components xmi:id="sensor" name="sensor" address="1.1.1" provides="S"/>'
-        '<bridges name="kinds_bridge" address="1.1.2" provides="S">'
+        '<components xmi:id="sensor" name="sensor" address="1.1.1" provides="S"'
+        ' coreServices="none"/>'
+        '<bridges name="kinds_bridge" address="1.1.2" provides="S" coreServices="none">'
         f"{''.join(maps)}{''.join(connections)}</bridges></system:System>"
     )
 
