@@ -14,6 +14,7 @@ from workspaces import python_path
 
 from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
+from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.jaus_component.target import TARGET
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
@@ -185,6 +186,24 @@ def test_ruff_finds_nothing(workspace: Path, package: str) -> None:
     folder = workspace / package
     run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
     run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+
+
+def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> None:
+    path = tmp_path / "model.xmi"
+    services, words = "http://www.jausml.org/library/jaus", " ".join(["documentation"] * 100)
+    path.write_text(
+        '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="one">'
+        f'<components name="clock" address="1.1.1" coreServices="none" documentation="{words}">'
+        f'<provides href="{services}/core-1.1.xmi#Transport"/></components>'
+        f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>'
+    )
+    for each in render(read_models([path]).model, [TARGET, BRIDGE]):
+        if each.path.endswith("_base.py"):
+            (tmp_path / Path(each.path).name).write_text(each.text)
+    assert "\nSERVICES = (Service" in (tmp_path / "clock_base.py").read_text()
+    config = ["--config", str(ROOT / "pyproject.toml")]
+    run("-m", "ruff", "format", "--check", *config, ".", cwd=tmp_path, workspace=tmp_path)
+    run("-m", "ruff", "check", "--select=E,W", *config, ".", cwd=tmp_path, workspace=tmp_path)
 
 
 def test_mypy_finds_nothing(workspace: Path) -> None:

@@ -77,3 +77,12 @@ def test_an_empty_source_is_no_name_that_an_expression_may_use(tmp_path):
     )
     (unknown,) = [each for each in validate([path]).diagnostics if each.rule == "JML441"]
     assert unknown.hint == "there is value"
+
+
+def test_the_name_of_a_new_message_has_ascii_letters(tmp_path):
+    path = tmp_path / "model.ros2jaus"
+    text = "size {\n    JAUS Größe (\n        uint16 a\n    )\n    ROS std_msgs/Float64\n}\n"
+    path.write_text(text, encoding="utf-8")
+    found = [e for e in validate([path], notations=NOTATIONS).diagnostics if e.rule == "JML215"]
+    assert [each.location.line for each in found] == [2]
+    assert "letters from A to z, digits and underscores" in found[0].hint

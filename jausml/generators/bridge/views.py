@@ -26,6 +26,7 @@ from jausml.generators.common.components import (
 from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
+from jausml.generators.python.statements import long_string
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.paths import source_paths
 
@@ -139,7 +140,7 @@ class BridgeView:
         return (
             ("name", python_string(self.name)),
             ("address", address_call(bridge)),
-            ("description", python_string(" ".join(self.documentation.split()))),
+            ("description", long_string(" ".join(self.documentation.split()))),
             ("namespace", python_string(bridge.namespace or "")),
             ("frequency", python_literal(float(bridge.frequency))),
             ("component_type", str(SUBSYSTEM_TYPES[bridge.type.name])),

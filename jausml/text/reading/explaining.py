@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from jausml.model.notation import Explanation
 from jausml.model.uris import library_root
 from jausml.text.reading.library_maps import library_maps
+
+_DECLARED = ("jaus.MessageDef", "ros.MessageType")
+_NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 if TYPE_CHECKING:
     from jausml.text.reading.declaring.messages import OwnService
@@ -28,6 +32,9 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
     if qualified_class == "jaus.Service" and service.node is not None and service.written is None:
         hint = f"the messages of this file belong to '{service.name}', named after the file"
         return Explanation(f"{hint}: 'service {name}' gives it a name that stays")
+    if qualified_class in _DECLARED and not _NAME.fullmatch(name.rpartition("/")[2]):
+        hint = "the name of a new one has letters from A to z, digits and underscores"
+        return Explanation(f"{hint}, with a letter first")
     if qualified_class == "jaus.MessageDef":
         hint = f"list its members to declare it: {name} ( uint16 x )"
         return Explanation(f"{hint}; jausml import jsidl reads service sets")
