@@ -108,19 +108,18 @@ def read_as_its_format(artifact):
 
 
 def read_by_python(workspace, *, runs_tests):
-    """Imports the packages, and runs their tests where their messages are installed."""
+    """Imports the packages, and runs their tests where the ROS packages are that they need."""
     pytest.importorskip("rclpy")
     names = [Path(each).name for each in packages_of(workspace)]
     environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
     run = {"env": environment, "capture_output": True, "text": True, "check": False}
     done = subprocess.run([sys.executable, "-c", _IMPORT, *names], timeout=300, **run)
     assert done.returncode == 0, done.stderr
-    if not runs_tests or list(workspace.glob("*/CMakeLists.txt")):
-        return
-    for folder in sorted(workspace.glob("*/test")):
+    for folder in sorted(workspace.glob("*/test")) if runs_tests else ():
         command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, "--rootdir", ".", "test"]
         done = subprocess.run(command, cwd=folder.parent, timeout=600, **run)
-        assert done.returncode == 0, done.stdout
+        missing = set(re.findall(r"No module named '(\w+)", done.stdout)) - set(names)
+        assert done.returncode == 0 or missing, done.stdout
 
 
 def test_neither_mutants_nor_compositions_are_all_refused():
