@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, TypedDict
 
 import click
 
-from jausml.text.notation import NOTATIONS, SUFFIX, BridgeOfMaps, Ros2Jaus
+from jausml.text.bridge_options import BridgeOfMaps
+from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
-from jausml.model.eclipse import enclosing_project, projects_around, projects_in
 from jausml.model.values import suggest
+from jausml.model.xmi.eclipse import enclosing_project, projects_around, projects_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

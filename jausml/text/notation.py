@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.rules import RuleInfo
+    from jausml.text.bridge_options import BridgeOfMaps
     from jausml.text.reading.document import TextDocument
 
 SUFFIX = ".ros2jaus"
@@ -38,21 +38,6 @@ _VALUES = {
     "EDouble": "number",
     "EDoubleObject": "number",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class BridgeOfMaps:
-    """What a bridge of all maps of a file is, besides the maps.
-
-    Attributes:
-        path: The file, a real path.
-        address: JAUS address of the bridge, such as `100.1.20`.
-        frequency: Messages each second of its events, None for the default of bridges.
-    """
-
-    path: Path
-    address: str
-    frequency: float | None = None
 
 
 class Ros2Jaus:

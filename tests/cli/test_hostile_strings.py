@@ -25,7 +25,7 @@ PAYLOAD = (
 )
 # The texts that are free: everything else has rules of its own and must be refused.
 FREE = {
-    *("documentation", "units", "format"),
+    *("documentation", "units", "format", "holdReason"),
     *("EnumeratedValue.name", "Format.name", "Alternative.name", "Action.arguments"),
     *("Parameter.value", "ConstantAssignment.value", "FieldAssignment.defaultValue"),
     *("TableEntry.ros", "ListAssignment.names", "MapLibrary.name", "ValueTable.name"),

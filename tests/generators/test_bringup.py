@@ -80,6 +80,7 @@ TRANSPORT = [
     ["--jaus-port=", "$jaus_port"],
     ["--jaus-multicast-group=", "$jaus_multicast_group"],
     ["--jaus-multicast-ttl=", "$jaus_multicast_ttl"],
+    ["--jaus-fragment-size=", "$jaus_fragment_size"],
     ["--log-level=", "$log_level"],
 ]
 
@@ -141,6 +142,7 @@ def settings(interface="", port="", group="", ttl=""):
         "jaus_port": port,
         "jaus_multicast_group": group,
         "jaus_multicast_ttl": ttl,
+        "jaus_fragment_size": "",
     }
 
 
@@ -361,4 +363,5 @@ def test_options_are_those_of_the_runtime():
         "--jaus-port": str(known.port),
         "--jaus-multicast-group": known.multicast_group,
         "--jaus-multicast-ttl": str(known.multicast_ttl),
+        "--jaus-fragment-size": str(known.fragment_size),
     }

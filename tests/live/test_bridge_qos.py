@@ -9,7 +9,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from jausml.runtime.bridge.parameters import Parameter, ParameterError
+from jausml.runtime.bridge.parameter import Parameter
+from jausml.runtime.bridge.parameters import ParameterError
 from jausml.runtime.bridge.topics import Qos, Topic
 
 from .bridge_support import RosPeer, wait_for

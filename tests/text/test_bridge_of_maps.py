@@ -9,7 +9,8 @@ from test_figure_5 import FIGURE_5
 from jausml.cli import main
 from jausml.metamodel.classes import bridge
 from jausml.model import read_models
-from jausml.text.notation import BridgeOfMaps, Ros2Jaus
+from jausml.text.bridge_options import BridgeOfMaps
+from jausml.text.notation import Ros2Jaus
 from jausml.validation.engine import check
 
 LIBRARY = """\

@@ -361,7 +361,8 @@ def test_a_text_broken_anywhere_still_yields_a_tree(position, put):
 
 def test_the_texts_of_the_language_page():
     page = Path(__file__).parents[2] / "docs" / "ros2jaus.md"
-    blocks = re.findall(r"(?:^ {4}.*\n|^\n)+", page.read_text("utf-8"), re.MULTILINE)
+    text = re.sub("^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    blocks = re.findall(r"(?:^ {4}.*\n|^\n)+", text, re.MULTILINE)
     texts = [textwrap.dedent(each).strip() for each in blocks if each.strip()]
     example, *_, members, structs, _ = texts
     for text in (example, f"m {{ {members} }}", structs):

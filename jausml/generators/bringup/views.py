@@ -81,6 +81,9 @@ SETTINGS = (
     Setting(
         "jaus_multicast_ttl", "multicastTtl", "16", "Routers that a multicast of JAUS may pass"
     ),
+    Setting(
+        "jaus_fragment_size", "fragmentSize", "4079", "Bytes of a message in one packet of JAUS"
+    ),
 )
 
 

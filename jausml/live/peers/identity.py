@@ -10,15 +10,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from jausml.live.peers.network import SUBSYSTEM, Network
 from jausml.runtime.base.address import JausAddress
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.peers.network import Network
-
-SUBSYSTEM = 65000
-"""Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
 _LAST = 254
 

@@ -7,7 +7,6 @@ import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.identity import SUBSYSTEM
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import (
     JUDP_GROUP,
@@ -27,6 +26,10 @@ TRANSPORTS = tuple(kind.value for kind in TransportKind)
 DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
 DEFAULT_GROUP = JUDP_GROUP
+
+
+SUBSYSTEM = 65000
+"""Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..services.definitions import Guard
     from ..wire import Message
     from .diagnostics import ConnectionStatus
-    from .parameters import Parameter
+    from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
     from .topics import Topic

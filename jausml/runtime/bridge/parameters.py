@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.address import JausAddress
 from ..base.errors import JausError
-from ..base.settings import TransportKind
+from ..base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import MAX_EVENT_RATE
+from .parameter import Parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
     from .ends import RosSide
     from .settings import BridgeSettings
@@ -35,25 +36,6 @@ LONGEST_TIME = 3600.0
 
 class ParameterError(JausError):
     """A parameter of the node has a value with which the bridge cannot run."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of the node.
-
-    Attributes:
-        name: Its name.
-        default: Modelled value; its type is that of the parameter.
-        description: Text of its descriptor.
-        limits: Least and greatest value of a number.
-        check: Raises ValueError for a value that does not do; None takes all.
-    """
-
-    name: str
-    default: Any
-    description: str
-    limits: tuple[float, float] | None = None
-    check: Callable[[Any], object] | None = None
 
 
 @dataclass(frozen=True)
@@ -104,6 +86,12 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
             known.multicast_ttl,
             "Routers that a multicast of JAUS may pass.",
             (0, 255),
+        ),
+        Parameter(
+            "jaus_fragment_size",
+            known.fragment_size,
+            "Bytes of a message in one packet of JAUS.",
+            (2, MAX_FRAGMENT_SIZE),
         ),
     )
 

@@ -49,7 +49,7 @@ from ..base.counters import LOGGER
 from ..component.process import ignore_signals
 from ..conversions import Time
 from .errors import RosLostError
-from .parameters import Parameter, ParameterError, nearest
+from .parameters import ParameterError, nearest
 from .quality import EndpointHealth
 from .topics import Qos
 
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 
     from .diagnostics import ConnectionStatus
     from .quality import TopicFault
+    from .parameter import Parameter
     from .topics import Topic
 
 LAST_WORDS = 1.0

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.model.notation import Known
     from jausml.model.xmi.parsing import Node
-    from jausml.text.notation import BridgeOfMaps
+    from jausml.text.bridge_options import BridgeOfMaps
     from jausml.text.reading.declaring.declaring import Declarer
     from jausml.text.reading.maps import WrittenEnd
     from jausml.text.reading.nodes import NodeMaker

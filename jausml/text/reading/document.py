@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import Metamodels
     from jausml.model.notation import Explanation, Known
     from jausml.model.xmi.parsing import Node
-    from jausml.text.notation import BridgeOfMaps
+    from jausml.text.bridge_options import BridgeOfMaps
     from jausml.text.tree import Item, SyntaxTree
 
 SERVICE = "service"

@@ -20,6 +20,7 @@ PARAMETERS = frozenset(
     {
         "diagnostics_frequency",
         "jaus_authority",
+        "jaus_fragment_size",
         "jaus_id",
         "jaus_interface",
         "jaus_multicast_group",
