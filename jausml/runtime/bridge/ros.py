@@ -59,8 +59,8 @@ if TYPE_CHECKING:
     from rclpy.publisher import Publisher
 
     from .diagnostics import ConnectionStatus
-    from .quality import TopicFault
     from .parameter import Parameter
+    from .quality import TopicFault
     from .topics import Topic
 
 LAST_WORDS = 1.0

@@ -73,6 +73,9 @@ class MapWriter:
         yield from (self._table(each) for each in obj.tables)
         yield from map(self._elements.element, obj.quantities)
         yield from map(self._elements.element, obj.joins)
+        for name, stop in (("stopRos", obj.stopRos), ("stopJaus", obj.stopJaus)):
+            if stop is not None:
+                yield self._elements.value_item(stop, self._feature(obj, name))
         yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
         yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
         yield from (self._vector(each) for each in obj.vectors)
