@@ -120,7 +120,9 @@ joined {
 bridge listed {
   address: 1.1.2
   connection elements { map: elements onSilence: hold holdReason: "a path stays" topic a {} }
-  connection elements_out { map: elements direction: rosToJaus onSilence: hold holdReason: "a path stays" topic a {} }
+  connection elements_out {
+    map: elements direction: rosToJaus onSilence: hold holdReason: "a path stays" topic a {}
+  }
   connection joints { map: joints topic b {} }
   connection joints_out { map: joints direction: rosToJaus topic b {} }
   connection strict { map: strict_joints topic b {} }
