@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, write
+from jausml.cli.messages import (
+    format_option,
+    model_option,
+    open_catalogue,
+    to_json,
+    write,
+)
 from jausml.live.messages import UnknownServiceError
 from jausml.live.messages.errors import did_you_mean, similar
 
@@ -17,16 +23,6 @@ if TYPE_CHECKING:
     from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
 
 
-_format_option = click.option(
-    "--format",
-    "output_format",
-    type=FORMATS,
-    default="text",
-    show_default=True,
-    help="A table, or one JSON object a line.",
-)
-
-
 @click.group("list")
 def command() -> None:
     """List the JAUS services, messages and attribute maps of the library and of your models."""
@@ -34,7 +30,7 @@ def command() -> None:
 
 @command.command("services")
 @click.option("--set", "set_name", metavar="NAME", help="Only the services of a service set.")
-@_format_option
+@format_option
 @model_option
 def services(set_name: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List services with their versions.
@@ -76,7 +72,7 @@ def _service_json(service: ServiceEntry) -> dict[str, Any]:
     metavar="SERVICE",
     help="Only those of a service, inherited ones too: URN or name, then /VERSION if meant.",
 )
-@_format_option
+@format_option
 @model_option
 def messages(service: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """List messages with their codes.
@@ -106,7 +102,7 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
     "--ros", "ros_type", metavar="TYPE", help="Only those of a ROS type, joined ones too."
 )
 @click.option("--jaus", "message_name", metavar="MESSAGE", help="Only those of a JAUS message.")
-@_format_option
+@format_option
 @model_option
 def maps(
     ros_type: str | None, message_name: str | None, output_format: str, models: tuple[str, ...]

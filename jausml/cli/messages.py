@@ -36,6 +36,15 @@ model_option = click.option(
 FORMATS = click.Choice(["text", "json"])
 """Formats of the output: for people and for programs."""
 
+format_option = click.option(
+    "--format",
+    "output_format",
+    type=FORMATS,
+    default="text",
+    show_default=True,
+    help="For people, or one JSON object a line.",
+)
+
 
 class ModelFault(click.ClickException):
     """A model has errors."""

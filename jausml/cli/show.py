@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.messages import FORMATS, model_option, open_catalogue, to_json, write
+from jausml.cli.messages import (
+    format_option,
+    model_option,
+    open_catalogue,
+    to_json,
+    write,
+)
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.definitions import Row, rows
 from jausml.live.messages.errors import did_you_mean, similar
@@ -18,15 +24,6 @@ if TYPE_CHECKING:
 
     from jausml.cli.maps import FoundMap
     from jausml.live.messages import Catalogue, ServiceEntry
-
-_format_option = click.option(
-    "--format",
-    "output_format",
-    type=FORMATS,
-    default="text",
-    show_default=True,
-    help="For people, or one JSON object a line.",
-)
 
 
 @click.group("show")
@@ -41,7 +38,7 @@ def command() -> None:
     metavar="SERVICE",
     help="That of a service: URN or name, then /VERSION if meant.",
 )
-@_format_option
+@format_option
 @model_option
 def message(name: str, service: str | None, output_format: str, models: tuple[str, ...]) -> None:
     """Show the fields of the message NAME, and an example that `encode` and `ocu` take.
@@ -120,7 +117,7 @@ def _values(field: Row) -> str:
 
 @command.command("service")
 @click.argument("name", metavar="NAME")
-@_format_option
+@format_option
 @model_option
 def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     """Show the service NAME: what it inherits, takes and sends.
@@ -173,7 +170,7 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
 
 @command.command("map")
 @click.argument("name", metavar="NAME")
-@_format_option
+@format_option
 @model_option
 def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     """Show the attribute map NAME: what it joins, its quantities, and how to use it.
