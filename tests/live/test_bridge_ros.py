@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 
 import pytest
 
@@ -14,39 +13,12 @@ from jausml.runtime.bridge.parameter import Parameter
 from jausml.runtime.bridge.parameters import ParameterError
 from jausml.runtime.bridge.topics import Qos, Topic
 
-from .bridge_support import RosPeer, wait_for
+from .bridge_support import wait_for
 
 pytestmark = [
     pytest.mark.live,
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
-
-
-@pytest.fixture(scope="module")
-def peer():
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 45) % 90))
-        made = RosPeer()
-        yield made
-        made.close()
-
-
-@pytest.fixture
-def node(peer):
-    from jausml.runtime.bridge.ros import RosNode
-
-    del peer  # it sets the domain
-    nodes = []
-
-    def make(*ros_arguments, namespace=""):
-        line = ["--ros-args", *ros_arguments] if ros_arguments else []
-        nodes.append(RosNode("tested", namespace, line))
-        return nodes[-1]
-
-    yield make
-    for made in nodes:
-        made.close()
 
 
 def test_names_are_relative_and_can_be_remapped(node, peer):

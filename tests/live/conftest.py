@@ -1,0 +1,38 @@
+"""The ROS side of a bridge, and a node that it speaks with."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from .bridge_support import RosPeer
+
+
+@pytest.fixture(scope="module")
+def peer():
+    """A ROS node beside the tested one, in a domain of the module."""
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 45) % 90))
+        made = RosPeer()
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def node(peer):
+    """Makes ROS sides of bridges, which end with the test."""
+    from jausml.runtime.bridge.ros import RosNode
+
+    del peer  # it sets the domain
+    nodes = []
+
+    def make(*ros_arguments, namespace=""):
+        line = ["--ros-args", *ros_arguments] if ros_arguments else []
+        nodes.append(RosNode("tested", namespace, line))
+        return nodes[-1]
+
+    yield make
+    for made in nodes:
+        made.close()
