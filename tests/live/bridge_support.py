@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from workspaces import packages_of
 
@@ -124,6 +125,7 @@ class RosPeer:
         self.executor.add_node(self.node)
         self.received: dict[str, list] = {}
         self._publishers: dict[str, object] = {}
+        self._subscriptions: dict[str, Any] = {}
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
@@ -140,8 +142,16 @@ class RosPeer:
         if topic not in self.received:
             found: list = []
             self.received[topic] = found
-            self.node.create_subscription(message_type, topic, found.append, qos)
+            subscription = self.node.create_subscription(message_type, topic, found.append, qos)
+            self._subscriptions[topic] = subscription
         return self.received[topic]
+
+    def listen_to_publisher(self, message_type, topic: str, qos=10) -> list:
+        """Subscribes and waits until a publisher was found, whose messages then all arrive."""
+        found = self.listen(message_type, topic, qos)
+        subscription = self._subscriptions[topic]
+        wait_for(lambda: subscription.get_publisher_count() > 0, f"publisher of {topic}")
+        return found
 
     def publisher(self, message_type, topic: str, qos=10):
         """Makes a publisher and waits until the bridge has found it."""

@@ -93,7 +93,7 @@ def test_each_is_driven_alone_with_the_speed_of_its_base(fleet):
     from geometry_msgs.msg import Twist
 
     ros, port = fleet
-    told = {name: ros.listen(Twist, f"/{name}/cmd_vel") for name in ADDRESSES}
+    told = {name: ros.listen_to_publisher(Twist, f"/{name}/cmd_vel") for name in ADDRESSES}
     effort = '{"PropulsiveLinearEffortX": 50}'
     for name, speed in (("second", 0.25), ("first", 1.0)):
         for each in told.values():
