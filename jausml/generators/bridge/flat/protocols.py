@@ -1,0 +1,91 @@
+"""The two ends of a flat translation: what reads the source, and what writes the target."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class Reading(Protocol):
+    """Reads the wanted values of a message, or of an element of a list, out of its bytes.
+
+    Paths are those of the readable translation, without its `source.`.
+    """
+
+    def value(self, path: str) -> str:
+        """Asks for a value; returns the Python expression that has it after `lines`.
+
+        It is None where an optional JAUS field is absent.
+        """
+
+    def sequence(self, path: str) -> SequenceReading:
+        """Asks for a list."""
+
+    def lines(self) -> Sequence[str]:
+        """Returns the statements that load all that was asked for out of `data`."""
+
+
+class SequenceReading(Protocol):
+    """Reads a list.
+
+    Attributes:
+        count: Python expression of the number of elements, after the lines of the message.
+        element: Reads one element; its values are there in the body of the loop.
+    """
+
+    count: str
+    element: Reading
+
+    def loop(self, body: Sequence[str]) -> Sequence[str]:
+        """Returns the loop over the elements.
+
+        Args:
+            body: What is done with each.
+        """
+
+    def vector(self) -> str:
+        """Returns the Python expression of all elements, numbers of one type, at once."""
+
+
+class Writing(Protocol):
+    """Writes a message, or an element of a list, with the given values as bytes.
+
+    Paths are those of the readable translation, without its `target.`. What is given no value has
+    the one of a message as it is made.
+    """
+
+    def put(self, path: str, expression: str, *, conditional: bool = False) -> None:
+        """Tells what has the value of a field.
+
+        Args:
+            path: The field.
+            expression: A local variable or a literal, as Python text.
+            conditional: Whether it is None where the field is given no value.
+        """
+
+    def sequence(self, path: str) -> SequenceWriting:
+        """Tells that a list is given elements."""
+
+    def lines(self) -> Sequence[str]:
+        """Returns the statements that make the bytes, with the return at their end."""
+
+
+class SequenceWriting(Protocol):
+    """Writes a list.
+
+    Attributes:
+        element: Writes one element.
+    """
+
+    element: Writing
+
+    def begin(self) -> Sequence[str]:
+        """Returns the statements before the first element."""
+
+    def append(self) -> Sequence[str]:
+        """Returns the statements that add the element whose values are known."""
+
+    def vector(self, expression: str) -> None:
+        """Tells what has all elements, numbers of one type, at once."""
