@@ -27,6 +27,7 @@ from .bridge.settings import BridgeSettings
 from .bridge.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.topics import Qos, Topic
+from .bridge.transcoding import ros_classes, transcoded
 from .bridge.values import by_name, set_quaternion, set_time
 from .clients.command_client import PendingCommand
 from .clients.control_session import ControlSession
@@ -119,10 +120,12 @@ __all__ = [
     "negation",
     "peers",
     "require_api",
+    "ros_classes",
     "run_bridge",
     "run_component",
     "run_node",
     "running_transport",
     "set_quaternion",
     "set_time",
+    "transcoded",
 ]
