@@ -1,4 +1,8 @@
-"""The two ends of a flat translation: what reads the source, and what writes the target."""
+"""The two ends of a flat translation: what reads the source, and what writes the target.
+
+What an end cannot do, it refuses with NotFlatError when it is asked for it: the translation has no
+flat form then. A bit field as a whole (a TimeStamp) is the integer of its bits.
+"""
 
 from __future__ import annotations
 
@@ -15,16 +19,23 @@ class Reading(Protocol):
     """
 
     def value(self, path: str) -> str:
-        """Asks for a value; returns the Python expression that has it after `lines`.
+        """Asks for a value; returns the name of the local variable that has it after `lines`.
 
         It is None where an optional JAUS field is absent.
+
+        Raises:
+            NotFlatError: The path leads to no single value.
         """
 
     def sequence(self, path: str) -> SequenceReading:
         """Asks for a list."""
 
     def lines(self) -> Sequence[str]:
-        """Returns the statements that load all that was asked for out of `data`."""
+        """Returns the statements that load all that was asked for out of `data`.
+
+        They read the whole message, elements of lists too, before anything is done with a value:
+        bytes that are no such message raise DecodeError, and nothing else.
+        """
 
 
 class SequenceReading(Protocol):
@@ -63,13 +74,27 @@ class Writing(Protocol):
             path: The field.
             expression: A local variable or a literal, as Python text.
             conditional: Whether it is None where the field is given no value.
+
+        A bit field as a whole is an integer; a negative one is a value that does not fit.
+        """
+
+    def make(self, path: str, class_name: str) -> None:
+        """Tells that an optional part, or an option of a variant, is made, whatever holds.
+
+        Args:
+            path: The part.
+            class_name: Its class in the readable translation, e.g. `ReportPath.PlannedLocalPath`.
         """
 
     def sequence(self, path: str) -> SequenceWriting:
         """Tells that a list is given elements."""
 
     def lines(self) -> Sequence[str]:
-        """Returns the statements that make the bytes, with the return at their end."""
+        """Returns the statements that make the bytes, with the return at their end.
+
+        Values that have no place in them raise EncodeError. Those of an element end in an
+        assignment of the bytes that `append` takes.
+        """
 
 
 class SequenceWriting(Protocol):
