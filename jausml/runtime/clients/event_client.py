@@ -64,6 +64,8 @@ class EventClient:
         rate: float | None,
         silence_timeout: float,
         on_silence: Callable[[], None] | None,
+        *,
+        payloads: bool = False,
     ) -> EventSubscription:
         """Join the event on a query, which is created when it is the first subscription."""
         if not provider.is_concrete:
@@ -76,7 +78,9 @@ class EventClient:
             stream = EventStream(self, self._component, provider, payload, self._presence)
             self._by_request[provider, self._free_request(provider, stream)] = stream
             self._streams[provider, payload] = stream
-        subscription = EventSubscription(stream, on_report, rate, silence_timeout, on_silence)
+        subscription = EventSubscription(
+            stream, on_report, rate, silence_timeout, on_silence, takes_payloads=payloads
+        )
         stream.join(subscription, report_class)
         return subscription
 

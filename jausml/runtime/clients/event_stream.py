@@ -42,6 +42,10 @@ class _State(Enum):
     ACTIVE = "active"
 
 
+_Group = tuple[type[Message], bool]
+"""The codec of the report, and whether the subscribers take it encoded."""
+
+
 class Listener(Protocol):
     """Who hands streams their messages, and knows the other streams."""
 
@@ -93,7 +97,7 @@ class EventStream:
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
-        self._groups: dict[type[Message], list[EventSubscription]] = {}
+        self._groups: dict[_Group, list[EventSubscription]] = {}
         self._state = _State.IDLE
         self._rate: float | None = None
         self._asked_rate: float | None = None
@@ -118,7 +122,8 @@ class EventStream:
 
     def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
         """Add a subscriber; it gets the last report of an event that is under way."""
-        self._groups.setdefault(report_class, []).append(subscription)
+        group = report_class, subscription.takes_payloads
+        self._groups.setdefault(group, []).append(subscription)
         self.component.when_started(subscription.start_watching)
         self._agree_on_rate()
         if self._state is _State.IDLE:
@@ -126,15 +131,15 @@ class EventStream:
                 self.component.when_started(self._start)
         elif self._last is not None:
             last = self._last
-            self._loop.call_soon(lambda: self._deliver_to(subscription, report_class, last))
+            self._loop.call_soon(lambda: self._deliver_to(subscription, group, last))
 
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber; the event is cancelled with the last one."""
-        for report_class, subscriptions in list(self._groups.items()):
+        for group, subscriptions in list(self._groups.items()):
             if subscription in subscriptions:
                 subscriptions.remove(subscription)
                 if not subscriptions:
-                    del self._groups[report_class]
+                    del self._groups[group]
         if self._groups:
             self._agree_on_rate()
         elif self._listener.has(self):
@@ -314,27 +319,34 @@ class EventStream:
         self._last = payload = event.report_message
         self._heard = now = self._loop.now()
         self._silence_wait = 0.0
-        for report_class, subscriptions in tuple(self._groups.items()):
-            report = self._decode(report_class, payload)
+        for group, subscriptions in tuple(self._groups.items()):
+            report = self._read(group, payload)
             if report is not None:
                 for subscription in tuple(subscriptions):
                     if subscription in subscriptions:  # not cancelled by one before it
                         subscription.deliver(report, now)
 
-    def _deliver_to(
-        self, subscription: EventSubscription, report_class: type[Message], payload: bytes
-    ) -> None:
-        if subscription in self._groups.get(report_class, ()):
-            report = self._decode(report_class, payload)
+    def _deliver_to(self, subscription: EventSubscription, group: _Group, payload: bytes) -> None:
+        if subscription in self._groups.get(group, ()):
+            report = self._read(group, payload)
             if report is not None:
                 subscription.deliver(report, self._loop.now())
 
-    def _decode(self, report_class: type[Message], payload: bytes) -> Message | None:
+    def _read(self, group: _Group, payload: bytes) -> Message | bytes | None:
+        """Return a report as a group of subscribers takes it; None if it is of another message."""
+        report_class, takes_payloads = group
         try:
-            return report_class.decode(payload)
+            if not takes_payloads:
+                return report_class.decode(payload)
+            report_class.check_code(payload)
         except DecodeError as error:
-            self._counters.count("event_client.bad_report", f"{self.provider}: {error}")
+            self.count_bad(self.provider, error)
             return None
+        return payload
+
+    def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
+        """Count a report that cannot be read."""
+        self._counters.count("event_client.bad_report", f"{provider}: {error}")
 
     # ---- silence ----------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Timer
     from ..services.host import Host
-    from ..wire.message import Message
+    from ..wire.message import DecodeError, Message
 
 
 class Stream(Protocol):
@@ -31,6 +32,9 @@ class Stream(Protocol):
     def leave(self, subscription: EventSubscription) -> None:
         """Remove a subscriber."""
 
+    def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
+        """Count a report that cannot be read."""
+
 
 class EventSubscription:
     """One subscriber's share in an event; made by ``JausComponent.subscribe``.
@@ -38,6 +42,7 @@ class EventSubscription:
     Attributes:
         provider: The component that provides the report.
         rate: Reports each second that the subscriber asked for; None means every change.
+        takes_payloads: Whether the subscriber takes encoded reports.
     """
 
     def __init__(
@@ -47,13 +52,20 @@ class EventSubscription:
         rate: float | None,
         silence_timeout: float,
         on_silence: Callable[[], None] | None,
+        *,
+        takes_payloads: bool = False,
     ) -> None:
         """Use ``JausComponent.subscribe`` instead."""
         self.provider = stream.provider
         self.rate = rate
+        self.takes_payloads = takes_payloads
         self._stream = stream
         self._component = stream.component
-        self._on_report = on_report
+        self._take: Callable[[Any, JausAddress], object] = (
+            self._component.payload_caller(on_report, stream.count_bad)
+            if takes_payloads
+            else partial(self._component.call, on_report)
+        )
         self._silence_timeout = silence_timeout
         self._on_silence = on_silence
         self._watch: Timer | None = None
@@ -88,13 +100,13 @@ class EventSubscription:
             self._watch.cancel()
             self._watch = None
 
-    def deliver(self, report: Message, now: float) -> None:
+    def deliver(self, report: Message | bytes, now: float) -> None:
         """Hand a report to the subscriber."""
         self._heard = now
         if self._silent:
             self._silent = False
             self._watch_from(now)
-        self._component.call(self._on_report, report, self.provider)
+        self._take(report, self.provider)
 
     def _watch_from(self, heard: float) -> None:
         loop = self._component.loop

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Timer
     from ..services.host import Host
-    from ..wire.message import Message
+    from ..wire.message import DecodeError, Message
 
 
 class PendingQuery:
@@ -18,6 +19,7 @@ class PendingQuery:
 
     Attributes:
         target: The component that was asked.
+        takes_payloads: Whether the encoded report is wanted.
     """
 
     def __init__(
@@ -29,12 +31,20 @@ class PendingQuery:
         on_failure: Callable[[], None] | None,
         timeout: float,
         attempts: int,
+        *,
+        takes_payloads: bool,
     ) -> None:
         """Use ``JausComponent.query`` instead."""
         self.target = target
+        self.takes_payloads = takes_payloads
         self._client = client
         self._payload = payload
-        self._on_report = on_report
+        component = client.component
+        self._take: Callable[[Any, JausAddress], object] = (
+            component.payload_caller(on_report, self._count_bad)
+            if takes_payloads
+            else partial(component.call, on_report)
+        )
         self._on_failure = on_failure
         self._timeout = timeout
         self._attempts = attempts
@@ -59,10 +69,13 @@ class PendingQuery:
         self._timer = component.loop.call_later(self._timeout, self.ask)
         component.transport.send(component.address, self.target, self._payload)
 
-    def answered(self, report: Message, sender: JausAddress) -> None:
+    def answered(self, report: Message | bytes, sender: JausAddress) -> None:
         """Hand over the report."""
         self.stop_waiting()
-        self._client.component.call(self._on_report, report, sender)
+        self._take(report, sender)
+
+    def _count_bad(self, sender: JausAddress, error: DecodeError) -> None:
+        self._client.component.counters.count("component.bad_message", f"{sender}: {error}")
 
     def stop_waiting(self) -> None:
         """Send the query no more."""
@@ -92,15 +105,24 @@ class QueryClient:
         on_failure: Callable[[], None] | None,
         timeout: float,
         retries: int,
+        *,
+        payloads: bool = False,
     ) -> PendingQuery:
         """Send a query as soon as the component runs."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         if report_class not in self._pending:
             self._pending[report_class] = []
-            self.component.on_message(report_class, self._reported)
+            self.component.on_payload(report_class, partial(self._reported, report_class))
         pending = PendingQuery(
-            self, target, query.encode(), on_report, on_failure, timeout, retries + 1
+            self,
+            target,
+            query.encode(),
+            on_report,
+            on_failure,
+            timeout,
+            retries + 1,
+            takes_payloads=payloads,
         )
         self._pending[report_class].append(pending)
         self.component.when_started(lambda: self._start(pending))
@@ -123,10 +145,11 @@ class QueryClient:
         if any(pending in queries for queries in self._pending.values()):
             pending.ask()
 
-    def _reported(self, report: Message, sender: JausAddress) -> None:
-        queries = self._pending[type(report)]
+    def _reported(self, report_class: type[Message], payload: bytes, sender: JausAddress) -> None:
+        queries = self._pending[report_class]
         for pending in queries:
             if pending.target == sender:
+                report = payload if pending.takes_payloads else report_class.decode(payload)
                 queries.remove(pending)
                 pending.answered(report, sender)
                 return

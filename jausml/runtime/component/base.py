@@ -16,8 +16,8 @@ from ..services.definitions import (
 )
 from ..services.dispatch import Provision, Router
 from ..transports.packets.packet import Priority
-from ..wire.message import EncodeError, Message
-from ..wire.selection import asked_for
+from ..wire.message import DecodeError, EncodeError, Message
+from ..wire.selection import asked_for, asked_for_in
 from .hooks import ComponentHooks
 
 if TYPE_CHECKING:
@@ -113,11 +113,35 @@ class ComponentBase(ComponentHooks):
         with self.loop.lock:
             self._jaus_router.set_handler(message_class, handler, when)
 
+    def handle_payload(
+        self,
+        message_class: type[M],
+        handler: Callable[[bytes, JausAddress], Completion | None],
+        *,
+        when: Guard | Callable[[M], Guard] = Guard.ANY,
+    ) -> None:
+        """Call ``handler(payload, sender)`` for each such input message, as ``handle`` does.
+
+        The payload, the message code and the body, is not decoded. A handler that finds it wrong
+        raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
+
+        Args:
+            message_class: Generated codec of the message.
+            handler: Acts on the message.
+            when: Whom to obey. A function is only asked, about the decoded message, when the sender
+                is not obeyed in Ready; it can thus not be stricter than that.
+
+        Raises:
+            ValueError: The message has a handler or a provider already.
+        """
+        with self.loop.lock:
+            self._jaus_router.set_handler(message_class, handler, when, takes_payload=True)
+
     def provide(
         self,
         query_class: type[Q],
         report_class: type[R],
-        provider: Callable[[Q, JausAddress], R | None],
+        provider: Callable[[Q, JausAddress], R | bytes | None],
         *,
         periodic: bool = True,
         every_change: bool = True,
@@ -127,8 +151,9 @@ class ComponentBase(ComponentHooks):
         Args:
             query_class: Generated codec of the query.
             report_class: Generated codec of the report.
-            provider: Returns the present report; None means that there is none now, the query
-                then stays unanswered and no event is sent.
+            provider: Returns the present report, or the bytes of it with the message code. They
+                are sent as they are where the query asks for all that is in them. None means that
+                there is no report now: the query stays unanswered and no event is sent.
             periodic: Whether clients may have the report at a rate.
             every_change: Whether clients may have the report at every change; the component
                 then calls ``report_changed`` when it may have changed.
@@ -154,6 +179,17 @@ class ComponentBase(ComponentHooks):
         """
         with self.loop.lock:
             self._jaus_router.add_listener(message_class, callback)
+
+    def on_payload(
+        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
+    ) -> None:
+        """Call ``callback(payload, sender)`` for each such message, as ``on_message`` does.
+
+        The payload, the message code and the body, is not decoded. A callback that finds it wrong
+        raises DecodeError; the message is counted then as one that cannot be decoded.
+        """
+        with self.loop.lock:
+            self._jaus_router.add_payload_listener(message_class, callback)
 
     def send(
         self,
@@ -335,6 +371,14 @@ class ComponentBase(ComponentHooks):
         """Call user code; an error is logged and counted, and None returned."""
         return self._jaus_router.call(function, *arguments)
 
+    def payload_caller(
+        self,
+        function: Callable[[bytes, JausAddress], object],
+        on_bad: Callable[[JausAddress, DecodeError], None],
+    ) -> Callable[[bytes, JausAddress], None]:
+        """Return what calls user code with encoded messages, and tells of those it cannot read."""
+        return self._jaus_router.payload_caller(function, on_bad)
+
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call user code; tell whether it raised no error, and what it returned."""
         return self._jaus_router.attempt(function, *arguments)
@@ -355,12 +399,25 @@ class ComponentBase(ComponentHooks):
         self, provision: Provision[Any, Any], query: Message, sender: JausAddress
     ) -> bytes | None:
         """Return the encoded report that answers a query now, or None without one."""
-        report = self._jaus_router.call(provision.provider, query, sender)
-        if report is None:
-            return None
+        report = self.present_report(provision, query, sender)
+        return None if report is None else self.encoded_report(provision, query, report)
+
+    def present_report(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> Message | bytes | None:
+        """Return the report that there is now for a sender, whatever its query leaves out."""
+        report: Message | bytes | None = self._jaus_router.call(provision.provider, query, sender)
+        return report
+
+    def encoded_report(
+        self, provision: Provision[Any, Any], query: Message, report: Message | bytes
+    ) -> bytes | None:
+        """Return what a query asks for of a report as bytes, or None when that is impossible."""
         try:
-            return bytes(asked_for(query, report).encode())
-        except EncodeError as error:
+            if isinstance(report, bytes):
+                return asked_for_in(query, provision.report_class, report)
+            return asked_for(query, report).encode()
+        except (DecodeError, EncodeError) as error:
             self.counters.count("component.report_not_encodable", str(error))
             return None
 

@@ -48,11 +48,12 @@ class JausComponent(ComponentBase):
         provider: JausAddress,
         query: Message,
         report_class: type[R],
-        on_report: Callable[[R, JausAddress], None],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
         *,
         rate: float | None = None,
         silence_timeout: float = 0.0,
         on_silence: Callable[[], None] | None = None,
+        payloads: bool = False,
     ) -> EventSubscription:
         """Receive a report of another component over an AS5710 event.
 
@@ -69,6 +70,8 @@ class JausComponent(ComponentBase):
             rate: Reports each second, above 0 and up to 1092; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Called once each time the provider falls silent.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
 
         Returns:
             A handle to cancel the subscription with.
@@ -79,7 +82,14 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             return self._jaus_clients.events.subscribe(
-                provider, query, report_class, on_report, rate, silence_timeout, on_silence
+                provider,
+                query,
+                report_class,
+                on_report,
+                rate,
+                silence_timeout,
+                on_silence,
+                payloads=payloads,
             )
 
     def control(
@@ -115,11 +125,12 @@ class JausComponent(ComponentBase):
         target: JausAddress,
         query: Message,
         report_class: type[R],
-        on_report: Callable[[R, JausAddress], None],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
         *,
         on_failure: Callable[[], None] | None = None,
         timeout: float = 1.0,
         retries: int = 3,
+        payloads: bool = False,
     ) -> PendingQuery:
         """Ask another component for a report once.
 
@@ -131,6 +142,8 @@ class JausComponent(ComponentBase):
             on_failure: Called when every attempt stayed unanswered.
             timeout: Seconds to wait for the report before the query is repeated.
             retries: Repetitions of an unanswered query.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
 
         Returns:
             A handle to cancel the query with.
@@ -141,7 +154,14 @@ class JausComponent(ComponentBase):
         """
         with self.loop.lock:
             return self._jaus_clients.queries.ask(
-                target, query, report_class, on_report, on_failure, timeout, retries
+                target,
+                query,
+                report_class,
+                on_report,
+                on_failure,
+                timeout,
+                retries,
+                payloads=payloads,
             )
 
     def command(

@@ -39,6 +39,7 @@ class _Command:
     event_id: int
     client: JausAddress
     message: Message
+    payload: bytes
     handler: Handler
     completion: Completion | None = None
     expiry: Timer | None = None
@@ -83,11 +84,13 @@ class CommandEvents:
     def _create(self, request: CreateCommandEvent, sender: JausAddress) -> None:
         try:
             handler, message = self._check(request.command_message, sender)
-            command = self._replaced(sender, message) or self._added(sender, message, handler)
+            command = self._replaced(sender, message) or self._added(
+                sender, message, request.command_message, handler
+            )
         except RequestError as error:
             reject(self._component, sender, request.request_id, error)
             return
-        command.message = message
+        command.message, command.payload = message, request.command_message
         confirm = ConfirmEventRequest(request_id=request.request_id, event_id=command.event_id)
         self._component.send(confirm, sender)
         command.expiry = self._component.loop.call_later(
@@ -106,7 +109,7 @@ class CommandEvents:
             message = handler.message_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error
-        if not self._permits(_Command(0, sender, message, handler)):
+        if not self._permits(_Command(0, sender, message, payload, handler)):
             self._component.counters.add("component.command_refused")
             raise RequestError(RejectCode.CONNECTION_REFUSED, "not controlled by you and ready")
         return handler, message
@@ -123,15 +126,17 @@ class CommandEvents:
                 return command
         return None
 
-    def _added(self, client: JausAddress, message: Message, handler: Handler) -> _Command:
+    def _added(
+        self, client: JausAddress, message: Message, payload: bytes, handler: Handler
+    ) -> _Command:
         event_id = self._ids.take()
-        command = self._commands[event_id] = _Command(event_id, client, message, handler)
+        command = self._commands[event_id] = _Command(event_id, client, message, payload, handler)
         return command
 
     def _execute(self, command: _Command) -> None:
-        succeeded, answer = self._component.attempt(
-            command.handler.action, command.message, command.client
-        )
+        handler = command.handler
+        content = command.payload if handler.takes_payload else command.message
+        succeeded, answer = self._component.attempt(handler.action, content, command.client)
         if self._commands.get(command.event_id) is not command:
             return  # the handler has stopped the component
         if not succeeded:

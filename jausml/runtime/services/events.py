@@ -58,6 +58,10 @@ class _Event:
     expiry: Timer | None = None
 
 
+_Made = dict[bytes, tuple[Message | bytes, bytes | None]]
+"""By encoded query what was reported in this round, and the bytes of it."""
+
+
 class EventsService:
     """Creates, serves and expires events (AS5710, Events).
 
@@ -96,9 +100,10 @@ class EventsService:
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one."""
+        made: _Made = {}
         for event in self._watchers.get(report_class.CODE, ()):
             if self._is_wanted(event):
-                self._send_if_changed(event)
+                self._send_if_changed(event, made)
 
     def permissions_changed(self) -> None:
         """Fail the commands under way that their clients may not give any more."""
@@ -235,10 +240,23 @@ class EventsService:
         if report is not None and self._is_wanted(event):
             self._send(event, report)
 
-    def _send_if_changed(self, event: _Event) -> None:
-        report = self._component.report(event.setup.provision, event.setup.query, event.client)
+    def _send_if_changed(self, event: _Event, made: _Made) -> None:
+        report = self._report(event, made)
         if report is not None and report != event.last_report and self._is_wanted(event):
             self._send(event, report)
+
+    def _report(self, event: _Event, made: _Made) -> bytes | None:
+        """Return the report of an event; encoded once for all clients who are to have the same."""
+        setup = event.setup
+        present = self._component.present_report(setup.provision, setup.query, event.client)
+        if present is None:
+            return None
+        known = made.get(setup.payload)
+        if known is not None and (known[0] is present or known[0] == present):
+            return known[1]
+        encoded = self._component.encoded_report(setup.provision, setup.query, present)
+        made[setup.payload] = present, encoded
+        return encoded
 
     def _is_wanted(self, event: _Event) -> bool:
         """Return whether an event still exists: its provider is user code, and may end it."""

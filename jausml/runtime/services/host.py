@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.loop import Loop
     from ..transports.transport import Transport
+    from ..wire.message import DecodeError
     from .completion import Completion
     from .definitions import ComponentSettings, ServiceIdentity
     from .dispatch import Handler, Provision
@@ -71,7 +72,7 @@ class Host(Protocol):
         self,
         query_class: type[Q],
         report_class: type[R],
-        provider: Callable[[Q, JausAddress], R | None],
+        provider: Callable[[Q, JausAddress], R | bytes | None],
         *,
         periodic: bool = True,
         every_change: bool = True,
@@ -82,6 +83,11 @@ class Host(Protocol):
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
     ) -> None:
         """Call a callback for each message of a class, next to its handler."""
+
+    def on_payload(
+        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
+    ) -> None:
+        """Call a callback with the bytes of each message of a class, next to its handler."""
 
     def send(
         self, message: Message, destination: JausAddress, *, acknowledge: bool = False
@@ -102,10 +108,27 @@ class Host(Protocol):
     ) -> bytes | None:
         """Return the encoded report that answers a query now, or None without one."""
 
+    def present_report(
+        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
+    ) -> Message | bytes | None:
+        """Return the report that there is now for a sender, whatever its query leaves out."""
+
+    def encoded_report(
+        self, provision: Provision[Any, Any], query: Message, report: Message | bytes
+    ) -> bytes | None:
+        """Return what a query asks for of a report as bytes, or None when that is impossible."""
+
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
         """Call user code; an error is logged and counted, and None returned."""
+
+    def payload_caller(
+        self,
+        function: Callable[[bytes, JausAddress], object],
+        on_bad: Callable[[JausAddress, DecodeError], None],
+    ) -> Callable[[bytes, JausAddress], None]:
+        """Return what calls user code with encoded messages, and tells of those it cannot read."""
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call user code; tell whether it raised no error, and what it returned."""

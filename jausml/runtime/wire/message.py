@@ -104,9 +104,7 @@ class Message:
         Raises:
             DecodeError: The bytes are no such message.
         """
-        code = read_code(payload)
-        if code != cls.CODE:
-            raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
+        cls.check_code(payload)
         try:
             message, end = cls.read_from(payload, 2)
         except struct.error as error:
@@ -114,6 +112,17 @@ class Message:
         if end != len(payload):
             raise DecodeError(cls.NAME, f"{len(payload) - end} bytes follow the body")
         return message
+
+    @classmethod
+    def check_code(cls, payload: bytes) -> None:
+        """Refuses a payload of another message.
+
+        Raises:
+            DecodeError: The code is missing, or that of another message.
+        """
+        code = read_code(payload)
+        if code != cls.CODE:
+            raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
 
     def write_to(self, out: bytearray) -> None:
         """Appends the body; there is none unless a subclass says otherwise.

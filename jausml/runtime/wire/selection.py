@@ -20,8 +20,8 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
         query: The query.
         report: What the component has to report; it is not changed.
     """
-    wanted = getattr(query, "presence_vector", None)
-    if not isinstance(wanted, int):
+    wanted = _wanted(query)
+    if wanted is None:
         return report
     message_class: type = type(report)
     left_out = {
@@ -30,6 +30,34 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
         if not wanted >> bit & 1 and getattr(report, name) is not None
     }
     return replace(report, **left_out) if left_out else report  # type: ignore[type-var]
+
+
+def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> bytes:
+    """Returns an encoded report without the optional fields that its query does not ask for.
+
+    Args:
+        query: The query.
+        report_class: Generated codec of the report.
+        report: Message code and body. It is read only where the query may leave something out.
+
+    Raises:
+        DecodeError: The report cannot be read.
+        EncodeError: A value of the report does not fit its field.
+    """
+    wanted = _wanted(query)
+    message_class: type = report_class
+    every = (1 << len(optional_fields(message_class))) - 1
+    if wanted is None or wanted & every == every:
+        return report
+    whole = report_class.decode(report)
+    part = asked_for(query, whole)
+    return report if part is whole else part.encode()
+
+
+def _wanted(query: Message) -> int | None:
+    """Returns the presence vector of the report that a query asks for, or None for all."""
+    wanted = getattr(query, "presence_vector", None)
+    return wanted if isinstance(wanted, int) else None
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -94,6 +95,14 @@ class World:
         if on_result is not None:
             success = bool(reached) or not acknowledge
             self.loop.call_soon(lambda: on_result(success))
+
+    def sender(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        priority: Priority = Priority.STANDARD,
+    ) -> Callable[[bytes], None]:
+        return partial(self.send, source, destination, priority=priority)
 
     def _deliver(self, address: JausAddress, received: ReceivedMessage) -> None:
         receive = self._receivers.get(address)
