@@ -77,9 +77,11 @@ def test_the_manifest_names_what_is_imported(copies):
 
 
 def needs_ros(text):
-    """Tells whether a module imports rclpy, or the module that does."""
-    inside = [n.module for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
-    return "ros" in inside or "rclpy" in imported(text)
+    """Tells whether a module imports rclpy, or one of the modules that do."""
+    inside = [n.module or "" for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
+    return "rclpy" in imported(text) or any(
+        name == "ros" or name.startswith(("ros_", "rclpy.")) for name in inside
+    )
 
 
 def test_what_components_need_is_the_copy_alone(tmp_path, copies):

@@ -6,6 +6,8 @@ import os
 
 import pytest
 
+from jausml.runtime.base.loop import Loop
+
 from .bridge_support import RosPeer
 
 
@@ -20,8 +22,22 @@ def peer():
         made.close()
 
 
+@pytest.fixture(params=["listener", "wait-set"])
+def waiting(request):
+    """Each way to wait for topics."""
+    return request.param
+
+
 @pytest.fixture
-def node(peer):
+def loop():
+    """The loop of the JAUS side, which runs."""
+    with Loop() as made:
+        made.start()
+        yield made
+
+
+@pytest.fixture
+def node(peer, loop, waiting):
     """Makes ROS sides of bridges, which end with the test."""
     from jausml.runtime.bridge.ros import RosNode
 
@@ -30,7 +46,8 @@ def node(peer):
 
     def make(*ros_arguments, namespace=""):
         line = ["--ros-args", *ros_arguments] if ros_arguments else []
-        nodes.append(RosNode("tested", namespace, line))
+        nodes.append(RosNode("tested", namespace, line, waiting))
+        nodes[-1].attach(loop)
         return nodes[-1]
 
     yield make

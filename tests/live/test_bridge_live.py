@@ -186,7 +186,6 @@ def test_parameters_have_descriptors(system):
 
     names = call(ListParameters, "list_parameters", ListParameters.Request()).result.names
     assert {"odometry.rate", "speed.rate", "pose.rate", "diagnostics_frequency"} <= set(names)
-    assert "qos_overrides./cmd_vel.subscription.depth" in names
     request = DescribeParameters.Request(names=["odometry.rate", "jaus_id"])
     descriptor, fixed = call(DescribeParameters, "describe_parameters", request).descriptors
     assert (descriptor.read_only, fixed.read_only) == (False, True)

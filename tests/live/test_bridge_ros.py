@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -25,10 +26,10 @@ def test_names_are_relative_and_can_be_remapped(node, peer):
     from std_msgs.msg import Float64
 
     tested = node("-r", "speed:=measured_speed", namespace="fleet")
-    publish = tested.publisher(Float64, Topic("speed"))
+    publisher = tested.publisher(Float64, Topic("speed"))
     assert tested.name == "/fleet/tested"
     found = peer.listen(Float64, "/fleet/measured_speed")
-    wait_for(lambda: publish(Float64(data=2.0)) or found, "remapped topic")
+    wait_for(lambda: publisher.publish_message(Float64(data=2.0)) or found, "remapped topic")
     assert found[0].data == 2.0
 
 
@@ -74,21 +75,27 @@ def test_parameters(node):
         tested.parameter(Parameter("depth", 1, "Depth.", (1, 65535)))
 
 
-def test_subscription_delivers_on_the_ros_thread(node, peer):
+def test_messages_come_with_the_lock_of_the_loop(node, peer, loop, waiting):
     import threading
 
     from std_msgs.msg import Float64
 
     tested, found = node(), []
-    tested.subscribe(
-        Float64,
-        Topic("heard"),
-        lambda message: found.append((message.data, threading.current_thread().name)),
-    )
+    decode = tested.codec(Float64).decode
+
+    def is_locked():
+        with ThreadPoolExecutor(1) as other:
+            return not other.submit(loop.lock.acquire, blocking=False).result()
+
+    def take(data, _):
+        found.append((decode(data).data, is_locked(), threading.current_thread().name))
+
+    tested.subscribe(Float64, Topic("heard"), take)
     publisher = peer.publisher(Float64, "heard")
     tested.start(pytest.fail)
     wait_for(lambda: publisher.publish(Float64(data=3.0)) or found, "message")
-    assert found[0] == (3.0, "ros")
+    thread = {"listener": "jausml-loop", "wait-set": "ros-wait-set"}[waiting]
+    assert found[0] == (3.0, True, thread)
 
 
 def test_clock_follows_the_simulation(node, peer):

@@ -110,16 +110,30 @@ def test_the_parameter_file_has_all_parameters_with_their_values(
     expected = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
     del expected["use_sim_time"]
     assert values(ros, node, own) == expected
-    # What is commented out are names that ROS knows as well.
-    commented = [line.strip("# ").split(": ")[0] for line in file.read_text().splitlines()]
-    assert {each for each in commented if each.startswith("qos_overrides")} <= set(
-        names.result.names
-    )
     assert plain.stop() == 0
     # rclpy reads it as it stands, and nothing in it is unknown.
     same = running(bridge(model, "--ros-args", "--params-file", str(file)))
     assert same.stop() == 0
     assert "has no parameter" not in same.log.read_text()
+
+
+def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, workspaces, ros, tmp_path):
+    from rcl_interfaces.srv import ListParameters
+
+    file = tmp_path / "all.yaml"
+    text = config(workspaces, "catvehicle").read_text().replace("# qos_overrides", "qos_overrides")
+    file.write_text(text)
+    given = yaml.safe_load(text)["/**"]["ros__parameters"]
+    port = str(free_port())
+    found = running(
+        bridge("catvehicle", "--jaus-port", port, "--ros-args", "--params-file", str(file))
+    )
+    names = asked(ros, ListParameters, "/bridge", "list_parameters", ListParameters.Request())
+    quality = {name for name in given if name.startswith("qos_overrides")}
+    assert quality
+    assert quality <= set(names.result.names)
+    assert found.stop() == 0
+    assert "has no parameter" not in found.log.read_text()
 
 
 def test_a_deployment_changes_what_the_bridge_is(bridge, ros, tmp_path):

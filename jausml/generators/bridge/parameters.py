@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge
 
 
+QUEUE_AGE_LIMIT = 2.0
+"""Seconds, as the runtime has them."""
+
+LEAST_DEPTH = 100
+"""Messages that the runtime keeps at least of a topic that is not latched."""
+
+
 @dataclass(frozen=True)
 class ParameterLine:
     """A parameter of a bridge in its file.
@@ -55,6 +62,11 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
     )
     yield ParameterLine(
         "diagnostics_frequency", min(float(element.frequency), 1.0), "Diagnostics each second (Hz)."
+    )
+    yield ParameterLine(
+        "queue_age_limit",
+        QUEUE_AGE_LIMIT,
+        "Seconds after which a message of a topic that is not latched is too old; 0 is never.",
     )
     # A translation that cannot be written is reported by the template that it stands in.
     with suppress(AssignmentError, PathError):
@@ -105,10 +117,14 @@ def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterat
     kind = "publisher" if connection.direction.name == "jausToRos" else "subscription"
     name = f"qos_overrides.{resolve_topic(topic.name, namespace, node)}.{kind}"
     qos = topic.qos
+    durability = "volatile" if qos is None else qos.durability.name
+    depth = 10 if qos is None else int(qos.depth)
+    if kind == "subscription" and durability == "volatile":
+        depth = max(depth, LEAST_DEPTH)
     values: tuple[tuple[str, str | int], ...] = (
         ("reliability", reliability(connection, topic)),
-        ("durability", "volatile" if qos is None else qos.durability.name),
-        ("depth", 10 if qos is None else int(qos.depth)),
+        ("durability", durability),
+        ("depth", depth),
     )
     for policy, value in values:
         yield ParameterLine(f"{name}.{policy}", value, is_comment=True)

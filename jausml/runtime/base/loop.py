@@ -1,11 +1,10 @@
-"""The event loop: one thread that waits for sockets and deadlines."""
+"""The event loop: one thread that waits for descriptors and deadlines."""
 
 from __future__ import annotations
 
-import contextlib
 import heapq
-import selectors
-import socket
+import os
+import select
 import threading
 import time
 from collections import deque
@@ -14,27 +13,23 @@ from typing import TYPE_CHECKING
 from .counters import Clock, Counters
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable
     from types import TracebackType
 
 _COMPACT_FROM = 64
 
+_AT_ONCE = 64
+"""Descriptors served in one turn: timers are due between turns, and the kernel serves in turn."""
+
 
 class Timer:
     """A callback that a loop runs at a time of its clock."""
 
-    __slots__ = ("callback", "on_cancel", "order", "when")
+    __slots__ = ("callback", "on_cancel")
 
-    def __init__(
-        self,
-        when: float,
-        order: int,
-        callback: Callable[[], None],
-        on_cancel: Callable[[], None],
-    ) -> None:
+    def __init__(self, callback: Callable[[], None], on_cancel: Callable[[], None]) -> None:
         """Use ``Loop.call_at`` or ``Loop.call_later`` instead."""
-        self.when = when
-        self.order = order
         self.callback: Callable[[], None] | None = callback
         self.on_cancel: Callable[[], None] | None = on_cancel
 
@@ -45,17 +40,21 @@ class Timer:
         if on_cancel is not None:
             on_cancel()
 
-    def __lt__(self, other: Timer) -> bool:
-        """Order by time, then by creation."""
-        return (self.when, self.order) < (other.when, other.order)
-
 
 class Loop:
-    """Runs callbacks of sockets and timers on one thread, each while holding ``lock``.
+    """Runs callbacks of descriptors and timers on one thread, each while holding ``lock``.
 
     ``start`` gives the loop a thread of its own. Without it, ``run_once`` drives the loop from
     the caller's thread, with a clock of the caller's choice. All methods but ``run_once`` may be
     called from any thread. ``stop`` releases the descriptors of the loop and is final.
+
+    What a turn does between its wait and a callback is short on purpose: it is part of the latency
+    of each message.
+
+    Attributes:
+        lock: Held while callbacks run; taken once for all callbacks of a turn.
+        counters: Where failures are counted.
+        now: Returns the time of the loop's clock in seconds.
     """
 
     def __init__(self, clock: Clock = time.monotonic, counters: Counters | None = None) -> None:
@@ -67,17 +66,18 @@ class Loop:
         """
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
-        self._clock = clock
-        self._selector = selectors.DefaultSelector()
-        self._wake_receiver, self._wake_sender = socket.socketpair()
-        self._wake_receiver.settimeout(0)
-        self._wake_sender.settimeout(0)
-        self._selector.register(self._wake_receiver, selectors.EVENT_READ, self._drain_wake_ups)
+        self.now = clock
+        self._epoll = select.epoll()
+        self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._epoll.register(self._wake_up, select.EPOLLIN)
+        self._callbacks: dict[int, Callable[[], object]] = {}
+        # A number that was registered anew in a turn may still be among what that turn found ready.
+        self._renewed: set[int] = set()
         self._state = threading.Lock()
-        self._timers: list[Timer] = []
+        self._timers: list[tuple[float, int, Timer]] = []
         self._created = 0
         self._cancelled = 0
-        self._soon: deque[Callable[[], None]] = deque()
+        self._soon: deque[Callable[[], object]] = deque()
         self._woken = False
         self._thread: threading.Thread | None = None
         self._runner = 0
@@ -97,51 +97,47 @@ class Loop:
         """Stop the loop."""
         self.stop()
 
-    def now(self) -> float:
-        """Return the time of the loop's clock in seconds."""
-        return self._clock()
-
-    def call_soon(self, callback: Callable[[], None]) -> None:
-        """Run a callback in the next round of the loop, after those asked for earlier."""
+    def call_soon(self, callback: Callable[[], object]) -> None:
+        """Run a callback in the next turn of the loop, after those asked for earlier."""
         self._soon.append(callback)
         self._wake()
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
         """Run a callback after a delay in seconds."""
-        return self.call_at(self._clock() + delay_s, callback)
+        return self.call_at(self.now() + delay_s, callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
         """Run a callback at a time of the loop's clock."""
+        timer = Timer(callback, self._timer_cancelled)
         with self._state:
             self._created += 1
-            timer = Timer(when, self._created, callback, self._timer_cancelled)
-            heapq.heappush(self._timers, timer)
-            is_earliest = self._timers[0] is timer
+            heapq.heappush(self._timers, (when, self._created, timer))
+            is_earliest = self._timers[0][2] is timer
         if is_earliest:
             self._wake()
         return timer
 
-    def register(self, sock: socket.socket, on_readable: Callable[[], None]) -> None:
-        """Call ``on_readable`` whenever a socket has something to read."""
+    def register(self, source: socket.socket | int, on_readable: Callable[[], object]) -> None:
+        """Call ``on_readable`` whenever a socket or descriptor has something to read."""
+        number = _number(source)
         with self._state:
-            self._selector.register(sock, selectors.EVENT_READ, on_readable)
-        self._wake()
+            self._renewed.add(number)
+            self._epoll.register(number, select.EPOLLIN)
+            self._callbacks[number] = on_readable
 
-    def watch_writable(self, sock: socket.socket, *, wanted: bool) -> None:
+    def watch_writable(self, source: socket.socket | int, *, wanted: bool) -> None:
         """Also call the callback of a registered socket whenever it can be written, or no more."""
-        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if wanted else 0)
+        events = select.EPOLLIN | (select.EPOLLOUT if wanted else 0)
         with self._state:
             if not self._closed:
-                key = self._selector.get_key(sock)
-                self._selector.modify(sock, events, key.data)
-        self._wake()
+                self._epoll.modify(_number(source), events)
 
-    def unregister(self, sock: socket.socket) -> None:
-        """Stop watching a socket; to be called before it is closed, without effect if unknown."""
+    def unregister(self, source: socket.socket | int) -> None:
+        """Stop watching a descriptor; to be called before it is closed, no effect if unknown."""
+        number = _number(source)
         with self._state:
-            if not self._closed:
-                with contextlib.suppress(KeyError, ValueError):
-                    self._selector.unregister(sock)
+            if not self._closed and self._callbacks.pop(number, None) is not None:
+                self._epoll.unregister(number)
 
     def start(self) -> None:
         """Run the loop on a thread of its own.
@@ -168,7 +164,7 @@ class Loop:
             thread.join()
 
     def run_once(self, timeout: float | None = None) -> int:
-        """Wait for sockets or the next deadline and run what is due.
+        """Wait for descriptors or the next deadline and run what is due.
 
         Args:
             timeout: Longest wait in seconds; without it as long as nothing happens.
@@ -177,14 +173,28 @@ class Loop:
             How many callbacks ran.
         """
         self._runner = threading.get_ident()
+        self._renewed.clear()
         self._woken = False
-        events = self._selector.select(self._wait_time(timeout))
+        ready = self._epoll.poll(self._wait_time(timeout), _AT_ONCE)
         self._woken = True
-        ran = self._run_due_timers()
-        for key, _ in events:
-            ran += self._run_readable(key)
-        for _ in range(len(self._soon)):
-            ran += self._run_callback(self._soon.popleft())
+        callbacks, renewed, timers = self._callbacks, self._renewed, self._timers
+        ran = 0
+        with self.lock:
+            if timers and timers[0][0] <= self.now():
+                ran = self._run_due_timers()
+            for number, _ in ready:
+                callback = callbacks.get(number)
+                if callback is None or number in renewed:
+                    if number == self._wake_up:
+                        os.eventfd_read(number)
+                    continue
+                try:
+                    callback()
+                except Exception as error:
+                    self._failed(error)
+                ran += 1
+            for _ in range(len(self._soon)):
+                ran += self._run_callback(self._soon.popleft())
         return ran
 
     def _run(self) -> None:
@@ -199,79 +209,65 @@ class Loop:
             self._closed = True
             self._timers.clear()
             self._soon.clear()
-            self._selector.close()
-            self._wake_receiver.close()
-            self._wake_sender.close()
+            self._callbacks.clear()
+            self._epoll.close()
+            os.close(self._wake_up)
 
     def _wait_time(self, timeout: float | None) -> float | None:
         if self._soon or self._stopping:
             return 0
         with self._state:
-            while self._timers and self._timers[0].callback is None:
+            while self._timers and self._timers[0][2].callback is None:
                 heapq.heappop(self._timers)
                 self._cancelled -= 1
             if self._timers:
-                due = max(0.0, self._timers[0].when - self._clock())
+                due = max(0.0, self._timers[0][0] - self.now())
                 return due if timeout is None else min(due, timeout)
         return timeout
 
     def _run_due_timers(self) -> int:
-        now = self._clock()
-        due: list[Timer] = []
-        with self._state:
-            while self._timers and self._timers[0].when <= now:
-                timer = heapq.heappop(self._timers)
-                if timer.callback is None:
-                    self._cancelled -= 1
-                else:
-                    timer.on_cancel = None
-                    due.append(timer)
-        return sum(self._run_timer(timer) for timer in due)
-
-    def _run_timer(self, timer: Timer) -> int:
-        with self.lock:
-            callback = timer.callback
-            timer.callback = None
-            return 0 if callback is None else self._run_callback(callback)
-
-    def _run_readable(self, key: selectors.SelectorKey) -> int:
-        if key.fileobj is self._wake_receiver:
-            self._drain_wake_ups()
-            return 0
-        with self.lock:
+        """Runs what is due and was asked for before; a timer may ask for the next at once."""
+        now, newest = self.now(), self._created
+        ran = 0
+        while True:
             with self._state:
-                known = None if self._closed else self._selector.get_map().get(key.fd)
-            if known is None or known.data is not key.data:
-                return 0
-            return self._run_callback(key.data)
+                if not self._timers or self._timers[0][0] > now or self._timers[0][1] > newest:
+                    return ran
+                _, _, timer = heapq.heappop(self._timers)
+                callback = timer.callback
+                if callback is None:
+                    self._cancelled -= 1
+                    continue
+                timer.callback = timer.on_cancel = None
+            ran += self._run_callback(callback)
 
-    def _run_callback(self, callback: Callable[[], None]) -> int:
-        with self.lock:
-            try:
-                callback()
-            except Exception as error:
-                self.counters.count("loop.callback_failed", repr(error), error=error)
+    def _run_callback(self, callback: Callable[[], object]) -> int:
+        try:
+            callback()
+        except Exception as error:
+            self._failed(error)
         return 1
+
+    def _failed(self, error: Exception) -> None:
+        self.counters.count("loop.callback_failed", repr(error), error=error)
 
     def _timer_cancelled(self) -> None:
         with self._state:
             self._cancelled += 1
             if self._cancelled > _COMPACT_FROM and self._cancelled * 2 > len(self._timers):
-                self._timers = [timer for timer in self._timers if timer.callback is not None]
+                # In place: a turn may be looking at the list.
+                self._timers[:] = [each for each in self._timers if each[2].callback is not None]
                 heapq.heapify(self._timers)
                 self._cancelled = 0
 
     def _wake(self) -> None:
         if self._woken or threading.get_ident() == self._runner:
             return
-        self._woken = True
-        try:
-            self._wake_sender.send(b"\0")
-        except OSError:
-            return  # full: the loop is awake anyway; closed: nobody waits
+        with self._state:
+            if not self._closed:
+                self._woken = True
+                os.eventfd_write(self._wake_up, 1)
 
-    def _drain_wake_ups(self) -> None:
-        try:
-            self._wake_receiver.recv(4096)
-        except OSError:
-            return
+
+def _number(source: socket.socket | int) -> int:
+    return source if isinstance(source, int) else source.fileno()

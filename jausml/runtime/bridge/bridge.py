@@ -1,10 +1,10 @@
 """Bridge: one process that is a JAUS component and a ROS 2 node at the same time.
 
-A value crosses on the thread on which it arrived: from JAUS on the loop of the transport, from ROS
-on the thread that waits for ROS messages. Nothing is polled and nothing is handed over.
+Both kinds of values cross on the loop, which waits for sockets and topics alike. Nothing is polled
+and nothing is handed over.
 
-    JAUS message ─► loop thread ─► translate ─► publish
-    ROS message  ─► ROS thread  ─► translate ─► encode ─► send
+    JAUS message ─► loop ─► translate ─► publish
+    ROS message  ─► loop ─► translate ─► encode ─► send
 """
 
 from __future__ import annotations
@@ -82,6 +82,7 @@ class Bridge:
         """
         self.ros = ros
         self.component = _BridgeComponent(self, transport)
+        ros.attach(transport.loop)
         diagnostics = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
         self._period = 1 / ros.parameter(diagnostics)
         for each in self.parameters:
@@ -163,7 +164,7 @@ class Bridge:
             greeters.append(greet)
         if key not in self._publishers:
             tell = (lambda: _each(greeters)) if greet is not None else None
-            self._publishers[key] = self.ros.publisher(message_type, topic, tell)
+            self._publishers[key] = self.ros.publisher(message_type, topic, tell).publish_message
         return self._publishers[key]
 
     def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
@@ -172,7 +173,8 @@ class Bridge:
         takers = self._takers.setdefault(key, [])
         takers.append(take)
         if len(takers) == 1:
-            self.ros.subscribe(message_type, topic, lambda message: _each(takers, message))
+            decode = self.ros.codec(message_type).decode
+            self.ros.subscribe(message_type, topic, lambda data, _: _each(takers, decode(data)))
 
     def accept(
         self,

@@ -18,16 +18,45 @@ if TYPE_CHECKING:
     from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
-    from .topics import Topic
+    from .topics import Topic, TopicCounts
+
+
+class RosPublisher(Protocol):
+    """A publisher for serialized messages.
+
+    Attributes:
+        publish: Publishes a serialized message, from any thread.
+        matched: Subscriptions that are there now.
+        unmatched: Messages that found none of them; whoever publishes counts.
+    """
+
+    publish: Callable[[bytes], None]
+    matched: int
+    unmatched: int
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy, from any thread."""
+
+
+class RosCodec(Protocol):
+    """Messages of one class of rclpy, as objects and serialized."""
+
+    def decode(self, data: bytes) -> Any:
+        """Returns the object of a serialized message."""
+
+    def encode(self, message: Any) -> bytes:
+        """Returns the serialized form of an object."""
 
 
 class RosSide(Protocol):
     """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
 
-    Messages are objects of the message classes. A side that carries serialized messages instead
-    differs from this in what `message_type` and the arguments of `deliver` and of the publishing
-    function stand for.
+    Messages are serialized (CDR, with the header that names the encoding). A ROS type is a class
+    of rclpy, or a light class, whose `TYPE` names it, e.g. `nav_msgs/msg/Odometry`.
     """
+
+    def attach(self, loop: Loop) -> None:
+        """Tells which loop waits; to be called before there are publishers and subscriptions."""
 
     def now(self) -> Time:
         """Time of the ROS clock."""
@@ -35,21 +64,34 @@ class RosSide(Protocol):
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value; `changed` takes each later one."""
 
+    def codec(self, ros_type: type[Any]) -> RosCodec:
+        """Returns what makes objects of rclpy of serialized messages, and the reverse."""
+
     def publisher(
-        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> Callable[[Any], None]:
-        """Makes a publisher and returns what publishes on it, callable from any thread.
+        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> RosPublisher:
+        """Makes a publisher.
 
         Args:
-            message_type: Class of the messages.
+            ros_type: Type of the messages.
             topic: The topic.
-            greet: Called for each subscriber that is found, on the thread that waits.
+            greet: Called for each subscriber that is found, on the loop or with its lock.
         """
 
     def subscribe(
-        self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
-    ) -> None:
-        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages."""
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription.
+
+        Args:
+            ros_type: Type of the messages.
+            topic: The topic.
+            take: Is given each serialized message, and the time at which it was published, in
+                nanoseconds by the clock of its publisher; on the loop or with its lock.
+
+        Returns:
+            The counts, which go on.
+        """
 
     def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""

@@ -33,6 +33,13 @@ GREATEST = 1.7976931348623157e308
 LONGEST_TIME = 3600.0
 """Longest time in seconds that a parameter takes."""
 
+QUEUE_AGE_LIMIT = 2.0
+"""Seconds that a ROS message may have waited in the queue of the bridge.
+
+That is far more than a bridge that keeps up needs, also while it starts. After a longer stall the
+commands of before are history: what comes next is the word.
+"""
+
 
 class ParameterError(JausError):
     """A parameter of the node has a value with which the bridge cannot run."""
@@ -106,6 +113,12 @@ def diagnostics_frequency(value: float) -> Parameter:
     """Returns how often diagnostics are published each second."""
     text = "Diagnostics published each second (Hz)."
     return Parameter("diagnostics_frequency", value, text, (0.01, 100.0))
+
+
+def queue_age_limit() -> Parameter:
+    """Returns the time in seconds after which a ROS message that waits is too old; 0 is never."""
+    text = "Seconds after which a message of a topic that is not latched is too old to be taken."
+    return Parameter("queue_age_limit", QUEUE_AGE_LIMIT, text, (0.0, LONGEST_TIME))
 
 
 def rate(connection: str, value: float) -> Parameter:

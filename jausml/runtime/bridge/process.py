@@ -50,16 +50,19 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
     # Components that are no bridges, and their computers, need no ROS.
-    from . import ros  # noqa: PLC0415
+    from .ros import RosNode  # noqa: PLC0415
+    from .ros_spin import without_ros_arguments  # noqa: PLC0415
 
     line = sys.argv[1:] if arguments is None else list(arguments)
-    own = given_options(ros.without_ros_arguments(line))
+    own = given_options(without_ros_arguments(line))
     parser = _parser(bridge.settings)
-    configure_log(parser.parse_args(own).log_level)
+    options = parser.parse_args(own)
+    configure_log(options.log_level)
     stop = StopRequest()
     try:
         with stop.on_signals():
-            node = ros.RosNode(bridge.settings.name, bridge.settings.namespace, line)
+            model = bridge.settings
+            node = RosNode(model.name, model.namespace, line, options.ros_waiting)
             try:
                 transport = _configure(bridge, node, parser, own)
                 _serve(bridge, node, transport, stop)
@@ -91,10 +94,10 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
     Returns:
         The exit code: 0, or 2 when a parameter has a value with which the node cannot be made.
     """
-    from . import ros  # noqa: PLC0415
+    from .ros_spin import spin  # noqa: PLC0415
 
     try:
-        ros.spin(factory, arguments)
+        spin(factory, arguments)
     except ParameterError as error:
         LOGGER.error("the node cannot run: %s", error)
         return EXIT_USAGE
@@ -105,6 +108,13 @@ def _parser(model: BridgeSettings) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=model.name, description=model.description)
     add_component_arguments(parser, model.address)
     add_arguments(parser, model.transport)
+    parser.add_argument_group("ROS").add_argument(
+        "--ros-waiting",
+        choices=("automatic", "listener", "wait-set"),
+        default="automatic",
+        help="how to wait for topics: on the loop by listeners of the middleware, or on a thread"
+        " with a wait set, which is slower with many topics (default %(default)s)",
+    )
     return parser
 
 

@@ -104,6 +104,10 @@ class EndpointHealth:
     _missed: float = field(default=-math.inf, init=False)
     _lost: float = field(default=-math.inf, init=False)
 
+    def parameter(self, policy: str) -> str:
+        """Returns the name of the parameter that changes a policy."""
+        return f"qos_overrides.{self.topic}.{self.entity}.{policy}"
+
     def note_incompatible(self, policy: str) -> None:
         """Notes that an end appeared that does not fit.
 
@@ -173,7 +177,7 @@ class EndpointHealth:
             cure = conflict.offered
         if conflict.policy not in ("reliability", "durability"):
             return text
-        parameter = f"qos_overrides.{self.topic}.{self.entity}.{conflict.policy}"
+        parameter = self.parameter(conflict.policy)
         return f"{text}; set qos: {{ {conflict.policy}: {cure} }} or {parameter}:={cure}"
 
 

@@ -1,7 +1,9 @@
-"""The ROS side of a bridge: the only module of the runtime that imports rclpy.
+"""The ROS side of a bridge, on rclpy.
 
-A bridge sees three things of ROS: it subscribes, it publishes, and somebody waits. How a
-subscription takes its messages and who waits for them stays in here.
+The loop waits for topics as it waits for sockets, see `ros_listener.py`; the executor of rclpy has
+a thread of its own for parameters, services and `/clock`. Publishers and subscriptions are made
+below the classes `Publisher` and `Subscription` of rclpy: the executor would look at each of those
+whenever it wakes up.
 """
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
@@ -9,55 +11,40 @@ subscription takes its messages and who waits for them stays in here.
 
 from __future__ import annotations
 
-import atexit
 import logging
-import signal
 import threading
 import time
-from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.event_handler import QoSSubscriptionEventType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSPolicyKind,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_policy_name_from_kind,
-)
-from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import ok, remove_ros_args, try_shutdown
+from rclpy.type_support import check_is_valid_msg_type
+from rclpy.utilities import try_shutdown
 
 from ..base.counters import LOGGER
-from ..component.process import ignore_signals
 from ..conversions import Time
+from . import parameters
 from .errors import RosLostError
-from .parameters import ParameterError, nearest
 from .quality import EndpointHealth
-from .topics import Qos
+from .ros_codec import Codec, message_class
+from .ros_events import publisher_events, subscription_events
+from .ros_listener import Listener, NoListenerError
+from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
+from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
+from .ros_taking import Subscription
+from .ros_wait_set import WaitSet
+from .topics import Qos, TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from rclpy.publisher import Publisher
-
+    from ..base.loop import Loop
     from .diagnostics import ConnectionStatus
     from .parameter import Parameter
     from .quality import TopicFault
@@ -66,8 +53,8 @@ if TYPE_CHECKING:
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
 
-WAKE_UP_PERIOD = 1.0
-"""Longest time in seconds until a node that spins notices a shutdown."""
+WaitingName = Literal["automatic", "listener", "wait-set"]
+"""How the bridge waits for ROS; `automatic` takes the listener where there is one."""
 
 _LEVELS = {
     "ok": DiagnosticStatus.OK,
@@ -76,32 +63,74 @@ _LEVELS = {
     "stale": DiagnosticStatus.STALE,
 }
 
-_OVERRIDABLE = (
-    QoSPolicyKind.RELIABILITY,
-    QoSPolicyKind.DURABILITY,
-    QoSPolicyKind.HISTORY,
-    QoSPolicyKind.DEPTH,
-)
-"""Policies that parameters may change; times are the business of the model."""
 
-_UNLIMITED = 2**63 - 1
-"""Nanoseconds that ROS reports for a time that nobody limits."""
+class Waiting(Protocol):
+    """Waits for topics and events, and runs what takes them with the lock of the loop."""
+
+    def subscription(self, subscription: Subscription) -> None:
+        """Takes the messages of a subscription, what waits already included."""
+
+    def event(self, event: Any, read: Callable[[], object]) -> None:
+        """Runs `read` when an event has something to tell."""
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        """Begins; `fail` is told why nobody waits any more."""
+
+    def close(self) -> None:
+        """Ends; the handles may be destroyed then."""
+
+
+class NodePublisher:
+    """A publisher for serialized messages.
+
+    Attributes:
+        publish: Publishes a serialized message, from any thread: the function of rclpy itself.
+        matched: Subscriptions that are there now.
+        unmatched: Messages that found none of them; whoever publishes counts.
+    """
+
+    __slots__ = ("_class", "handle", "matched", "publish", "unmatched")
+
+    def __init__(self, handle: Any, ros_class: type[Any]) -> None:
+        """Wraps a handle of rclpy."""
+        self.handle = handle
+        self.publish: Callable[[bytes], None] = handle.publish_raw
+        self.matched = 0
+        self.unmatched = 0
+        self._class = ros_class
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy, from any thread.
+
+        Raises:
+            TypeError: It is of another class.
+        """
+        if not isinstance(message, self._class):
+            raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
+        self.handle.publish(message)
 
 
 class RosNode:
-    """One rclpy node with a thread that waits for its messages."""
+    """One rclpy node, whose topics a loop waits for."""
 
-    def __init__(self, name: str, namespace: str, arguments: Sequence[str] | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        namespace: str,
+        arguments: Sequence[str] | None = None,
+        waiting: WaitingName = "automatic",
+    ) -> None:
         """Joins ROS.
 
         Args:
             name: Node name, which `-r __node:=` changes.
             namespace: Namespace; empty means the root.
             arguments: Command line with `--ros-args`; None means none.
+            waiting: How to wait for topics.
         """
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
-        with _as_parameter_error():
+        with as_parameter_error():
             rclpy.init(
                 args=list(arguments or ()),
                 context=self._context,
@@ -113,13 +142,19 @@ class RosNode:
         self._thread: threading.Thread | None = None
         self._is_closing = False
         self._log = _RosLogHandler(self._node)
-        self._publishers: list[Publisher] = []
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
-        self._checks: dict[str, Callable[[Any], object]] = {}
-        self._followers: dict[str, Callable[[Any], None]] = {}
-        self._node.add_on_set_parameters_callback(self._check_parameters)
-        self._node.add_post_set_parameters_callback(self._apply_parameters)
+        self._publishers: list[Any] = []
+        self._subscriptions: list[Any] = []
+        self._events: list[Any] = []
+        self._waiting_name = waiting
+        self._waiting: Waiting | None = None
+        self._parameters = NodeParameters(self._node)
+        self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
+        self._is_simulated = False
+        self._parameters.follow("use_sim_time", self._follow_simulation)
+        self._follow_simulation()
+        self._age_limit = round(self.parameter(parameters.queue_age_limit()) * 1e9)
 
     @property
     def name(self) -> str:
@@ -128,76 +163,117 @@ class RosNode:
 
     def now(self) -> Time:
         """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
-        return Time(*self._node.get_clock().now().seconds_nanoseconds())
+        if self._is_simulated:
+            return Time(*self._clock.now().seconds_nanoseconds())
+        return Time(*divmod(time.time_ns(), 10**9))
 
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value.
 
         Args:
             parameter: The parameter.
-            changed: Takes each later value, on the thread that waits for ROS messages; without it
-                the parameter cannot change.
+            changed: Takes each later value, on the thread of the executor; without it the parameter
+                cannot change.
 
         Raises:
             ParameterError: The command line or a parameter file gives it a value of another type,
                 or one that does not do.
         """
-        if parameter.check is not None:
-            self._checks[parameter.name] = parameter.check
-        with _as_parameter_error():
-            declared = self._node.declare_parameter(
-                parameter.name, parameter.default, _descriptor(parameter, is_fixed=changed is None)
-            )
-        if changed is not None:
-            self._followers[parameter.name] = changed
-        return declared.value
+        return self._parameters.declare(parameter, changed)
 
-    def publisher(
-        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> Callable[[Any], None]:
-        """Makes a publisher and returns what publishes on it, callable from any thread.
+    def codec(self, ros_type: type[Any]) -> Codec:
+        """Returns what makes objects of serialized messages, and the reverse.
 
         Args:
-            message_type: Class of the messages.
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
+
+        Raises:
+            ImportError: ROS has no such type here.
+        """
+        return Codec(ros_type)
+
+    # ------------------------------------------------------------------ endpoints
+
+    def attach(self, loop: Loop) -> None:
+        """Chooses how to wait; to be called before there are publishers and subscriptions.
+
+        Args:
+            loop: The loop on which, or with whose lock, messages are taken.
+
+        Raises:
+            ParameterError: Only a listener would do, and there is none.
+        """
+        if self._waiting_name == "wait-set":
+            self._waiting = WaitSet(loop, self._context)
+            return
+        try:
+            self._waiting = self._listener(loop)
+        except NoListenerError as error:
+            if self._waiting_name == "listener":
+                raise parameters.ParameterError(f"--ros-waiting listener: {error}") from error
+            LOGGER.warning("waiting for ROS with a wait set, which is slower: %s", error)
+            self._waiting = WaitSet(loop, self._context)
+
+    def publisher(
+        self,
+        ros_type: type[Any],
+        topic: Topic,
+        greet: Callable[[], None] | None = None,
+    ) -> NodePublisher:
+        """Makes a publisher.
+
+        Args:
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
             topic: The topic.
-            greet: Called for each subscriber that is found, on the thread that waits.
+            greet: Called for each subscriber that is found, on the loop or with its lock.
 
         Raises:
             ParameterError: A parameter gives it a name or a policy that ROS refuses.
         """
-        with _as_parameter_error(f"topic {topic.name!a}: "):
-            health = self._watched(topic, publishes=True)
-            made = self._node.create_publisher(
-                message_type,
-                topic.name,
-                _profile(topic.qos),
-                event_callbacks=_publisher_events(health, greet),
-                qos_overriding_options=_overriding(health),
-            )
-        health.qos = _qos(made.qos_profile)
-        self._publishers.append(made)
-        publish: Callable[[Any], None] = made.publish
-        return publish
+        found = message_class(ros_type)
+        health = self._watched(topic, topic.qos, publishes=True)
+        handle = self._made(rclpy_implementation.Publisher, found, topic, health)
+        self._publishers.append(handle)
+        made = NodePublisher(handle, found)
+
+        def matched(state: Any) -> None:
+            made.matched = state.current_count
+            if state.current_count_change > 0 and greet is not None:
+                greet()
+
+        self._wait_for(publisher_events(handle, health, matched))
+        return made
 
     def subscribe(
-        self, message_type: type[Any], topic: Topic, deliver: Callable[[Any], None]
-    ) -> None:
-        """Makes a subscription; `deliver` runs on the thread that waits for ROS messages.
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription; messages are taken after `start`.
+
+        Args:
+            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
+            topic: The topic.
+            take: Is given each serialized message, and the time at which it was published, in
+                nanoseconds by the clock of its publisher; on the loop or with its lock.
+
+        Returns:
+            The counts, which go on.
 
         Raises:
             ParameterError: A parameter gives it a name or a policy that ROS refuses.
         """
-        with _as_parameter_error(f"topic {topic.name!a}: "):
-            health = self._watched(topic, publishes=False)
-            made = self._node.create_subscription(
-                message_type,
-                topic.name,
-                deliver,
-                _profile(topic.qos),
-                event_callbacks=_subscription_events(health),
-                qos_overriding_options=_overriding(health),
-            )
-        health.qos = _qos(made.qos_profile)
+        found, counts = message_class(ros_type), TopicCounts()
+        health = self._watched(topic, deep_enough(topic.qos), publishes=False)
+        handle = self._made(rclpy_implementation.Subscription, found, topic, health)
+        self._subscriptions.append(handle)
+        qos = health.qos
+        # What is latched is as old as it is.
+        age_limit = self._age_limit if qos.durability == "volatile" else 0
+        depth = qos.depth if qos.history == "keep_last" else 0
+        self._wait_for(subscription_events(handle, health))
+        self._present_waiting.subscription(
+            Subscription(handle, found, depth, take, age_limit, counts)
+        )
+        return counts
 
     def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does.
@@ -208,9 +284,34 @@ class RosNode:
         """
         return self._health[topic, publishes].faults()
 
-    def _watched(self, topic: Topic, *, publishes: bool) -> EndpointHealth:
-        """Returns what will know how a publisher or subscription fares."""
-        node, name = self._node, self._node.resolve_topic_name(topic.name)
+    @property
+    def _present_waiting(self) -> Waiting:
+        if self._waiting is None:
+            raise RuntimeError("no loop is attached")
+        return self._waiting
+
+    def _listener(self, loop: Loop) -> Listener:
+        """Returns the listener, tried with a subscription and an event that go at once."""
+        listener = Listener(loop)
+        node = self._node.handle
+        with node:
+            profile = profile_of(Qos()).get_c_qos_profile()
+            trial = rclpy_implementation.Subscription(node, DiagnosticArray, "_trial", profile)
+        matched = rclpy_implementation.EventHandle(
+            trial, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
+        )
+        try:
+            listener.try_out(trial, matched)
+        finally:
+            matched.destroy_when_not_in_use()
+            trial.destroy_when_not_in_use()
+        return listener
+
+    def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
+        """Returns what will know how a publisher or subscription fares, with its final quality."""
+        node = self._node
+        with as_parameter_error(f"topic {topic.name!a}: "):
+            name = node.resolve_topic_name(topic.name)
         find = (
             node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
         )
@@ -220,11 +321,26 @@ class RosNode:
         entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
 
         def others() -> list[tuple[str, Qos]]:
-            return [(_node_name(each), _qos(each.qos_profile)) for each in find(name)]
+            return [(_node_name(each), qos_of(each.qos_profile)) for each in find(name)]
 
-        health = EndpointHealth(publishes, name, topic.qos, entity, others)
+        health = EndpointHealth(publishes, name, qos, entity, others)
+        health.qos = overridden(health, self._parameters.given, self._parameters.declare)
         self._health[topic, publishes] = health
         return health
+
+    def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
+        """Returns the handle of a new publisher or subscription."""
+        check_is_valid_msg_type(found)
+        with as_parameter_error(f"topic {topic.name!a}: "), self._node.handle:
+            profile = profile_of(health.qos).get_c_qos_profile()
+            return kind(self._node.handle, found, topic.name, profile)
+
+    def _wait_for(self, events: Iterator[tuple[Any, Callable[[], None]]]) -> None:
+        for event, read in events:
+            self._events.append(event)
+            self._present_waiting.event(event, read)
+
+    # ------------------------------------------------------------------ life
 
     def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
         """Publishes one status for each connection on `/diagnostics`."""
@@ -243,14 +359,20 @@ class RosNode:
         self._diagnostics.publish(array)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Starts to wait for messages, on a thread of its own, and to log through ROS.
+        """Starts to wait for messages and parameters, and to log through ROS.
 
         Args:
-            fail: Told on that thread why nobody waits any more, unless the node is closed.
+            fail: Told, on the thread concerned, why nobody waits any more, unless the node is
+                closed.
         """
-        _tell_unknown_parameters(self._node)
+        possible = (
+            each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
+        )
+        tell_unknown(self._node, possible)
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False
+        if self._waiting is not None:
+            self._waiting.start(fail)
         self._thread = threading.Thread(target=self._spin, args=[fail], name="ros", daemon=True)
         self._thread.start()
 
@@ -259,27 +381,22 @@ class RosNode:
         self._is_closing = True
         deadline = time.monotonic() + LAST_WORDS
         for publisher in self._publishers if self._context.ok() else ():
-            publisher.wait_for_all_acked(Duration(seconds=max(deadline - time.monotonic(), 0.0)))
+            left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
+            publisher.wait_for_all_acked(left.get_c_duration())
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
+        if self._waiting is not None:
+            self._waiting.close()
         self._executor.shutdown()
         if self._thread is not None:
             self._thread.join()
+        for handle in (*self._events, *self._subscriptions, *self._publishers):
+            handle.destroy_when_not_in_use()
         self._node.destroy_node()
         try_shutdown(context=self._context)
 
-    def _check_parameters(self, parameters: Sequence[Any]) -> SetParametersResult:
-        for each in parameters:
-            try:
-                self._checks.get(each.name, bool)(each.value)
-            except ValueError as error:
-                return SetParametersResult(successful=False, reason=f"{each.name}: {error}")
-        return SetParametersResult(successful=True)
-
-    def _apply_parameters(self, parameters: Sequence[Any]) -> None:
-        for each in parameters:
-            if each.name in self._followers:
-                self._followers[each.name](each.value)
+    def _follow_simulation(self, _: object = None) -> None:
+        self._is_simulated = self._clock.ros_time_is_active
 
     def _spin(self, fail: Callable[[BaseException], None]) -> None:
         reason: BaseException = RosLostError("ROS was shut down under the bridge")
@@ -291,52 +408,6 @@ class RosNode:
             reason = error
         if not self._is_closing:
             fail(reason)
-
-
-def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
-    """Spins a node until SIGINT or SIGTERM.
-
-    Args:
-        factory: Makes the node, after ROS has begun.
-        arguments: Command line without the program's name; that of the process when None.
-
-    Raises:
-        ParameterError: A parameter has a value with which the node cannot be made.
-    """
-    atexit.register(ignore_signals)
-    # ROS itself ends on SIGINT; Python's KeyboardInterrupt would strike anywhere, even in clean-up.
-    signal.signal(signal.SIGINT, lambda *_: None)
-    with _as_parameter_error():
-        rclpy.init(args=None if arguments is None else list(arguments))
-    try:
-        node = _made(factory)
-        _tell_unknown_parameters(node)
-        # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
-        with suppress(ExternalShutdownException):
-            rclpy.spin(node)
-        node.destroy_node()
-    except RuntimeError:
-        # A signal shuts ROS down in the midst of anything, which rclpy may report like this.
-        if ok():
-            raise
-    finally:
-        try_shutdown()
-
-
-def _made(factory: Callable[[], Any]) -> Any:
-    """Makes a node; errors of the user's code stay as they are."""
-    try:
-        return factory()
-    except ParameterException as error:
-        raise ParameterError(" ".join(str(error).split())) from error
-
-
-def without_ros_arguments(line: Sequence[str]) -> list[str]:
-    """Returns a command line, without the program's name, without what is meant for ROS."""
-    own: list[str] = remove_ros_args(["", *line])[1:]
-    return own
 
 
 class _RosLogHandler(logging.Handler):
@@ -359,115 +430,5 @@ class _RosLogHandler(logging.Handler):
             self._logger.debug(text)
 
 
-def _tell_unknown_parameters(node: Any) -> None:
-    """Warns of parameters that nobody declared: they are misspelt, or of something else."""
-    known = node.list_parameters([], 0).names
-    # rclpy keeps what command line and files say here, and has no other way to ask for it.
-    for name in node._parameter_overrides:  # noqa: SLF001
-        if not node.has_parameter(name):
-            meant = nearest(name, known)
-            hint = f"; did you mean {meant}?" if meant else ""
-            own = node.get_fully_qualified_name()
-            LOGGER.warning("%s has no parameter %s%s", own, name, hint)
-
-
-@contextmanager
-def _as_parameter_error(about: str = "") -> Iterator[None]:
-    """Gives what ROS refuses of names, files and values one class, and one line of text."""
-    try:
-        yield
-    except (ParameterException, NameValidationException, RuntimeError) as error:
-        raise ParameterError(about + " ".join(str(error).split())) from error
-
-
-def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
-    descriptor = ParameterDescriptor(description=parameter.description, read_only=is_fixed)
-    if parameter.limits is None:
-        return descriptor
-    low, high = parameter.limits
-    if isinstance(parameter.default, int):
-        descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
-    else:
-        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
-    return descriptor
-
-
-def _overriding(health: EndpointHealth) -> QoSOverridingOptions:
-    """A second endpoint of a topic has parameters of its own."""
-    _, _, number = health.entity.partition("_")
-    return QoSOverridingOptions(_OVERRIDABLE, entity_id=number or None)
-
-
-def _publisher_events(
-    health: EndpointHealth, greet: Callable[[], None] | None
-) -> PublisherEventCallbacks:
-    def matched(event: Any) -> None:
-        if event.current_count_change > 0 and greet is not None:
-            greet()
-
-    # ROS waits for each event apart, so only for those that may come.
-    qos = health.qos
-    return PublisherEventCallbacks(
-        incompatible_qos=lambda event: health.note_incompatible(_policy(event)),
-        deadline=(lambda _: health.note_missed_deadline()) if qos.deadline > 0 else None,
-        liveliness=(lambda _: health.note_lost_liveliness()) if qos.lease_duration > 0 else None,
-        matched=None if greet is None else matched,
-    )
-
-
-def _subscription_events(health: EndpointHealth) -> SubscriptionEventCallbacks:
-    def liveliness(event: Any) -> None:
-        if event.alive_count > 0:
-            health.note_liveliness()
-        elif event.not_alive_count > 0:
-            health.note_lost_liveliness()
-
-    qos = health.qos
-    return SubscriptionEventCallbacks(
-        incompatible_qos=lambda event: health.note_incompatible(_policy(event)),
-        deadline=(lambda _: health.note_missed_deadline()) if qos.deadline > 0 else None,
-        liveliness=liveliness if qos.lease_duration > 0 else None,
-    )
-
-
-def _policy(event: Any) -> str:
-    return str(qos_policy_name_from_kind(event.last_policy_kind))
-
-
 def _node_name(end: Any) -> str:
     return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
-
-
-def _profile(qos: Qos) -> QoSProfile:
-    """The rclpy profile; its policies have the names that the model uses."""
-    profile = QoSProfile(
-        reliability=ReliabilityPolicy[qos.reliability.upper()],
-        durability=DurabilityPolicy[qos.durability.upper()],
-        history=HistoryPolicy[qos.history.upper()],
-        depth=qos.depth,
-        liveliness=LivelinessPolicy[qos.liveliness.upper()],
-    )
-    if qos.deadline > 0:
-        profile.deadline = Duration(seconds=qos.deadline)
-    if qos.lifespan > 0:
-        profile.lifespan = Duration(seconds=qos.lifespan)
-    if qos.lease_duration > 0:
-        profile.liveliness_lease_duration = Duration(seconds=qos.lease_duration)
-    return profile
-
-
-def _qos(profile: QoSProfile) -> Qos:
-    """What `_profile` makes a profile of; of another node, history and depth are not known."""
-    return Qos(
-        reliability=profile.reliability.name.lower(),
-        durability=profile.durability.name.lower(),
-        deadline=_seconds(profile.deadline),
-        lifespan=_seconds(profile.lifespan),
-        liveliness=profile.liveliness.name.lower(),
-        lease_duration=_seconds(profile.liveliness_lease_duration),
-    )
-
-
-def _seconds(duration: Duration) -> float:
-    count = duration.nanoseconds
-    return count / 1e9 if 0 < count < _UNLIMITED else 0.0

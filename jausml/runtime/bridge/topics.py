@@ -30,6 +30,25 @@ class Qos:
     lease_duration: float = 0.0
 
 
+@dataclass(slots=True)
+class TopicCounts:
+    """What happened to the messages of a subscription.
+
+    Attributes:
+        taken: Messages taken from its queue.
+        lost: Messages that were overwritten in the queue before they were taken: the bridge was
+            too slow. Only a middleware that announces messages tells them.
+        missed: Messages that were published and never taken, those of `lost` included. Publishers
+            number their messages, but do not sign them: it is told only while there is one.
+        too_old: Messages taken and dropped because they had waited too long.
+    """
+
+    taken: int = 0
+    lost: int = 0
+    missed: int = 0
+    too_old: int = 0
+
+
 @dataclass(frozen=True)
 class Topic:
     """A topic of a connection.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -14,7 +15,7 @@ from jausml.runtime.bridge.limits import Clamp, DropField, DropMessage, Error
 from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
 from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
-from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.bridge.topics import Topic, TopicCounts
 from jausml.runtime.conversions import ConversionError, Time
 from jausml.runtime.messages import (
     Event,
@@ -31,6 +32,9 @@ from jausml.runtime.messages import (
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import EncodeError
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 PEER = JausAddress(1, 1, 1)
 OTHER = JausAddress(1, 1, 2)
 OWN = JausAddress(1, 1, 9)
@@ -45,6 +49,29 @@ class Number:
     """A ROS message."""
 
     data: float = 0.0
+
+
+@dataclass
+class RosPublisher:
+    """A publisher of the ROS side."""
+
+    publish_message: Callable[[Number], None]
+    matched: int = 1
+    unmatched: int = 0
+
+    @property
+    def publish(self):
+        return self.publish_message
+
+
+class Codec:
+    """Messages are objects here, and so are their serialized forms."""
+
+    def decode(self, data):
+        return data
+
+    def encode(self, message):
+        return message
 
 
 class Ros:
@@ -83,12 +110,25 @@ class Ros:
             assert isinstance(message, message_type)
             found.append(message)
 
-        return publish
+        return RosPublisher(publish)
 
-    def subscribe(self, message_type, topic, deliver):
+    def codec(self, message_type):
+        del message_type
+        return Codec()
+
+    def attach(self, loop):
+        self.loop = loop
+
+    def subscribe(self, message_type, topic, take):
         del message_type
         self.made.append(("subscription", topic.name))
+
+        def deliver(message):
+            with self.loop.lock:
+                take(message, 0)
+
         self.deliver[topic.name] = deliver
+        return TopicCounts()
 
     def publish_diagnostics(self, statuses):
         self.statuses.append({status.name: status for status in statuses})
