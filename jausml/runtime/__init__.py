@@ -21,6 +21,7 @@ from .bridge.bridge import Bridge
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.joins import Join
+from .bridge.layouts import CdrLayouts, PresenceLayouts
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
@@ -67,6 +68,7 @@ __all__ = [
     "AttributeParameter",
     "Bridge",
     "BridgeSettings",
+    "CdrLayouts",
     "Completion",
     "ComponentProgram",
     "ComponentSettings",
@@ -97,6 +99,7 @@ __all__ = [
     "PeerSearch",
     "PendingCommand",
     "PendingQuery",
+    "PresenceLayouts",
     "Priority",
     "Qos",
     "QueryToTopics",

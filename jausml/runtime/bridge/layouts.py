@@ -1,0 +1,110 @@
+"""Layouts that are known only when a message is there: by presence vector, or by length of texts.
+
+Flat translations, which the generator writes, read and write messages by one `struct.Struct` each.
+Most of these are constants. What a presence vector leaves out, and where the values after a text
+stand, differs from message to message; but mostly it is what it was in the message before.
+"""
+
+from __future__ import annotations
+
+import struct
+
+from ..wire import DecodeError
+
+MISFITS = (struct.error, TypeError, AttributeError, OverflowError, UnicodeEncodeError)
+"""What values raise that do not fit their place in a layout."""
+
+# Peers choose what they send: no more layouts than these are kept.
+_KEPT = 256
+# Of a text the size that counts is that of the number before it.
+_SIZES = {letter: struct.calcsize(f"<{letter}") for letter in "bB?chHiIqQfd"} | {"s": 4}
+
+
+class PresenceLayouts(dict["bytes | int", struct.Struct]):
+    """Layouts of fields of fixed size by a presence vector (SAE AS5684), little endian.
+
+    The key is the vector, as bytes where it stands in the layout itself. A field that is left out
+    is an empty byte string among the values, so that the others keep their places.
+    """
+
+    def __init__(self, where: str, known: int, size: int, *fields: tuple[int, str]) -> None:
+        """Names the fields.
+
+        Args:
+            where: Message or part that errors name.
+            known: The bits that fields use.
+            size: Bytes of the presence vector; 0 when it stands elsewhere.
+            *fields: Bit and struct format of each field; 0 is the bit of what is always there.
+        """
+        super().__init__()
+        self._where = where
+        self._known = known
+        self._size = size
+        self._fields = fields
+
+    def __missing__(self, presence: bytes | int) -> struct.Struct:
+        """Returns the layout of a presence vector that was not seen before.
+
+        Raises:
+            DecodeError: The vector is cut off, or has bits of unknown fields.
+        """
+        bits = presence
+        if isinstance(bits, bytes):
+            if len(bits) != self._size:
+                raise DecodeError(self._where, "the body ends too early")
+            bits = int.from_bytes(bits, "little")
+        if bits > self._known:
+            raise DecodeError(self._where, f"unknown bits in presence vector 0x{bits:X}")
+        layout = struct.Struct("<" + "".join(_present(field, bits) for field in self._fields))
+        if len(self) < _KEPT:
+            self[presence] = layout
+        return layout
+
+
+def _present(field: tuple[int, str], presence: int) -> str:
+    bit, struct_format = field
+    if not bit or presence & bit:
+        return struct_format
+    return "" if struct_format.endswith("x") else "0s"
+
+
+class CdrLayouts(dict[tuple[int, ...], struct.Struct]):
+    """Layouts of a part of a message in CDR (XCDR1, little endian) with texts in it.
+
+    The key is where the part begins, in bytes after the encapsulation modulo 8, and how many bytes
+    each of its texts has, without the NUL at its end. Texts stand for two values: that number and
+    one, and the bytes.
+    """
+
+    def __init__(self, *items: str) -> None:
+        """Names the items.
+
+        Args:
+            *items: What stands there: a struct format of one letter, a number before it where there
+                are several; `s` is a text, an `x` in front leaves room for items that are zero.
+        """
+        super().__init__()
+        self._items = items
+
+    def __missing__(self, key: tuple[int, ...]) -> struct.Struct:
+        """Returns the layout for texts of these lengths, when they were not seen before."""
+        at, *lengths = key
+        texts = iter(lengths)
+        parts = ["<"]
+        for item in self._items:
+            letter, number = item[-1], item[:-1].lstrip("x")
+            size = _SIZES[letter]
+            gap = -at % size
+            length = size * int(number or 1)
+            if letter == "s":
+                text = next(texts) + 1
+                length += text
+                part = f"I{text}s"
+            else:
+                part = f"{length}x" if item.startswith("x") else f"{number}{letter}"
+            parts.append(f"{gap}x{part}" if gap else part)
+            at += gap + length
+        layout = struct.Struct("".join(parts))
+        if len(self) < _KEPT:
+            self[key] = layout
+        return layout
