@@ -14,33 +14,39 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+CANNOT_PARSE = (ValueError, SyntaxError, SyntaxWarning, RecursionError)
+"""What Python raises for text that it cannot read, or reads with a warning."""
 
-def syntax_problem(text: str, path: str) -> str | None:
+
+def syntax_problem(text: str, path: str, *, is_parsed: bool = False) -> str | None:
     """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names.
 
     Args:
         text: The whole text of a file.
         path: Its path; only Python, XML and JSON are read, other formats pass.
+        is_parsed: Whether Python has read it already, and only its encoding is in question.
 
     Returns:
         The problem with its line, or None.
     """
     try:
         data = text.encode("utf-8")
-        check = _CHECKS.get(PurePosixPath(path).suffix)
+        check = _check_encoding if is_parsed else _CHECKS.get(PurePosixPath(path).suffix)
         if check is not None and data:
             check(data)
-    except (ValueError, SyntaxError, SyntaxWarning, RecursionError) as error:
-        return f"{path} would not be readable: {error}"
-    except xml.parsers.expat.ExpatError as error:
+    except (*CANNOT_PARSE, xml.parsers.expat.ExpatError) as error:
         return f"{path} would not be readable: {error}"
     return None
 
 
-def _check_python(data: bytes) -> None:
+def _check_encoding(data: bytes) -> None:
     encoding, _ = tokenize.detect_encoding(io.BytesIO(data).readline)
     if encoding != "utf-8":
         raise SyntaxError(f"it would be read as {encoding}")
+
+
+def _check_python(data: bytes) -> None:
+    _check_encoding(data)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ast.parse(data)

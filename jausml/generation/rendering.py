@@ -14,11 +14,11 @@ from multigen.jinja import JinjaGenerator, JinjaTask
 from jausml import __version__
 from jausml.generation import docstrings, literals, lua_literals
 from jausml.generation.artifact import Artifact, Kind
-from jausml.generation.checks import syntax_problem
+from jausml.generation.checks import CANNOT_PARSE, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.header import add_header
-from jausml.generation.languages.python import layout, with_imports
-from jausml.generation.tasks import TextTask
+from jausml.generation.languages.python import Modules
+from jausml.generation.tasks import FileTask, TextTask
 from jausml.model.collector import without_collector
 
 if TYPE_CHECKING:
@@ -64,9 +64,9 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
             file and line.
         TooLargeError: There would be too many files, or too much in them.
     """
-    size = _Size()
+    size, modules = _Size(), Modules()
     with without_collector():
-        renderers = [_Renderer(target, model, size) for target in targets]
+        renderers = [_Renderer(target, model, size, modules) for target in targets]
         size.check_files(sum(len(each.task.views) for one in renderers for each in one.tasks))
         for renderer in renderers:
             renderer.generate(model, outfolder="")
@@ -96,9 +96,11 @@ class _Size:
 class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
     """Runs the tasks of one target over one model."""
 
-    def __init__(self, target: Target[ModelT], model: ModelT, size: _Size) -> None:
+    def __init__(
+        self, target: Target[ModelT], model: ModelT, size: _Size, modules: Modules
+    ) -> None:
         self.templates_path = [str(folder.resolve()) for folder in target.template_folders]
-        self.tasks = [_FilesInMemory(task, target, size) for task in target.tasks(model)]
+        self.tasks = [_FilesInMemory(task, target, size, modules) for task in target.tasks(model)]
         super().__init__(global_context={"target": target.name, "version": __version__})
 
     def create_environment(self, **kwargs: object) -> jinja2.Environment:
@@ -117,9 +119,10 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
 class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
     """A task in multigen's loop, which keeps the files that it makes."""
 
-    def __init__(self, task: Task, target: Target[Any], size: _Size) -> None:
+    def __init__(self, task: Task, target: Target[Any], size: _Size, modules: Modules) -> None:
         super().__init__()
         self.size = size
+        self.modules = modules
         self.task = task
         self.target = target
         self.artifacts: list[Artifact] = []
@@ -146,10 +149,14 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
 
     def _artifact(self, view: Any) -> Artifact:
         task, path = self.task, self.task.path(view)
-        text = _laid_out(self._text(view))
+        text = self._text(view)
+        is_parsed = False
+        if isinstance(task, FileTask) and path.endswith(".py"):
+            text, is_parsed = self._module(task, text, view), True
+        text = _laid_out(text)
         if task.kind is Kind.GENERATED:
             text = add_header(text, path, view.source)
-        problem = syntax_problem(text, path)
+        problem = syntax_problem(text, path, is_parsed=is_parsed)
         if problem is not None:
             raise InternalError(task.label(view), problem)
         return Artifact(
@@ -169,9 +176,16 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
             return str(view.content)
         template = self.environment.get_template(self.task.template)
         text: str = template.render(view=view, **self.global_context)
-        if self.task.imports is not None:
-            text = with_imports(text, self.task.imports(view))
-        return layout(text) if self.task.path(view).endswith(".py") else text
+        return text
+
+    def _module(self, task: FileTask[Any], text: str, view: Any) -> str:
+        imports = task.imports(view) if task.imports is not None else None
+        words = task.words(view) if task.words is not None else ()
+        try:
+            return self.modules.finished(text, imports, words)
+        except CANNOT_PARSE as error:
+            message = f"{task.path(view)} would not be readable: {error}"
+            raise InternalError(task.label(view), message) from error
 
     def _template_line(self, error: Exception) -> str | None:
         """Returns `file:line` of the innermost template in an error's traceback."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 from jausml.generation.artifact import Kind, SkeletonContract
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from jausml.generation.languages.python import Imports
 
@@ -47,6 +47,8 @@ class FileTask(Generic[ViewT]):
         executable: Whether the files get the executable bits.
         contract: For a Python skeleton, what its base expects.
         imports: For Python, what a file may import; its template has no import statements then.
+        words: For Python, names in which functions and methods of a file may differ alone; where
+            it has many that do, it is made faster.
     """
 
     template: str
@@ -57,6 +59,7 @@ class FileTask(Generic[ViewT]):
     executable: bool = False
     contract: Callable[[ViewT], SkeletonContract] | None = None
     imports: Callable[[ViewT], Imports] | None = None
+    words: Callable[[ViewT], Collection[str]] | None = None
 
     def label(self, view: ViewT) -> str:
         """Returns what an error names when no template line is known."""

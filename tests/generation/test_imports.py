@@ -6,10 +6,10 @@ import pytest
 
 from jausml.generation.languages.python import (
     Imports,
+    Modules,
     Origin,
     UnknownNameError,
     offered,
-    with_imports,
 )
 
 HEAD = "from __future__ import annotations\n"
@@ -24,7 +24,7 @@ NAMES = {
 
 def imported(body: str, **options: object) -> str:
     """Returns what stands between the first line and the body."""
-    text = with_imports(f"{HEAD}\n\n{body}", Imports(NAMES, **options))
+    text = Modules().finished(f"{HEAD}\n\n{body}", Imports(NAMES, **options))
     assert text.startswith(HEAD)
     assert text.endswith(f"\n\n{body}")
     return text[len(HEAD) : -len(body)].strip("\n")
@@ -37,8 +37,8 @@ def test_only_what_is_used_is_imported() -> None:
 
 def test_sections_and_names_are_in_order() -> None:
     body = (
-        "x = [math.pi, rclpy, set_time, LIMIT, JausAddress, TurtlesimPose, Odometry, ReportPose10,"
-        " ReportPose9]\n"
+        "x = [math.pi, rclpy, set_time, LIMIT, JausAddress, TurtlesimPose, Odometry]\n"
+        "y = [ReportPose10, ReportPose9]\n"
     )
     assert imported(body) == (
         "import math\n\n"
@@ -76,7 +76,7 @@ def test_what_the_module_defines_is_not_imported() -> None:
 
 def test_own_package_comes_last() -> None:
     names = {**offered("arm.arm", "Arm"), **offered("zoo", "Bear")}
-    text = with_imports(f"{HEAD}x = Arm(Bear)\n", Imports(names, own="arm"))
+    text = Modules().finished(f"{HEAD}x = Arm(Bear)\n", Imports(names, own="arm"))
     assert text == f"{HEAD}\nfrom zoo import Bear\n\nfrom arm.arm import Arm\nx = Arm(Bear)\n"
 
 

@@ -602,7 +602,8 @@ def test_examples_are_values_that_the_target_carries(tmp_path, target, conversio
     model = small(tmp_path, assignments=line, direction="rosToJaus")
     view = BridgeView(system_of(model).bridges[0], system_of(model), "small.xmi")
     uses = view.translations.uses
-    sample = sample_of(Ends(view.connections[0], uses.type_name, uses))
+    connection = view.connections[0]
+    sample = sample_of(Ends(connection, connection.name, uses.type_name, uses))
     assert (sample and sample.values) == (expected and {"real": expected})
     for artifact in render(model, [TARGET]):
         if artifact.path.endswith("_translations.py"):

@@ -96,6 +96,11 @@ class ConnectionView:
         return self.translated.name
 
     @property
+    def alike(self) -> object:
+        """What connections share whose translations differ in the name of the connection alone."""
+        return self.connection.map, self.to_ros, self.connection.outOfRange.name
+
+    @property
     def ros_name(self) -> str:
         """Name of its ROS message class in the generated modules."""
         return self.translated.ros_name

@@ -49,12 +49,18 @@ def tasks(model: Model) -> list[Task]:
             [messages.used_by(bridge) for bridge in bridges],
             lambda used: used.path,
         ),
-        *program_tasks(bridges, base="base.py.j2", skeleton="skeleton.py.j2"),
+        *program_tasks(
+            bridges,
+            base="base.py.j2",
+            skeleton="skeleton.py.j2",
+            words=lambda view: view.connection_names,
+        ),
         FileTask(
             "test_translations.py.j2",
             tests,
             lambda view: f"{view.package}/test/test_{view.package}_translations.py",
             imports=lambda view: view.imports,
+            words=lambda view: view.bridge.connection_names,
         ),
     ]
 

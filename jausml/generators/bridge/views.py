@@ -114,6 +114,11 @@ class BridgeView:
         )
 
     @functools.cached_property
+    def connection_names(self) -> frozenset[str]:
+        """The names of the connections in Python."""
+        return frozenset(view.name for view in self.connections)
+
+    @functools.cached_property
     def message_map(self) -> dict[jaus.MessageDef, MessageView]:
         """The JAUS messages that the bridge takes, makes and asks for."""
         return build_message_map(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from jausml.generation.artifact import Kind
 from jausml.generation.languages.python import Imports, layout
@@ -11,7 +11,7 @@ from jausml.generation.tasks import FileTask, Task, TextFile, TextTask, template
 from jausml.generators.common import runtime
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Sequence
 
     from jausml.generation.artifact import SkeletonContract
     from jausml.metamodel.classes import jaus, ros
@@ -171,18 +171,28 @@ class ProgramView(Protocol):
         """What the skeleton may import."""
 
 
+ViewT = TypeVar("ViewT", bound=ProgramView)
+
+
 def module_path(view: ProgramView, name: str) -> str:
     """Returns the path of a module of a package."""
     return f"{view.package}/{view.package}/{name}.py"
 
 
-def program_tasks(views: Sequence[ProgramView], *, base: str, skeleton: str) -> list[Task]:
+def program_tasks(
+    views: Sequence[ViewT],
+    *,
+    base: str,
+    skeleton: str,
+    words: Callable[[ViewT], Collection[str]] | None = None,
+) -> list[Task]:
     """Returns the tasks for what runs: the base, the user's skeleton and the entry point.
 
     Args:
         views: The components, bridges or nodes.
         base: Template of the base, which is always rewritten.
         skeleton: Template of the skeleton, which is written once.
+        words: Names in which methods of a base may differ alone, see FileTask.
     """
     return [
         FileTask(
@@ -190,6 +200,7 @@ def program_tasks(views: Sequence[ProgramView], *, base: str, skeleton: str) -> 
             views,
             lambda view: module_path(view, f"{view.package}_base"),
             imports=lambda view: view.base_imports,
+            words=words,
         ),
         FileTask(
             skeleton,

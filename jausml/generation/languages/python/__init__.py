@@ -8,16 +8,16 @@ from jausml.generation.languages.python.imports import (
     UnknownNameError,
     offered,
     statements,
-    with_imports,
 )
 from jausml.generation.languages.python.layout import layout
+from jausml.generation.languages.python.modules import Modules
 
 __all__ = [
     "Imports",
+    "Modules",
     "Origin",
     "UnknownNameError",
     "layout",
     "offered",
     "statements",
-    "with_imports",
 ]

@@ -11,11 +11,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
 MARKER = "from __future__ import annotations\n"
 """The line of a template that import statements follow."""
 _NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.ExceptHandler)
+_DEFINING = (*_NAMED, ast.arg, ast.Import, ast.ImportFrom)
+_ANNOTATIONS = frozenset({"annotation", "returns"})
+_WITHOUT_NAMES = frozenset({"ctx", "op", "ops", "attr", "id", "kind", "lineno", "type_comment"})
 _OF_MODULES = frozenset({"__name__", "__file__", "__doc__"})
 # Decorators of classes ask for these while the program runs.
 _ALWAYS_RUNNING = frozenset({"typing", "dataclasses"})
@@ -86,60 +89,92 @@ class Imports:
         return replace(self, names={**self.names, **names})
 
 
-def with_imports(text: str, imports: Imports) -> str:
-    """Returns a module with the import statements for what it uses, in ruff's order.
+@dataclass(frozen=True)
+class Names:
+    """The names in some statements.
+
+    Attributes:
+        running: Those that are asked for while the program runs.
+        annotating: Those that stand in annotations.
+        defined: Those that are given a meaning, in whichever scope.
+    """
+
+    running: Collection[str]
+    annotating: Collection[str]
+    defined: Collection[str]
+
+    @property
+    def unknown(self) -> set[str]:
+        """Those that are asked for, and that neither the statements nor Python define."""
+        used = {*self.running, *self.annotating}.difference(self.defined)
+        return {name for name in used if not hasattr(builtins, name) and name not in _OF_MODULES}
+
+
+def names_in(module: ast.Module) -> Names:
+    """Returns the names in the statements of a module.
 
     Args:
-        text: The module without them; they follow its line MARKER.
+        module: Its syntax tree.
+    """
+    running: set[str] = set()
+    annotating: set[str] = set()
+    defined: set[str] = set()
+    pending: list[tuple[ast.AST, set[str]]] = [(module, running)]
+    while pending:
+        node, used = pending.pop()
+        if isinstance(node, ast.Name):
+            (used if isinstance(node.ctx, ast.Load) else defined).add(node.id)
+            continue
+        if isinstance(node, _DEFINING):
+            defined.update(_defined(node))
+        for field in node._fields:
+            if field in _WITHOUT_NAMES:
+                continue
+            value = getattr(node, field, None)
+            inside = annotating if field in _ANNOTATIONS else used
+            if isinstance(value, list):
+                pending += [(each, inside) for each in value if isinstance(each, ast.AST)]
+            elif isinstance(value, ast.AST):
+                pending.append((value, inside))
+    return Names(running, annotating, defined)
+
+
+def import_lines(names: Names, imports: Imports) -> str:
+    """Returns the import statements for what a module uses, in ruff's order.
+
+    Args:
+        names: The names in the module.
         imports: What it may import.
 
     Raises:
         UnknownNameError: Nothing defines a name that it uses.
     """
-    module = ast.parse(text)
     origins = {**STANDARD, **imports.names}
-    nodes = list(ast.walk(module))
-    annotations = {id(node) for root in _annotations(nodes) for node in ast.walk(root)}
-    defined = set(_defined(nodes))
-    running: set[str] = set()
-    every: set[str] = set()
-    for node in nodes:
-        if not isinstance(node, ast.Name) or node.id in defined:
-            continue
-        if node.id in origins:
-            is_running = id(node) not in annotations or imports.for_user
-            is_running |= origins[node.id].module in _ALWAYS_RUNNING
-            (running if is_running else every).add(node.id)
-        elif not hasattr(builtins, node.id) and node.id not in _OF_MODULES:
-            raise UnknownNameError(f"nothing defines the name {node.id!r} (line {node.lineno})")
-    only_typing = every - running
+    unknown = sorted(names.unknown - origins.keys())
+    if unknown:
+        raise UnknownNameError(f"nothing defines the name {unknown[0]!r}")
+    imported = origins.keys() - names.defined
+    running = imported & set(names.running)
+    annotating = imported & set(names.annotating)
+    if imports.for_user:
+        running |= annotating
+    running |= {name for name in annotating if origins[name].module in _ALWAYS_RUNNING}
+    only_typing = annotating - running
     if only_typing:
         running.add("TYPE_CHECKING")
     blocks = _sections(running, origins, imports.own)
     if only_typing:
         inner = "\n\n".join(_sections(only_typing, origins, imports.own))
         blocks.append("if TYPE_CHECKING:\n" + re.sub("^(?=.)", "    ", inner, flags=re.MULTILINE))
-    return text.replace(MARKER, "\n".join([MARKER, *(f"{each}\n" for each in blocks)]), 1)
+    return "\n".join(f"{each}\n" for each in blocks)
 
 
-def _annotations(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
-    for node in nodes:
-        if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation is not None:
-            yield node.annotation
-        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.returns is not None:
-            yield node.returns
-
-
-def _defined(nodes: Iterable[ast.AST]) -> Iterator[str]:
-    for node in nodes:
-        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
-            yield node.id
-        elif isinstance(node, ast.arg):
-            yield node.arg
-        elif isinstance(node, _NAMED) and node.name:
-            yield node.name
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            yield from (each.asname or each.name.partition(".")[0] for each in node.names)
+def _defined(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.arg):
+        return [node.arg]
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        return [each.asname or each.name.partition(".")[0] for each in node.names]
+    return [node.name] if isinstance(node, _NAMED) and node.name else []
 
 
 def _sections(names: Iterable[str], origins: Mapping[str, Origin], own: str) -> list[str]:

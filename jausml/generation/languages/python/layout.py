@@ -46,14 +46,15 @@ _OPERATORS = (
 _BOOLEAN = {"and", "or"}
 
 
-def layout(text: str) -> str:
+def layout(text: str, module: ast.Module | None = None) -> str:
     """Returns a Python module with its long and its broken statements laid out.
 
     Args:
         text: The module; what Python cannot read is returned as it is.
+        module: Its syntax tree, if it is known.
     """
     try:
-        module = ast.parse(text)
+        module = module or ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):
         return text
     lines = text.split("\n")

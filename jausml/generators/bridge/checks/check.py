@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 _WHOLE_MESSAGE = re.compile(r"\w+ = ")
 _LEAST_TOLERANCE = 1e-9
 _DEFAULT_OF_APPROX = 1e-6
+
+
+NAME = "\1"
+"""Stands for the name of a connection in checks that connections share."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,12 @@ class Check:
     def body(self) -> tuple[str, ...]:
         """The statements as single lines."""
         return tuple(line for text in self.lines for line in text.split("\n"))
+
+    def of(self, connection: str) -> Check:
+        """Returns the check with the name of a connection for NAME."""
+        name = self.name.replace(NAME, connection)
+        lines = tuple(line.replace(NAME, connection) for line in self.lines)
+        return replace(self, name=name, lines=lines)
 
 
 def tidy(statements: Iterable[str]) -> tuple[str, ...]:

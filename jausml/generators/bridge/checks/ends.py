@@ -27,18 +27,15 @@ class Ends:
 
     Attributes:
         view: The connection.
+        name: Its name in Python, or what stands for it.
         type_name: Returns the name of the class of a ROS type.
         uses: What the translations of the bridge use.
     """
 
     view: ConnectionView
+    name: str
     type_name: Callable[[ros.MessageType], str]
     uses: Surroundings
-
-    @property
-    def name(self) -> str:
-        """Name of the connection in Python."""
-        return self.view.name
 
     @property
     def map(self) -> bridge.AttributeMap:

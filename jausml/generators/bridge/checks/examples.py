@@ -38,11 +38,11 @@ def examples(ends: Ends, sample: Sample) -> Iterator[Check]:
             f"assert isinstance(decoded, {view.target_name})",
         ]
     about = f"{view.source_name} becomes {view.target_name}."
-    yield Check(view.name, about, tidy(lines))
+    yield Check(ends.name, about, tidy(lines))
     untouched = list(_untouched(ends))
     if untouched:
         yield Check(
-            f"{view.name}_leaves_ignored_members_alone",
+            f"{ends.name}_leaves_ignored_members_alone",
             f"What the map ignores in {view.target_name} stays as it is made.",
             tidy([*begin, *untouched]),
         )

@@ -5,11 +5,11 @@ from __future__ import annotations
 import functools
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generators.bridge.checks.absences import absences
-from jausml.generators.bridge.checks.check import Check
+from jausml.generators.bridge.checks.check import NAME, Check
 from jausml.generators.bridge.checks.ends import Ends
 from jausml.generators.bridge.checks.examples import examples
 from jausml.generators.bridge.checks.limits import limits
@@ -25,6 +25,8 @@ from jausml.generators.python.names import Scope
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.generators.bridge.checks.samples import Sample
+    from jausml.generators.bridge.connections import ConnectionView
     from jausml.generators.bridge.ros_classes import RosClasses
     from jausml.generators.bridge.views import BridgeView
 
@@ -113,18 +115,31 @@ class TestModule:
         return self.bridge.translations.ros_classes.copy()
 
     def _checks(self) -> Iterator[Check]:
-        sampled: list[tuple[Ends, Any]] = []
+        sampled: list[tuple[Ends, Sample]] = []
+        known: dict[object, tuple[Sample | None, list[Check]]] = {}
         for view in self.bridge.connections:
-            ends = Ends(view, self._ros_classes.name_of, self.bridge.translations.uses)
-            yield from vectors(ends)
-            sample = sample_of(ends)
+            ends = self._ends(view, view.name)
+            if view.alike not in known:
+                known[view.alike] = self._shared(self._ends(view, NAME))
+            sample, checks = known[view.alike]
+            yield from (check.of(view.name) for check in checks)
             if sample is not None:
                 sampled.append((ends, sample))
-                yield from examples(ends, sample)
-                yield from absences(ends, sample)
-                yield from limits(ends, sample)
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
+
+    def _ends(self, view: ConnectionView, name: str) -> Ends:
+        return Ends(view, name, self._ros_classes.name_of, self.bridge.translations.uses)
+
+    def _shared(self, ends: Ends) -> tuple[Sample | None, list[Check]]:
+        """Returns a source message, if one is known to pass, and the checks without safe values."""
+        checks = list(vectors(ends))
+        sample = sample_of(ends)
+        if sample is not None:
+            checks += examples(ends, sample)
+            checks += absences(ends, sample)
+            checks += limits(ends, sample)
+        return sample, checks
 
     def _connections(self) -> Check:
         """Shows that the bridge can be made, where there is nothing else to show."""

@@ -172,7 +172,7 @@ def _check(
         f"{name}: {'int' if each.place.kind == INTEGER else 'float'}"
         for name, each in zip(names, returning, strict=True)
     )
-    about = f"What {there.view.name} gives to ROS comes back by {back.view.name}, within a step."
+    about = f"What {there.name} gives to ROS comes back by {back.name}, within a step."
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
 
 

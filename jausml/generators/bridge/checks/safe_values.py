@@ -34,7 +34,7 @@ def safe_values(ends: Ends) -> Iterator[Check]:
         f"{ends.name}_safe_value",
         "What is sent when the source is lost is what the model says.",
         (
-            store("target", f"bridge.safe_{view.name}()"),
+            store("target", f"bridge.safe_{ends.name}()"),
             f"assert isinstance(target, {view.target_name})",
             *expected.fill(_values(ends)),
             equals(f"target{whole}", f"expected{whole}"),

@@ -1,0 +1,129 @@
+"""Rendered modules as they are to stand in their files: parsed once, with imports, laid out.
+
+A module is worked on in pieces: its functions, its methods, and what stands before them. The
+modules of a large system consist of pieces that differ in one word alone, the name of a connection.
+Those are worked on once, under a word that stands in for it.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.generation.checks import CANNOT_PARSE
+from jausml.generation.languages.python.imports import MARKER, Names, import_lines, names_in
+from jausml.generation.languages.python.layout import layout
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from jausml.generation.languages.python.imports import Imports
+
+_START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
+_HEAD = re.compile(r"(?:def|class) (\w+)")
+_STAND_IN = "\u01c2"
+"""A letter that no rendered word has; as many of them as the word has letters stand in for it."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A piece of a module.
+
+    Attributes:
+        text: It, laid out.
+        names: The names in it.
+    """
+
+    text: str
+    names: Names
+
+    def under(self, word: str) -> _Piece:
+        """Returns the piece with a word for what stands in for it."""
+        stand_in = _STAND_IN * len(word)
+        names = self.names
+        groups = (names.running, names.annotating, names.defined)
+        found = ({each.replace(stand_in, word) for each in group} for group in groups)
+        return _Piece(self.text.replace(stand_in, word), Names(*found))
+
+
+class Modules:
+    """The modules of one run, which share what was worked on."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[str, _Piece] = {}
+
+    def finished(
+        self, text: str, imports: Imports | None = None, words: Collection[str] = ()
+    ) -> str:
+        """Returns a module as it is to stand in its file.
+
+        Args:
+            text: The module, each statement on a line; with imports, without import statements,
+                which follow its line MARKER.
+            imports: What it may import, None where it has its import statements.
+            words: Names in which functions and methods of it may differ alone, e.g. those of
+                connections. It is the same without them, and takes longer.
+
+        Raises:
+            SyntaxError: Python cannot read it (or another one of CANNOT_PARSE).
+            UnknownNameError: Nothing defines a name that it uses.
+        """
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                pieces = [self._piece(each, words) for each in _START.split(text)]
+            except CANNOT_PARSE:
+                # What looks like a function may stand in a string.
+                pieces = [_worked_on(text)]
+            laid_out = "\n\n".join(each.text for each in pieces)
+            if imports is None:
+                return laid_out
+            lines = import_lines(_joined(pieces), imports)
+            return laid_out.replace(MARKER, f"{MARKER}\n{layout(lines)}" if lines else MARKER, 1)
+
+    def _piece(self, text: str, words: Collection[str]) -> _Piece:
+        word = _word_in(text, words) if _STAND_IN not in text else ""
+        if not word:
+            return _worked_on(text)
+        # Neither may be part of a longer word, but for the parts that underscores join.
+        pattern = f"{word}(?<![A-Za-z0-9]{word})(?![A-Za-z0-9])"
+        alike = re.sub(pattern, _STAND_IN * len(word), text)
+        if alike not in self._pieces:
+            try:
+                self._pieces[alike] = _worked_on(alike)
+            except CANNOT_PARSE:
+                return _worked_on(text)
+        return self._pieces[alike].under(word)
+
+
+def _worked_on(text: str) -> _Piece:
+    is_member = text.startswith(" ")
+    whole = f"class _:\n{text}" if is_member else text
+    module = ast.parse(whole)
+    laid_out = layout(whole, module)
+    if laid_out != whole:
+        ast.parse(laid_out)
+    return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
+
+
+def _joined(pieces: Sequence[_Piece]) -> Names:
+    return Names(
+        {name for each in pieces for name in each.names.running},
+        {name for each in pieces for name in each.names.annotating},
+        {name for each in pieces for name in each.names.defined},
+    )
+
+
+def _word_in(text: str, words: Collection[str]) -> str:
+    """Returns the first of some words in the name of a function; empty when there is none."""
+    head = _HEAD.search(text) if words else None
+    parts = head[1].split("_") if head else []
+    for start in range(len(parts)):
+        for end in range(len(parts), start, -1):
+            word = "_".join(parts[start:end])
+            if word in words:
+                return word
+    return ""
