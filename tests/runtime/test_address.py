@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import copy
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -80,3 +82,14 @@ def test_zero_is_reserved_and_all_ones_is_a_wildcard(
 ) -> None:
     address = JausAddress.parse(text)
     assert (address.is_wildcard, address.is_concrete) == (wildcard, concrete)
+
+
+@given(ADDRESSES)
+def test_an_address_is_its_number_and_stays_an_address(address: JausAddress) -> None:
+    assert {address: 1}[address.packed] == 1
+    assert type(address.packed) is int
+    assert address
+    copied = copy.deepcopy(address)
+    assert (type(copied), str(copied)) == (JausAddress, str(address))
+    assert f"{address}" == ".".join(map(str, address.__getnewargs__()))
+    assert repr(address) == f"JausAddress{address.__getnewargs__()}"

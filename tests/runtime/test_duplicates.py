@@ -74,3 +74,41 @@ def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, i
         window.is_duplicate(packet(source, number), 1.0)
         assert window.is_duplicate(packet(source, number), 1.0)
         assert len(window) <= 8 * 4
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 3),
+            st.sampled_from([b"\x02\x40", bytes(2000), bytes(1999) + b"\x01", bytes(2_000_000)]),
+            st.sampled_from([0.0, 0.4, 1.6]),
+        ),
+        max_size=30,
+    )
+)
+def test_a_large_payload_is_remembered_as_well_as_a_small_one(
+    arrivals: list[tuple[int, bytes, float]],
+) -> None:
+    window, model, now = DuplicateWindow(history=3), {}, 0.0
+    for number, payload, pause in arrivals:
+        now += pause
+        since, before = model.get(number, (-9.0, b""))
+        expected = before == payload and now - since < 1.5
+        assert window.is_duplicate(packet(A, number, payload), now) is expected
+        if not expected:
+            model.pop(number, None)
+            if len(model) == 3:
+                del model[next(iter(model))]
+            model[number] = now, payload
+
+
+def test_few_large_payloads_are_kept() -> None:
+    window = DuplicateWindow()
+    payloads = [bytes([number]) * 1_000_000 for number in range(12)]
+    for number, payload in enumerate(payloads):
+        assert not window.is_duplicate(packet(A, number, payload), 0.0)
+    kept = [content for _, content in window.seen[A].values() if not isinstance(content, int)]
+    assert sum(len(payload) for _, payload in kept) == 4_000_000
+    for number, payload in enumerate(payloads):
+        assert window.is_duplicate(packet(A, number, payload), 0.1)
+        assert not window.is_duplicate(packet(A, number, payload[1:]), 0.1)

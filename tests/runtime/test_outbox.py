@@ -219,7 +219,7 @@ def test_too_much_is_refused_but_a_message_alone_is_not(line):
 def test_messages_of_too_many_small_packets_go_in_larger_ones(line):
     """Junior holds 50 packets of an unfinished message."""
     for size, packets, largest in [(4000, 40, 100), (8000, 40, 200), (163_160, 40, 4079)]:
-        made = line.messenger._packetizer.packets(
+        made = line.messenger.packetizer.packets(
             OWN, PEER, bytes(size), Priority.STANDARD, AckNak.NONE
         )
         assert (len(made), max(len(each.payload) for each in made)) == (packets, largest)

@@ -556,7 +556,7 @@ class TestBadDatagrams:
             quiet.receive_datagram(data, sender, by_multicast=by_multicast)
             quiet.receive_datagram(bytes(damaged), sender, by_multicast=by_multicast)
         assert len(quiet._book) <= 1024
-        assert len(quiet._inbox._duplicates) <= 256 * 16
+        assert len(quiet._inbox.duplicates) <= 256 * 16
         assert quiet._inbox._reassembly.size <= 4 << 16
 
 

@@ -17,6 +17,7 @@ from jausml.runtime.messages import SetTime
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
 
 CORE = tuple(
@@ -36,13 +37,30 @@ class LossyTransport(JudpTransport):
         self.share = share
         self._random = random.Random(seed)
 
-    def receive_datagram(
-        self, data: bytes, sender: tuple[str, int], *, by_multicast: bool = False
-    ) -> None:
-        if self._random.random() < self.share:
+    def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
+        return super()._reader(LossySocket(self, sock), by_multicast=by_multicast)
+
+    def loses(self) -> bool:
+        """Return whether the next datagram is lost; it is counted then."""
+        is_lost = self._random.random() < self.share
+        if is_lost:
             self.counters.add("lost")
-        else:
-            super().receive_datagram(data, sender, by_multicast=by_multicast)
+        return is_lost
+
+
+class LossySocket:
+    """A socket that reads past what its transport loses."""
+
+    def __init__(self, transport: LossyTransport, sock: socket.socket) -> None:
+        self._transport = transport
+        self._sock = sock
+
+    def recvmsg(self, size: int, notes_size: int) -> Any:
+        """Return the next datagram that is not lost."""
+        while True:
+            received = self._sock.recvmsg(size, notes_size)
+            if not self._transport.loses():
+                return received
 
 
 class LossyNetwork:

@@ -122,12 +122,13 @@ class _Reasons(Counters):
         name: str,
         detail: str = "",
         *,
+        amount: int = 1,
         error: BaseException | None = None,
         level: int = logging.WARNING,
         once: bool = False,
     ) -> None:
         """Keeps a reason instead of logging it."""
-        del detail, error, level, once
+        del detail, amount, error, level, once
         self.names.append(name)
 
 

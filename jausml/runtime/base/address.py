@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass, field
 from functools import lru_cache
 
 WILDCARD_SUBSYSTEM = 65535
@@ -15,48 +14,73 @@ _WIRE = struct.Struct("<I")
 _DOTTED = re.compile(r"([0-9]{1,5})\.([0-9]{1,3})\.([0-9]{1,3})")
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class JausAddress:
+class JausAddress(int):
     """Address of a JAUS component, written ``subsystem.node.component`` (AS5669A, JAUS ID).
 
-    A part may be 0 (reserved, names no component) or all ones (wildcard).
-
-    Attributes:
-        subsystem: 1 to 65534; 65535 means every subsystem.
-        node: 1 to 254; 255 means every node.
-        component: 1 to 254; 255 means every component.
-        packed: The address as one unsigned 32-bit number, subsystem in the upper half.
+    A part may be 0 (reserved, names no component) or all ones (wildcard). The address is the
+    number that it is on the wire, subsystem in the upper half: addresses are keys of dictionaries
+    that every datagram asks, with nothing but that number.
 
     Raises:
         ValueError: A part does not fit its width on the wire.
     """
 
-    subsystem: int
-    node: int
-    component: int
-    packed: int = field(init=False, repr=False, compare=False)
+    __slots__ = ()
 
-    def __post_init__(self) -> None:
-        """Refuse parts that the wire cannot carry, and pack the others."""
+    def __new__(cls, subsystem: int, node: int, component: int) -> JausAddress:
+        """Refuse parts that the wire cannot carry, and pack the others.
+
+        Args:
+            subsystem: 1 to 65534; 65535 means every subsystem.
+            node: 1 to 254; 255 means every node.
+            component: 1 to 254; 255 means every component.
+        """
         if not (
-            0 <= self.subsystem <= WILDCARD_SUBSYSTEM
-            and 0 <= self.node <= WILDCARD_NODE
-            and 0 <= self.component <= WILDCARD_COMPONENT
+            0 <= subsystem <= WILDCARD_SUBSYSTEM
+            and 0 <= node <= WILDCARD_NODE
+            and 0 <= component <= WILDCARD_COMPONENT
         ):
             raise ValueError(
-                f"JAUS address {self.subsystem}.{self.node}.{self.component} is out of range "
+                f"JAUS address {subsystem}.{node}.{component} is out of range "
                 "(subsystem 0..65535, node 0..255, component 0..255)"
             )
-        packed = self.subsystem << 16 | self.node << 8 | self.component
-        object.__setattr__(self, "packed", packed)
+        return super().__new__(cls, subsystem << 16 | node << 8 | component)
 
-    def __hash__(self) -> int:
-        """Hash of the packed form: addresses are dictionary keys of every datagram."""
-        return self.packed
+    def __getnewargs__(self) -> tuple[int, int, int]:  # type: ignore[override]
+        """Return what a copy is made of."""
+        return self.subsystem, self.node, self.component
+
+    def __bool__(self) -> bool:
+        """Return True: an address is one, also 0.0.0."""
+        return True
 
     def __str__(self) -> str:
         """Return the dotted form, e.g. ``100.1.2``."""
         return f"{self.subsystem}.{self.node}.{self.component}"
+
+    def __repr__(self) -> str:
+        """Return how the address is made."""
+        return f"JausAddress({self.subsystem}, {self.node}, {self.component})"
+
+    @property
+    def subsystem(self) -> int:
+        """The subsystem, 0 to 65535."""
+        return self >> 16
+
+    @property
+    def node(self) -> int:
+        """The node, 0 to 255."""
+        return self >> 8 & 0xFF
+
+    @property
+    def component(self) -> int:
+        """The component, 0 to 255."""
+        return self & 0xFF
+
+    @property
+    def packed(self) -> int:
+        """The address as one unsigned 32-bit number, subsystem in the upper half."""
+        return int(self)
 
     @classmethod
     def parse(cls, text: str) -> JausAddress:
@@ -71,7 +95,9 @@ class JausAddress:
         return cls(int(match[1]), int(match[2]), int(match[3]))
 
     @classmethod
-    def from_bytes(cls, buffer: bytes | bytearray | memoryview, offset: int = 0) -> JausAddress:
+    def from_bytes(  # type: ignore[override]
+        cls, buffer: bytes | bytearray | memoryview, offset: int = 0
+    ) -> JausAddress:
         """Read the four bytes component, node, subsystem low, subsystem high.
 
         Raises:
@@ -81,9 +107,9 @@ class JausAddress:
             raise ValueError(f"no JAUS address at offset {offset} of {len(buffer)} bytes")
         return address_of(_WIRE.unpack_from(buffer, offset)[0])
 
-    def to_bytes(self) -> bytes:
+    def to_bytes(self) -> bytes:  # type: ignore[override]
         """Return the four bytes component, node, subsystem low, subsystem high."""
-        return _WIRE.pack(self.packed)
+        return _WIRE.pack(self)
 
     @property
     def is_wildcard(self) -> bool:

@@ -13,6 +13,15 @@ Clock = Callable[[], float]
 """A monotonic time in seconds."""
 
 
+class Tally:
+    """A counter of one writer, who raises ``count`` by itself: that needs no call and no lock."""
+
+    __slots__ = ("count",)
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
 class Counters:
     """Counts by name, shared by all parts of one process; callable from any thread."""
 
@@ -27,6 +36,7 @@ class Counters:
         self._log_interval = log_interval
         self._lock = threading.Lock()
         self._counts: dict[str, int] = {}
+        self._tallies: list[tuple[str, Tally]] = []
         self._logged: dict[str, tuple[float, int]] = {}
 
     def add(self, name: str, amount: int = 1) -> None:
@@ -34,11 +44,19 @@ class Counters:
         with self._lock:
             self._counts[name] = self._counts.get(name, 0) + amount
 
+    def tally(self, name: str) -> Tally:
+        """Return a part of a counter of ordinary traffic, for one writer at a time."""
+        tally = Tally()
+        with self._lock:
+            self._tallies.append((name, tally))
+        return tally
+
     def count(
         self,
         name: str,
         detail: str = "",
         *,
+        amount: int = 1,
         error: BaseException | None = None,
         level: int = logging.WARNING,
         once: bool = False,
@@ -51,13 +69,14 @@ class Counters:
         Args:
             name: Area and reason, e.g. ``judp.bad_version``.
             detail: What a reader of the log needs to find the culprit.
+            amount: How many there were.
             error: Exception whose traceback belongs into the log.
             level: Level of the log line.
             once: Whether the first of a name is logged alone.
         """
         now = self._clock()
         with self._lock:
-            total = self._counts.get(name, 0) + 1
+            total = self._counts.get(name, 0) + amount
             self._counts[name] = total
             last, before = self._logged.get(name, (None, 0))
             if last is not None and (once or now - last < self._log_interval):
@@ -74,4 +93,8 @@ class Counters:
     def snapshot(self) -> dict[str, int]:
         """Return a copy of all counts, sorted by name."""
         with self._lock:
-            return dict(sorted(self._counts.items()))
+            counts = dict(self._counts)
+            for name, tally in self._tallies:
+                if tally.count:
+                    counts[name] = counts.get(name, 0) + tally.count
+            return dict(sorted(counts.items()))

@@ -21,12 +21,16 @@ _NEVER = float("-inf")
 
 
 class Presence:
-    """When each component that is waited for has sent its last message, of whatever kind."""
+    """When each component that is waited for has sent its last message, of whatever kind.
+
+    Attributes:
+        heard: By component when that was.
+    """
 
     def __init__(self, loop: Loop) -> None:
         """Wait for nobody."""
         self._loop = loop
-        self._heard: dict[JausAddress, float] = {}
+        self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
     def watch(self, address: JausAddress, on_return: Callable[[], None]) -> None:
@@ -36,7 +40,7 @@ class Presence:
             address: The component.
             on_return: Called when it speaks for the first time, or after a silence.
         """
-        self._heard.setdefault(address, _NEVER)
+        self.heard.setdefault(address, _NEVER)
         self._on_return.setdefault(address, []).append(on_return)
 
     def forget(self, address: JausAddress, on_return: Callable[[], None]) -> None:
@@ -46,21 +50,21 @@ class Presence:
             actions.remove(on_return)
         if not actions:
             self._on_return.pop(address, None)
-            self._heard.pop(address, None)
+            self.heard.pop(address, None)
 
     def note(self, address: JausAddress) -> None:
-        """Note that a component has sent a message; called for each one that arrives."""
-        last = self._heard.get(address)
+        """Note that a component has sent a message; without effect if it is not waited for."""
+        last = self.heard.get(address)
         if last is None:
             return
-        now = self._heard[address] = self._loop.now()
+        now = self.heard[address] = self._loop.now()
         if now - last > SILENCE:
             for action in self._on_return[address]:
                 self._loop.call_soon(action)  # what the message says comes first
 
     def heard_since(self, address: JausAddress, when: float) -> bool:
         """Tell whether a component that is waited for has sent a message since a time."""
-        return self._heard.get(address, _NEVER) >= when
+        return self.heard.get(address, _NEVER) >= when
 
     def heard_lately(self, address: JausAddress) -> bool:
         """Tell whether a component that is waited for is audible now."""

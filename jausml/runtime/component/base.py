@@ -15,6 +15,7 @@ from ..services.definitions import (
     Status,
 )
 from ..services.dispatch import Provision, Router
+from ..transports.delivery import MESSAGE_CODE_SIZE
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message
 from ..wire.selection import asked_for, asked_for_in
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from ..services.completion import Completion
     from ..services.dispatch import Handler
     from ..services.element_list import ElementList, ListElement
-    from ..transports.delivery import ReceivedMessage
+    from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
 
 COMPONENT_TYPE = 60001
@@ -87,6 +88,7 @@ class ComponentBase(ComponentHooks):
         }
         self._jaus_core = CoreServices(self)
         self._jaus_clients = Clients(self)
+        self._jaus_dispatch = self._jaus_dispatcher()
 
     # ---- messages of the component's own services -------------------------------------------
 
@@ -230,7 +232,7 @@ class ComponentBase(ComponentHooks):
         with self.loop.lock:
             if self._jaus_running:
                 raise RuntimeError(f"component {self.address} runs already")
-            self.transport.attach(self.address, self._jaus_receive)
+            self.transport.attach(self.address, self._jaus_receive, self._jaus_dispatch)
             self._jaus_running = True
             self.core_state_changed()
             self._jaus_core.management.initialize()
@@ -422,8 +424,24 @@ class ComponentBase(ComponentHooks):
             return None
 
     def _jaus_receive(self, received: ReceivedMessage) -> None:
-        self._jaus_clients.presence.note(received.source)
-        self._jaus_router.receive(received.payload, received.source)
+        if len(received.payload) >= MESSAGE_CODE_SIZE:
+            self._jaus_dispatch(received.payload, received.source)
+        else:
+            self.counters.add("component.unknown_message")
+
+    def _jaus_dispatcher(self) -> Take:
+        """Return what takes every message for the component, payload and sender."""
+        takers, unknown = self._jaus_router.takers, self._jaus_router.unknown
+        heard, note = self._jaus_clients.presence.heard, self._jaus_clients.presence.note
+
+        def take(payload: bytes, sender: JausAddress) -> None:
+            if sender in heard:
+                note(sender)
+            code = payload[0] | payload[1] << 8
+            for act in takers.get(code, unknown):
+                act(payload, sender)
+
+        return take
 
     def _jaus_answer(
         self, provision: Provision[Any, Any], query: Message, sender: JausAddress

@@ -81,14 +81,21 @@ def _name_of(function: Callable[..., Any]) -> str:
 
 @dataclass(slots=True)
 class _Route:
+    """What is called for the messages of one code."""
+
     handler: Handler | None = None
-    # Replaced, never changed: a callback may add listeners while the route is in use.
-    listeners: dict[type[Message], tuple[Action, ...]] = field(default_factory=dict)
-    payload_listeners: tuple[Action, ...] = ()
+    payload_listeners: list[Take] = field(default_factory=list)
+    listeners: dict[type[Message], list[Action]] = field(default_factory=dict)
 
 
 class Router:
-    """Decodes messages and calls who wants them; what arrives never raises out of it."""
+    """Decodes messages and calls who wants them; what arrives never raises out of it.
+
+    Attributes:
+        takers: By message code what takes the payloads. The tuples are replaced, never changed:
+            what takes a message may add others.
+        unknown: Takes the payloads of all other messages.
+    """
 
     def __init__(self, counters: Counters, allows: Callable[[Guard, JausAddress], bool]) -> None:
         """Start without routes.
@@ -101,6 +108,10 @@ class Router:
         self._allows = allows
         self._routes: dict[int, _Route] = {}
         self._provisions: dict[int, Provision[Any, Any]] = {}
+        self.takers: dict[int, tuple[Take, ...]] = {}
+        self.unknown: tuple[Take, ...] = (self._count_unknown,)
+
+    # ---- routes -----------------------------------------------------------------------------
 
     def set_handler(
         self,
@@ -115,6 +126,7 @@ class Router:
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
         route.handler = Handler(message_class, action, condition, takes_payload)
+        self._prepare(message_class.CODE)
 
     def set_provision(
         self,
@@ -138,42 +150,90 @@ class Router:
     def add_listener(self, message_class: type[Message], action: Action) -> None:
         """Also call ``action`` for each such message."""
         route = self._routes.setdefault(message_class.CODE, _Route())
-        actions = (*route.listeners.get(message_class, ()), action)
-        route.listeners = {**route.listeners, message_class: actions}
+        route.listeners.setdefault(message_class, []).append(action)
+        self._prepare(message_class.CODE)
 
     def add_payload_listener(self, message_class: type[Message], action: Action) -> None:
         """Also call ``action`` with the bytes of each such message."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         bad = partial(self._count_bad, message_class)
-        route.payload_listeners += (self.payload_caller(action, bad),)
+        route.payload_listeners.append(self.payload_caller(action, bad))
+        self._prepare(message_class.CODE)
 
-    def receive(self, payload: bytes, sender: JausAddress) -> None:
-        """Dispatch one message, given as code and body."""
-        route = self._routes.get(payload[0] | payload[1] << 8) if len(payload) > 1 else None
-        if route is None:
-            self._counters.add("component.unknown_message")
+    def _prepare(self, code: int) -> None:
+        """Make what takes the messages of a code: the handler, then the listeners."""
+        route = self._routes[code]
+        handler = () if route.handler is None else (self._handling(route.handler),)
+        listeners = [self._delivering(*each) for each in route.listeners.items()]
+        self.takers[code] = (*handler, *route.payload_listeners, *listeners)
+
+    # ---- what takes messages ----------------------------------------------------------------
+
+    def _handling(self, handler: Handler) -> Take:
+        """Return what acts on a message if its sender is obeyed; else it costs no decoding."""
+        message_class, action = handler.message_class, handler.action
+        take = (
+            self.payload_caller(action, partial(self._count_bad, message_class))
+            if handler.takes_payload
+            else self._delivering(message_class, [action])
+        )
+        if not isinstance(handler.condition, Guard):
+            return partial(self._handle, handler, take)
+        if handler.condition is Guard.ANY:
+            return take
+        guard, allows = handler.condition, self._allows
+
+        def take_guarded(payload: bytes, sender: JausAddress) -> None:
+            if allows(guard, sender):
+                take(payload, sender)
+            else:
+                self._count_refused(handler, guard, sender)
+
+        return take_guarded
+
+    def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
+        """Act on a message whose guard depends on what it says.
+
+        An encoded one is only read for a sender who is not obeyed in Ready.
+        """
+        if handler.takes_payload and self._allows(Guard.READY, sender):
+            take(payload, sender)
             return
-        if route.handler is not None:
-            self._handle(route.handler, payload, sender)
-        for listener in route.payload_listeners:
-            listener(payload, sender)
-        for message_class, actions in route.listeners.items():
-            self._deliver(message_class, actions, payload, sender)
+        message = self._decode(handler.message_class, payload, sender)
+        guard = None if message is None else self.call(handler.guard_for, message)
+        if guard is None or message is None:
+            return
+        if guard is Guard.ANY or self._allows(guard, sender):
+            if handler.takes_payload:
+                take(payload, sender)
+            else:
+                self.call(handler.action, message, sender)
+        else:
+            self._count_refused(handler, guard, sender)
 
-    def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Call a function; an error is logged and counted, and None returned."""
-        return self.attempt(function, *arguments)[1]
+    def _delivering(self, message_class: type[Message], actions: list[Action]) -> Take:
+        """Return what decodes a message and calls who wants it, as ``call`` does."""
+        if len(actions) > 1:
+            return partial(self._deliver, message_class, tuple(actions))
+        (action,) = actions
+        decode, clock = message_class.decode, time.monotonic
 
-    def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Call a function; tell whether it raised no error, and what it returned."""
-        started = time.monotonic()
-        try:
-            return True, function(*arguments)
-        except Exception as error:
-            self._count_failure(function, error)
-            return False, None
-        finally:
-            self._watch_duration(function, time.monotonic() - started)
+        def take(payload: bytes, sender: JausAddress) -> None:
+            try:
+                message = decode(payload)
+            except DecodeError as error:
+                self._count_bad(message_class, sender, error)
+                return
+            started = clock()
+            try:
+                action(message, sender)
+            except Exception as error:
+                self._count_failure(action, error)
+            elapsed = clock() - started
+            if elapsed > LONGEST_CALL:
+                self._watch_duration(action, elapsed)
+
+        return take
 
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
@@ -200,49 +260,22 @@ class Router:
 
         return take
 
-    def _count_failure(self, function: Callable[..., Any], error: Exception) -> None:
-        name = _name_of(function)
-        self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
+    # ---- user code --------------------------------------------------------------------------
 
-    def _watch_duration(self, function: Callable[..., Any], seconds: float) -> None:
-        if seconds > LONGEST_CALL:
-            self._counters.count(
-                "component.handler_blocked",
-                f"{_name_of(function)} took {seconds:.1f} s; nothing was received meanwhile",
-            )
+    def call(self, function: Callable[..., Any], *arguments: object) -> Any:
+        """Call a function; an error is logged and counted, and None returned."""
+        return self.attempt(function, *arguments)[1]
 
-    def _handle(self, handler: Handler, payload: bytes, sender: JausAddress) -> None:
-        """Act on a message if its sender is obeyed; one that is not costs no decoding."""
-        if handler.takes_payload:
-            if self._obeys_payload(handler, payload, sender):
-                bad = partial(self._count_bad, handler.message_class)
-                self.payload_caller(handler.action, bad)(payload, sender)
-        elif not isinstance(handler.condition, Guard):
-            message = self._decode(handler.message_class, payload, sender)
-            guard = None if message is None else self.call(handler.guard_for, message)
-            if guard is not None and self._obeys(handler, guard, sender):
-                self.call(handler.action, message, sender)
-        elif self._obeys(handler, handler.condition, sender):
-            self._deliver(handler.message_class, (handler.action,), payload, sender)
-
-    def _obeys_payload(self, handler: Handler, payload: bytes, sender: JausAddress) -> bool:
-        """Return whether a sender is obeyed; the message is only read for one who is not ready."""
-        if isinstance(handler.condition, Guard):
-            return self._obeys(handler, handler.condition, sender)
-        if self._allows(Guard.READY, sender):
-            return True
-        message = self._decode(handler.message_class, payload, sender)
-        guard = None if message is None else self.call(handler.guard_for, message)
-        return guard is not None and self._obeys(handler, guard, sender)
-
-    def _obeys(self, handler: Handler, guard: Guard, sender: JausAddress) -> bool:
-        if guard is Guard.ANY or self._allows(guard, sender):
-            return True
-        self._counters.count(
-            "component.command_refused",
-            f"{handler.message_class.NAME} of {sender} needs {guard.value}",
-        )
-        return False
+    def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
+        """Call a function; tell whether it raised no error, and what it returned."""
+        started = time.monotonic()
+        try:
+            return True, function(*arguments)
+        except Exception as error:
+            self._count_failure(function, error)
+            return False, None
+        finally:
+            self._watch_duration(function, time.monotonic() - started)
 
     def _deliver(
         self,
@@ -265,7 +298,29 @@ class Router:
             self._count_bad(message_class, sender, error)
             return None
 
+    # ---- counts -----------------------------------------------------------------------------
+
+    def _count_unknown(self, _payload: bytes, _sender: JausAddress) -> None:
+        self._counters.add("component.unknown_message")
+
     def _count_bad(
         self, message_class: type[Message], sender: JausAddress, error: DecodeError
     ) -> None:
         self._counters.count("component.bad_message", f"{message_class.NAME} of {sender}: {error}")
+
+    def _count_refused(self, handler: Handler, guard: Guard, sender: JausAddress) -> None:
+        self._counters.count(
+            "component.command_refused",
+            f"{handler.message_class.NAME} of {sender} needs {guard.value}",
+        )
+
+    def _count_failure(self, function: Callable[..., Any], error: Exception) -> None:
+        name = _name_of(function)
+        self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
+
+    def _watch_duration(self, function: Callable[..., Any], seconds: float) -> None:
+        if seconds > LONGEST_CALL:
+            self._counters.count(
+                "component.handler_blocked",
+                f"{_name_of(function)} took {seconds:.1f} s; nothing was received meanwhile",
+            )

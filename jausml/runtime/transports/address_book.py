@@ -32,7 +32,15 @@ class Doubt(Enum):
     """Look for the component by multicast as well: it did not answer."""
 
 
-class _Entry:
+class Entry:
+    """Where a component is, when it was heard there last, and when it was asked whether it is.
+
+    Attributes:
+        endpoint: Where it is.
+        heard: When it was heard last.
+        asked: When it was asked last, in doubt.
+    """
+
     __slots__ = ("asked", "endpoint", "heard")
 
     def __init__(self, endpoint: Endpoint, heard: float) -> None:
@@ -47,6 +55,10 @@ class AddressBook:
     A learnt endpoint replaces a configured one, since it is where the component is now. An
     endpoint from which nothing came for ``lifetime`` seconds is kept but doubted, so that a
     component that restarted on another port or host is found again.
+
+    Attributes:
+        lifetime: Seconds of silence after which an endpoint is doubted.
+        learnt: Components that were heard, the one silent longest first.
     """
 
     def __init__(self, lifetime: float, counters: Counters) -> None:
@@ -56,14 +68,14 @@ class AddressBook:
             lifetime: Seconds of silence after which an endpoint is doubted.
             counters: Where changed endpoints are counted.
         """
-        self._lifetime = lifetime
+        self.lifetime = lifetime
         self._counters = counters
-        self._configured: dict[JausAddress, _Entry] = {}
-        self._learnt: OrderedDict[JausAddress, _Entry] = OrderedDict()
+        self._configured: dict[JausAddress, Entry] = {}
+        self.learnt: OrderedDict[int, Entry] = OrderedDict()
 
     def __len__(self) -> int:
         """Return how many components were learnt."""
-        return len(self._learnt)
+        return len(self.learnt)
 
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
         """Add configured endpoints; host names are resolved here, once.
@@ -72,23 +84,23 @@ class AddressBook:
         component can still be found by multicast.
         """
         for address, endpoint in resolve(entries, self._counters).items():
-            self._configured[address] = _Entry(endpoint, -math.inf)
+            self._configured[address] = Entry(endpoint, -math.inf)
 
     def find(self, address: JausAddress) -> Endpoint | None:
         """Return the endpoint of a component, if known."""
-        entry = self._learnt.get(address) or self._configured.get(address)
+        entry = self.learnt.get(address) or self._configured.get(address)
         return None if entry is None else entry.endpoint
 
     def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> None:
         """Note that a component was heard from an endpoint."""
-        entry = self._learnt.get(address)
+        entry = self.learnt.get(address)
         if entry is None:
-            if len(self._learnt) >= _MAX_LEARNT:
-                forgotten, _ = self._learnt.popitem(last=False)
+            if len(self.learnt) >= _MAX_LEARNT:
+                forgotten, _ = self.learnt.popitem(last=False)
                 self._counters.count("transport.address_book_full", f"forgot {forgotten}")
-            entry = self._learnt[address] = _Entry(self.find(address) or endpoint, now)
+            entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
         else:
-            self._learnt.move_to_end(address)
+            self.learnt.move_to_end(address)
             entry.heard = now
         if entry.endpoint != endpoint:
             self._counters.count(
@@ -98,15 +110,15 @@ class AddressBook:
 
     def suspect(self, address: JausAddress) -> None:
         """Doubt an endpoint at once, because the component failed to acknowledge."""
-        entry = self._learnt.get(address) or self._configured.get(address)
+        entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None:
             entry.heard = -math.inf
             entry.asked = max(entry.asked, _LONG_AGO)
 
     def doubt(self, address: JausAddress, now: float) -> Doubt:
         """Return what to do about the age of a known endpoint when sending to it."""
-        entry = self._learnt.get(address) or self._configured.get(address)
-        if entry is None or now - entry.heard < self._lifetime:
+        entry = self.learnt.get(address) or self._configured.get(address)
+        if entry is None or now - entry.heard < self.lifetime:
             return Doubt.NONE
         if entry.asked <= entry.heard:
             entry.asked = now

@@ -61,6 +61,9 @@ class Double(NamedTuple):
 Receive = Callable[[ReceivedMessage], None]
 """Takes a message for one component; runs on the loop's thread and holds the loop's lock."""
 
+Take = Callable[[bytes, "JausAddress"], None]
+"""Takes the payload of a message for one component and who sent it, as ``Receive`` does."""
+
 OnResult = Callable[[bool], None]
 """Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
 

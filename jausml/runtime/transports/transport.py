@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.loop import Loop
     from ..base.settings import TransportSettings
-    from .delivery import Double, OnResult, Receive
+    from .delivery import Double, OnResult, Receive, Take
     from .packets.messenger import Messenger
 
 
@@ -54,19 +54,20 @@ class Transport(ABC):
     def close(self) -> None:
         """End; messages that wait are reported as lost."""
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
+    def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
         """Receive messages for a component of this process from now on.
 
         Args:
             address: The component.
             receive: Takes each message, on the loop's thread.
+            take: Does the same with payload and sender alone; a transport may call it instead.
 
         Raises:
             ValueError: The address is not one component, or is attached already.
             OSError: Another process has the address, as far as the network tells.
         """
         with self.loop.lock:
-            self._attach(address, receive)
+            self._attach(address, receive, take)
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -138,7 +139,7 @@ class Transport(ABC):
         return partial(self.send, source, destination, priority=priority)
 
     @abstractmethod
-    def _attach(self, address: JausAddress, receive: Receive) -> None:
+    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
         """Attach a component; see ``attach``, which holds the lock."""
 
     @abstractmethod

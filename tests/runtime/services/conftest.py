@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.delivery import Receive
+    from jausml.runtime.transports.delivery import Receive, Take
 
 CORE_SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
@@ -60,7 +60,7 @@ class World:
     def counters(self) -> Counters:
         return self.loop.counters
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
+    def attach(self, address: JausAddress, receive: Receive, _take: Take | None = None) -> None:
         assert address not in self._receivers
         self._receivers[address] = receive
 

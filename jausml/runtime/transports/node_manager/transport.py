@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
-    from ..delivery import Receive
+    from ..delivery import Receive, Take
     from ..packets.messenger import Messenger
 
 _WATCH_INTERVAL_S = 1.0
@@ -76,11 +76,11 @@ class NodeManagerTransport(Transport):
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
-    def _attach(self, address: JausAddress, receive: Receive) -> None:
+    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
         if address in self._clients:
             raise ValueError(f"{address} is attached already")
         client = NodeManagerClient(self._settings, self.loop, self._folder, MANAGER, address)
-        client.messenger.inbox.attach(address, receive)
+        client.messenger.inbox.attach(address, receive, take)
         if self._is_open:
             client.open()
         # Copied, not changed: send() reads it on other threads without a lock.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import TransportSettings
-    from ..delivery import Receive
+    from ..delivery import Receive, Take
     from .carrier import Carrier
 
     Receivers = list[tuple[JausAddress, Receive]]
@@ -53,7 +53,7 @@ class Inbox(Generic[Origin]):
         self._timeout = settings.reassembly_timeout
         self._acknowledged = acknowledged
         self._carrier = carrier
-        self._duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
+        self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
@@ -62,11 +62,13 @@ class Inbox(Generic[Origin]):
         self._doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Receive] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
+        self.takers: dict[int, Take] = {}
+        """Those of them that want payload and sender alone."""
 
     @property
     def remembered(self) -> int:
         """Packets remembered to detect duplicates."""
-        return len(self._duplicates)
+        return len(self.duplicates)
 
     @property
     def incomplete(self) -> int:
@@ -78,7 +80,7 @@ class Inbox(Generic[Origin]):
         """Fragments held for incomplete messages."""
         return len(self._reassembly)
 
-    def attach(self, address: JausAddress, receive: Receive) -> None:
+    def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
         """Receive messages for a component from now on.
 
         Raises:
@@ -89,12 +91,15 @@ class Inbox(Generic[Origin]):
         if address in self.receivers:
             raise ValueError(f"{address} is attached already")
         self.receivers = {**self.receivers, address: receive}
+        if take is not None:
+            self.takers[address] = take
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
         self.receivers = {
             known: receive for known, receive in self.receivers.items() if known != address
         }
+        self.takers.pop(address, None)
 
     def close(self) -> None:
         """Stop to watch for incomplete messages."""
@@ -171,12 +176,14 @@ class Inbox(Generic[Origin]):
             try:
                 receive(message)
             except Exception as error:  # one component must not silence the others
-                self._counters.count(
-                    "transport.receiver_failed", f"{address}: {error!r}", error=error
-                )
+                self.count_failure(address, error)
+
+    def count_failure(self, address: JausAddress, error: Exception) -> None:
+        """Count an error that a component let out."""
+        self._counters.count("transport.receiver_failed", f"{address}: {error!r}", error=error)
 
     def _accept(self, packet: Packet, receivers: Receivers, now: float) -> None:
-        if self._duplicates.is_duplicate(packet, now):
+        if self.duplicates.is_duplicate(packet, now):
             self._counters.add("transport.duplicate")
             return
         if packet.data_flags:

@@ -50,7 +50,7 @@ class Messenger(Generic[Origin]):
         """
         self._loop = loop
         self._transmit = carrier.transmit
-        self._packetizer = Packetizer(settings.fragment_size)
+        self.packetizer = Packetizer(settings.fragment_size)
         self._bursts = Bursts()
         self._outbox = Outbox(settings, loop, carrier)
         self._has_warned = False
@@ -84,7 +84,7 @@ class Messenger(Generic[Origin]):
         if len(payload) < MESSAGE_CODE_SIZE:
             raise ValueError("a payload begins with a message code of two bytes")
         payload = bytes(payload)
-        refusal = self._packetizer.refusal(destination, len(payload))
+        refusal = self.packetizer.refusal(destination, len(payload))
         if refusal:
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
             if destination.is_wildcard:
@@ -93,13 +93,13 @@ class Messenger(Generic[Origin]):
             report(self._loop, on_result, success=False)
             return
         if destination in self.inbox.receivers:
-            number = self._packetizer.reserve(source, 1)
+            number = self.packetizer.reserve(source, 1)
             self._send_here(Packet(destination, source, payload, number, priority), on_result)
             return
-        count = self._packetizer.count(destination, len(payload))
+        count = self.packetizer.count(destination, len(payload))
         asks = not self._is_reliable and (acknowledge or not self._can_take(destination, count))
         wanted = AckNak.REQUESTED if asks else AckNak.NONE
-        packets = self._packetizer.packets(source, destination, payload, priority, wanted)
+        packets = self.packetizer.packets(source, destination, payload, priority, wanted)
         if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
             self._send_here(packets[0], on_result)
             on_result = None

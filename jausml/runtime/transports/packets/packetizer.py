@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import random
-import threading
+from itertools import count, islice
 from typing import TYPE_CHECKING
 
 from ...base.settings import MAX_FRAGMENT_SIZE
 from .packet import Broadcast, DataFlags, Packet
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from ...base.address import JausAddress
     from .packet import AckNak, Priority
 
@@ -31,8 +33,7 @@ class Packetizer:
             fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
         """
         self._fragment_size = fragment_size
-        self._sequences: dict[JausAddress, int] = {}
-        self._lock = threading.Lock()
+        self._numbers: dict[JausAddress, count[int]] = {}
 
     def refusal(self, destination: JausAddress, size: int) -> str:
         """Return the counter of what forbids to send so many bytes, if anything does."""
@@ -89,12 +90,21 @@ class Packetizer:
         needed = -(-size // _MOST_SMALL_FRAGMENTS)
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
-    def reserve(self, source: JausAddress, count: int) -> int:
+    def reserve(self, source: JausAddress, amount: int) -> int:
         """Take consecutive sequence numbers of a source and return the first."""
-        with self._lock:
-            first = self._sequences.get(source)
-            if first is None:
-                # A restarted sender must not repeat numbers that peers remember as seen.
-                first = random.randrange(0x10000)
-            self._sequences[source] = first + count & 0xFFFF
-        return first
+        numbers = self.numbers(source)
+        while True:
+            taken = list(islice(numbers, amount))
+            if taken[-1] - taken[0] == amount - 1:  # no other thread took one between
+                return taken[0] & 0xFFFF
+
+    def numbers(self, source: JausAddress) -> Iterator[int]:
+        """Return the sequence numbers of a source, to be taken modulo 65536 one by one.
+
+        Each is taken in one step of the interpreter, which needs no lock.
+        """
+        known = self._numbers.get(source)
+        if known is None:
+            # A restarted sender must not repeat numbers that peers remember as seen.
+            known = self._numbers.setdefault(source, count(random.randrange(0x10000)))
+        return known

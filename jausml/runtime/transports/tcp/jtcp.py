@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
-    from ..delivery import OnResult, Receive
+    from ..delivery import OnResult, Receive, Take
 
 _BACKLOG = 64
 _ACCEPTS_PER_WAKE_UP = 16
@@ -113,8 +113,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """Where this process listens, if it owns the port."""
         return None if self._listener is None else self._listener.getsockname()
 
-    def _attach(self, address: JausAddress, receive: Receive) -> None:
-        self._inbox.attach(address, receive)
+    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+        self._inbox.attach(address, receive, take)
         line = self._lines.get(self._well_known)
         if line is not None and line.connection is not None:
             self._announce(line.connection)

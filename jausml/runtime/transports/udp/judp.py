@@ -9,23 +9,24 @@ from ...base.counters import LOGGER
 from ...base.settings import JUDP_PORT
 from ..address_book import AddressBook
 from ..packets.messenger import Messenger
-from ..packets.packet import Packet, parse_datagram
+from ..packets.packet import Packet, Priority, parse_datagram
 from ..port_holder import manager_folder
 from ..transport import Transport
+from .reading import reader
 from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
 
 if TYPE_CHECKING:
     import socket
+    from collections.abc import Callable
 
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
-    from ..delivery import Receive
+    from ..delivery import OnResult, Receive, Take
     from ..packets.inbox import Inbox
 
-_LARGEST_DATAGRAM = 65535
-_DATAGRAMS_PER_WAKE_UP = 32
+_MAX_PREPARED = 1024
 _MANAGER_INTERVAL_S = 5.0
 
 
@@ -51,6 +52,7 @@ class JudpTransport(Transport):
         self._sender = Sender(loop, self._port, self._book)
         self._messenger = Messenger(settings, loop, self._sender)
         self._inbox = self._messenger.inbox
+        self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
         self._takeover: Timer | None = None
         self._manager_watch: Timer | None = None
 
@@ -81,6 +83,52 @@ class JudpTransport(Transport):
             self._sender.close()
             self._messenger.close()
 
+    def send(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        *,
+        priority: Priority = Priority.STANDARD,
+        acknowledge: bool = False,
+        on_result: OnResult | None = None,
+    ) -> None:
+        """Send one message; see ``Transport.send``. Senders are prepared for the usual ways."""
+        if acknowledge or on_result is not None:
+            self._messenger.send(source, destination, payload, priority, acknowledge, on_result)
+            return
+        send = self._prepared.get((source, destination, priority))
+        if send is None:
+            if len(self._prepared) >= _MAX_PREPARED:
+                self._prepared.clear()
+            send = self.sender(source, destination, priority)
+            self._prepared[source, destination, priority] = send
+        send(payload)
+
+    def sender(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        priority: Priority = Priority.STANDARD,
+    ) -> Callable[[bytes], None]:
+        """Return what sends one payload after the other; see ``Transport.sender``."""
+        messenger = self._messenger
+
+        def send(payload: bytes) -> None:
+            messenger.send(source, destination, payload, priority, False, None)  # noqa: FBT003
+
+        if not (source.is_concrete and destination.is_concrete):
+            return send
+        return self._sender.prepare(
+            source,
+            destination,
+            priority,
+            messenger.packetizer.numbers(source),
+            self._settings.fragment_size,
+            self._inbox,
+            send,
+        )
+
     @property
     def inbox(self) -> Inbox[Endpoint]:
         """What receives for the components of this process."""
@@ -97,8 +145,8 @@ class JudpTransport(Transport):
         unicast = self._port.unicast
         return None if unicast is None else unicast.getsockname()
 
-    def _attach(self, address: JausAddress, receive: Receive) -> None:
-        self._inbox.attach(address, receive)
+    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+        self._inbox.attach(address, receive, take)
         self._announce()
 
     def _detach(self, address: JausAddress) -> None:
@@ -110,23 +158,13 @@ class JudpTransport(Transport):
 
     def _watch(self, sock: socket.socket | None) -> None:
         if sock is not None:
-            self.loop.register(sock, partial(self._read, sock))
+            self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
-    def _read(self, sock: socket.socket) -> None:
-        """Read what has arrived, but no more than lets timers stay punctual."""
-        by_multicast = sock is self._port.multicast
-        count = 0
-        while count < _DATAGRAMS_PER_WAKE_UP:
-            try:
-                data, sender = sock.recvfrom(_LARGEST_DATAGRAM)
-            except BlockingIOError:
-                break
-            except OSError as error:
-                self.counters.count("judp.receive_failed", str(error))
-                break
-            count += 1
-            self.receive_datagram(data, sender, by_multicast=by_multicast)
-        self.counters.add("judp.received", count)
+    def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
+        otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
+        return reader(
+            sock, self.loop, self._port, self._book, self._inbox, self._sender.put, otherwise
+        )
 
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False

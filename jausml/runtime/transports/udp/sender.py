@@ -7,13 +7,24 @@ from typing import TYPE_CHECKING
 
 from ...base.settings import Endpoint
 from ..address_book import AddressBook, Doubt
+from ..delivery import MESSAGE_CODE_SIZE
 from ..packets.carrier import Carrier
-from ..packets.packet import AckNak, Broadcast
+from ..packets.packet import (
+    DATAGRAM_HEADER,
+    EMPTY_MESSAGE_SIZE,
+    JUDP_VERSION,
+    SEQUENCE,
+    AckNak,
+    Broadcast,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from ...base.address import JausAddress
     from ...base.loop import Loop
-    from ..packets.packet import Packet
+    from ..packets.inbox import Inbox
+    from ..packets.packet import Packet, Priority
     from .shared_port import SharedPort
 
 
@@ -32,6 +43,7 @@ class Sender(Carrier[Endpoint]):
         self._port = port
         self._book = book
         self._socket_lock = threading.Lock()
+        self._sent = loop.counters.tally("judp.sent")
 
     def close(self) -> None:
         """Close the sockets when no other thread is sending."""
@@ -72,8 +84,60 @@ class Sender(Carrier[Endpoint]):
                 if self._port.unicast is None:
                     raise OSError("the transport is not open")
                 self._port.unicast.sendto(datagram, endpoint)
+                self._sent.count += 1
         except OSError as error:
             self._loop.counters.count("judp.send_failed", f"{endpoint}: {error}")
             return False
-        self._loop.counters.add("judp.sent")
         return True
+
+    def prepare(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        priority: Priority,
+        numbers: Iterator[int],
+        longest: int,
+        inbox: Inbox[Endpoint],
+        otherwise: Callable[[bytes], None],
+    ) -> Callable[[bytes], None]:
+        """Return what sends payloads from one component to another, without acknowledgement.
+
+        The usual case is here, in one function: one packet, to a component that was heard lately
+        where it is. Callable from any thread.
+
+        Args:
+            source: Component that sends.
+            destination: Component, not a wildcard.
+            priority: Priority of the messages.
+            numbers: Sequence numbers of the source.
+            longest: Bytes of payload that one packet carries.
+            inbox: Components of this process, which are not sent to.
+            otherwise: Sends in any other case.
+        """
+        learnt, lifetime, clock = self._book.learnt, self._book.lifetime, self._loop.now
+        port, lock, sent, counters = self._port, self._socket_lock, self._sent, self._loop.counters
+        pack, pack_number, join = DATAGRAM_HEADER.pack, SEQUENCE.pack, b"".join
+
+        def send(payload: bytes) -> None:
+            size = len(payload)
+            entry, sock = learnt.get(destination), port.unicast
+            if (
+                entry is None
+                or sock is None
+                or not MESSAGE_CODE_SIZE <= size <= longest
+                or clock() - entry.heard >= lifetime
+                or destination in inbox.receivers
+            ):
+                otherwise(payload)
+                return
+            size += EMPTY_MESSAGE_SIZE
+            header = pack(JUDP_VERSION, 0, size, priority, destination, source)
+            datagram = join((header, payload, pack_number(next(numbers) & 0xFFFF)))
+            try:
+                with lock:
+                    sock.sendto(datagram, entry.endpoint)
+                    sent.count += 1
+            except OSError as error:
+                counters.count("judp.send_failed", f"{entry.endpoint}: {error}")
+
+        return send

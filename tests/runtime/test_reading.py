@@ -1,0 +1,217 @@
+"""The usual datagram is taken on its bytes; it has the effects that it has as a packet."""
+
+from __future__ import annotations
+
+import socket
+import struct
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.udp.judp import JudpTransport
+
+if TYPE_CHECKING:
+    from jausml.runtime.transports.delivery import ReceivedMessage
+
+pytestmark = pytest.mark.ports
+
+FIRST, SECOND, OTHER = JausAddress(1, 1, 1), JausAddress(1, 1, 2), JausAddress(1, 2, 1)
+PEERS = JausAddress(7, 1, 1), JausAddress(7, 1, 2)
+FAILS = b"\x03\x40fails"
+LARGE = b"\x04\x40" + bytes(1024)
+
+PACKETS = st.builds(
+    Packet,
+    destination=st.sampled_from([FIRST] * 6 + [SECOND, OTHER, BROADCAST, JausAddress(1, 255, 1)]),
+    source=st.sampled_from([*PEERS] * 4 + [FIRST, SECOND, JausAddress(7, 0, 1), BROADCAST]),
+    payload=st.sampled_from([b"\x02\x40a", b"\x02\x40b", b"\x02\x40", LARGE, FAILS, b"", b"\x02"]),
+    sequence=st.sampled_from([0, 1, 2, 65535]),
+    priority=st.sampled_from(Priority),
+    broadcast=st.sampled_from(Broadcast),
+    acknowledge=st.sampled_from([AckNak.NONE] * 3 + [AckNak.REQUESTED] * 3 + [*AckNak]),
+    data_flags=st.sampled_from([DataFlags.SINGLE] * 6 + [*DataFlags]),
+    message_type=st.sampled_from([0] * 9 + [1]),
+)
+
+
+@st.composite
+def damaged(draw: st.DrawFn) -> bytes:
+    data = bytearray(draw(PACKETS).encode())
+    for _ in range(draw(st.integers(0, 2))):
+        data[draw(st.integers(0, min(16, len(data) - 1)))] = draw(st.integers(0, 255))
+    kept = draw(st.sampled_from([len(data), len(data) - 1, 14, 3, 1]))
+    return bytes(data[:kept]) + draw(st.sampled_from([b"", b"\x00", bytes(14)]))
+
+
+DATAGRAMS = st.one_of(
+    *[PACKETS.map(Packet.encode)] * 4,
+    st.tuples(PACKETS, PACKETS).map(lambda two: two[0].encode() + two[1].encode()[1:]),
+    damaged(),
+)
+STEPS = st.lists(
+    st.one_of(
+        *[st.tuples(st.sampled_from([0, 0, 0, 1]), DATAGRAMS)] * 6,
+        st.tuples(st.just("pause"), st.sampled_from([0.3, 1.0, 4.0])),
+        st.tuples(st.just("attach"), st.sampled_from([SECOND, PEERS[1]])),
+        st.tuples(st.just("detach"), st.sampled_from([FIRST, SECOND])),
+    ),
+    max_size=30,
+)
+
+
+class Host:
+    """A transport on a clock of its own, two sockets that send to it, and what happened."""
+
+    def __init__(self, stack: ExitStack, *, by_packets: bool) -> None:
+        self.time = 1000.0
+        self.loop = stack.enter_context(Loop(clock=lambda: self.time))
+        self.peers = [stack.enter_context(_socket()) for _ in range(2)]
+        with _socket() as free:
+            port = free.getsockname()[1]
+        settings = TransportSettings(port=port, duplicate_history=3)
+        self.transport = JudpTransport(settings, self.loop)
+        self.transport.open()
+        stack.callback(self.transport.close)
+        self.delivered: list[Any] = []
+        self.attach(FIRST)
+        self._unicast = self.transport._port.unicast
+        self._by_packets = by_packets
+        if by_packets:
+            self.loop.unregister(self._unicast)
+
+    def attach(self, address: JausAddress) -> None:
+        def take(payload: bytes, source: JausAddress) -> None:
+            self.delivered.append((str(address), payload, str(source)))
+            if payload == FAILS:
+                raise RuntimeError("on purpose")
+
+        def receive(message: ReceivedMessage) -> None:
+            take(message.payload, message.source)
+
+        if address not in self.transport.inbox.receivers:
+            self.transport.attach(address, receive, take)
+
+    def step(self, kind: Any, value: Any) -> None:
+        if kind == "pause":
+            self.time += value
+        elif kind == "attach":
+            self.attach(value)
+        elif kind == "detach":
+            self.transport.detach(value)
+        else:
+            self.peers[kind].sendto(value, self._unicast.getsockname())
+        if self._by_packets:
+            for data, sender in _drain(self._unicast):
+                self.loop.counters.add("judp.received")
+                self.transport.receive_datagram(data, sender)
+        while self.loop.run_once(0):
+            pass
+
+    def effects(self) -> Any:
+        """Everything that a datagram may change, but the ports, which no two hosts share."""
+        book = self.transport.address_book.learnt
+        places = [peer.getsockname() for peer in self.peers]
+        answers = [[_portless(data) for data, _ in _drain(peer)] for peer in self.peers]
+        inbox = self.transport.inbox
+        return {
+            "delivered": self.delivered,
+            "counters": self.loop.counters.snapshot(),
+            "answers": answers,
+            "numbers": [(source, list(seen)) for source, seen in inbox.duplicates.seen.items()],
+            "fragments": inbox.fragments,
+            "book": [
+                (str(each), places.index(entry.endpoint), entry.heard)
+                for each, entry in book.items()
+            ],
+        }
+
+
+def _socket() -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.bind(("127.0.0.1", 0))
+    made.setblocking(False)
+    return made
+
+
+def _portless(data: bytes) -> bytes:
+    """Return a datagram without the endpoint of whom it is forwarded for."""
+    return data[8:] if data.startswith(b"\0F") else data
+
+
+def _drain(sock: socket.socket) -> list[tuple[bytes, Any]]:
+    arrived = []
+    while True:
+        try:
+            arrived.append(sock.recvfrom(65535))
+        except BlockingIOError:
+            return arrived
+
+
+@given(steps=STEPS)
+def test_datagrams_have_the_same_effects_on_bytes_and_as_packets(steps: list[Any]) -> None:
+    with ExitStack() as stack:
+        on_bytes, as_packets = (Host(stack, by_packets=each) for each in (False, True))
+        for step in steps:
+            for host in (on_bytes, as_packets):
+                host.step(*step)
+        assert on_bytes.effects() == as_packets.effects()
+
+
+class TestUsual:
+    """That the way on bytes is taken at all."""
+
+    @pytest.fixture
+    def host(self) -> Any:
+        with ExitStack() as stack:
+            made = Host(stack, by_packets=False)
+            made.others = []
+            otherwise = made.transport.receive_datagram
+            made.transport.receive_datagram = lambda *arguments, **how: (
+                made.others.append(arguments) or otherwise(*arguments, **how)
+            )
+            made.loop.unregister(made._unicast)
+            made.transport._watch(made._unicast)
+            yield made
+
+    @pytest.mark.parametrize("acknowledge", [AckNak.NONE, AckNak.REQUESTED])
+    @pytest.mark.parametrize("payload", [b"\x02\x40", LARGE])
+    def test_a_known_peer(self, host: Any, acknowledge: AckNak, payload: bytes) -> None:
+        for number in range(5):
+            packet = Packet(FIRST, PEERS[0], payload, number, acknowledge=acknowledge)
+            host.step(0, packet.encode())
+            host.step(0, packet.encode())
+        assert len(host.others) == 1  # the first one, by which the peer got known
+        effects = host.effects()
+        assert len(effects["delivered"]) == 5
+        assert effects["counters"]["transport.duplicate"] == 5
+        assert len(effects["answers"][0]) == (10 if acknowledge else 0)
+
+
+def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> None:
+    with ExitStack() as stack:
+        host = Host(stack, by_packets=False)
+        host._unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+        packet = Packet(FIRST, PEERS[0], b"\x02\x40", 0).encode()
+        for _ in range(50):
+            host.peers[0].sendto(packet, host._unicast.getsockname())
+        while host.loop.run_once(0):
+            pass
+        host.step(0, packet)  # the next one tells
+        counters = host.loop.counters.snapshot()
+        assert counters["judp.kernel_dropped"] == 51 - counters["judp.received"]
+        assert "the receive buffer was full" in caplog.text
+
+
+def test_other_notes_of_the_kernel_are_passed_over() -> None:
+    with ExitStack() as stack:
+        host = Host(stack, by_packets=False)
+        host._unicast.setsockopt(socket.SOL_SOCKET, 29, 1)  # SO_TIMESTAMP
+        host.step(0, Packet(FIRST, PEERS[0], struct.pack("<H", 0x4002), 0).encode())
+        assert len(host.delivered) == 1
