@@ -67,6 +67,7 @@ def test_files(loop_files):
         "loop_bridge/loop_bridge/main.py",
         "loop_bridge/loop_bridge/messages.py",
         "loop_bridge/loop_bridge/py.typed",
+        "loop_bridge/loop_bridge/ros_types.py",
         "loop_bridge/test/test_loop_bridge_translations.py",
     }
     skeletons = [path for path, each in loop_files.items() if each.kind is Kind.SKELETON]
@@ -686,6 +687,6 @@ def test_types_that_mirror_jaus_messages_get_their_own_name(tmp_path):
     line = assignment("FieldAssignment", "toRos", "real", source="Head.Number")
     artifacts = render(small(tmp_path, assignments=line, type="Mixed"), [TARGET])
     base = next(a.text for a in artifacts if a.path.endswith("_base.py"))
-    assert "from demo_msgs.msg import Mixed as DemoMsgsMixed\n" in base
+    assert "from .ros_types import Mixed as DemoMsgsMixed\n" in base
     assert "def translate_things(self, source: Mixed) -> DemoMsgsMixed | None:" in base
     assert "target = DemoMsgsMixed()" in base

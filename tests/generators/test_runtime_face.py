@@ -37,6 +37,7 @@ PUBLIC = {
     public.CONVERSIONS,
     public.ARITHMETIC,
     public.WIRE,
+    public.LIGHT,
 }
 
 

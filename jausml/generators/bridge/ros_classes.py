@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.generation.languages.python import Origin
 from jausml.generators.common.ros import RosType, ros_type
 
 if TYPE_CHECKING:
@@ -45,11 +44,6 @@ class RosClasses:
             self.names[kind] = name
             self._taken.add(name)
         return self.names[kind]
-
-    @property
-    def origins(self) -> dict[str, Origin]:
-        """Where the classes come from, by name."""
-        return {name: Origin(kind.module, kind.name) for kind, name in self.names.items()}
 
     def copy(self) -> RosClasses:
         """Returns the same names, to which others may be added without a trace here."""

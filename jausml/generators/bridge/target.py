@@ -13,6 +13,7 @@ from jausml.generators.common.components import own_bridges
 from jausml.generators.messages.views import SystemMessages
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
+    module_path,
     package_tasks,
     package_view,
     program_tasks,
@@ -48,6 +49,12 @@ def tasks(model: Model) -> list[Task]:
             "used_messages.py.j2",
             [messages.used_by(bridge) for bridge in bridges],
             lambda used: used.path,
+        ),
+        FileTask(
+            "ros_types.py.j2",
+            bridges,
+            lambda bridge: module_path(bridge, "ros_types"),
+            imports=lambda bridge: bridge.light.imports,
         ),
         *program_tasks(
             bridges,

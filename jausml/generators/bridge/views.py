@@ -13,6 +13,7 @@ from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
+from jausml.generators.bridge.light.module import LightModule
 from jausml.generators.bridge.translation import AssignmentError, Translations, translate, used_maps
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.generators.python.codec.messages import MessageView
+    from jausml.metamodel.classes import ros
     from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import System
 
@@ -98,6 +100,11 @@ class BridgeView:
         classes = {view.class_name for view in self.messages}
         taken = {*classes, *runtime.names(), self.class_name, self.base_name}
         return translate(self.bridge, self.message_of, taken)
+
+    @functools.cached_property
+    def light(self) -> LightModule:
+        """The light classes of the ROS types of the connections."""
+        return LightModule(_ros_types_of(self.bridge.bridgeConnections))
 
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
@@ -168,7 +175,7 @@ class BridgeView:
         return Imports(
             {
                 **runtime.names(),
-                **self.translations.ros_classes.origins,
+                **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
             }
         )
@@ -253,6 +260,15 @@ def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
     to_ros = connection.direction.name == "jausToRos"
     for attribute_map in used_maps(connection.map, to_ros=to_ros):
         yield attribute_map.message
+
+
+def _ros_types_of(connections: Iterable[bridge.Connection]) -> Iterator[ros.MessageType]:
+    """Yields the ROS types that connections take and make, joined and nested ones too."""
+    for connection in connections:
+        to_ros = connection.direction.name == "jausToRos"
+        for attribute_map in used_maps(connection.map, to_ros=to_ros):
+            yield attribute_map.type
+            yield from (join.type for join in attribute_map.joins)
 
 
 def _stub(view: ConnectionView) -> str:

@@ -24,6 +24,8 @@ CONVERSIONS = f"{FACE}.conversions"
 """Conversions of values, and the values that they know."""
 ARITHMETIC = f"{CONVERSIONS}.arithmetic"
 """Functions of expressions."""
+LIGHT = f"{FACE}.bridge.light_message"
+"""What light classes of ROS messages are made of."""
 WIRE = f"{FACE}.wire"
 """What classes of messages are made of."""
 

@@ -20,6 +20,7 @@ from ..services.definitions import Guard, Status
 from . import parameters
 from .diagnostics import double_status
 from .ends import ReportHolder
+from .light_message import is_light
 from .stops import Standing, StopReason
 
 if TYPE_CHECKING:
@@ -164,7 +165,12 @@ class Bridge:
             greeters.append(greet)
         if key not in self._publishers:
             tell = (lambda: _each(greeters)) if greet is not None else None
-            self._publishers[key] = self.ros.publisher(message_type, topic, tell).publish_message
+            made = self.ros.publisher(message_type, topic, tell)
+            self._publishers[key] = (
+                (lambda message: made.publish(message.to_cdr()))
+                if is_light(message_type)
+                else made.publish_message
+            )
         return self._publishers[key]
 
     def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
@@ -173,7 +179,8 @@ class Bridge:
         takers = self._takers.setdefault(key, [])
         takers.append(take)
         if len(takers) == 1:
-            decode = self.ros.codec(message_type).decode
+            light = message_type.from_cdr if is_light(message_type) else None
+            decode = light or self.ros.codec(message_type).decode
             self.ros.subscribe(message_type, topic, lambda data, _: _each(takers, decode(data)))
 
     def accept(

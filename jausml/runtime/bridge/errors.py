@@ -9,6 +9,10 @@ class RosLostError(JausError):
     """ROS is gone while the bridge runs: nothing arrives from there any more."""
 
 
+class RosTypeError(JausError):
+    """A ROS type that is not installed as the model has it: its messages cannot be exchanged."""
+
+
 class AbsentFieldError(JausError):
     """An optional JAUS field that a translation cannot do without."""
 

@@ -22,7 +22,7 @@ from ..component.process import (
     running_transport,
 )
 from . import parameters
-from .errors import RosLostError
+from .errors import RosLostError, RosTypeError
 from .parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -73,6 +73,9 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         return EXIT_USAGE
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
+        return EXIT_FAILED
+    except RosTypeError as error:
+        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
         return EXIT_FAILED
     except RosLostError as error:
         LOGGER.error("%s failed: %s", bridge.settings.name, error)

@@ -10,6 +10,8 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
+from .light_message import installed_class, is_light
+
 
 def message_class(ros_type: type[Any]) -> type[Any]:
     """Returns the class of rclpy for a ROS type.
@@ -20,7 +22,10 @@ def message_class(ros_type: type[Any]) -> type[Any]:
 
     Raises:
         ImportError: ROS has no such package here.
+        RosTypeError: The installed type is not that of the light class.
     """
+    if is_light(ros_type):
+        return installed_class(ros_type)
     named: str | None = getattr(ros_type, "TYPE", None)
     if named is None:
         return ros_type

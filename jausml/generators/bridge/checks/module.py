@@ -100,7 +100,7 @@ class TestModule:
         return Imports(
             {
                 **runtime.names(),
-                **self._ros_classes.origins,
+                **self.bridge.light.origins(self._ros_classes, f"{self.package}.ros_types"),
                 **offered("hypothesis", "given", "settings"),
                 "st": Origin("hypothesis", "strategies"),
                 **offered(f"{self.package}.{self.package}", self.class_name),

@@ -10,6 +10,7 @@ from jausml.generators.bridge.translation.formulas import ExpressionStatements
 from jausml.generators.bridge.translation.tables import look_up
 from jausml.generators.bridge.translation.values import (
     BOOLEAN,
+    INPUT_TYPES,
     NUMBERS,
     PYTHON_TYPES,
     QUATERNION,
@@ -216,7 +217,7 @@ class Chain:
     def _user(self, conversion: Any, values: list[Value], *, is_last: bool) -> list[Value]:
         # A bool is an int, and the style allows none as a parameter.
         inputs = [
-            "int" if value.kind == BOOLEAN else PYTHON_TYPES.get(value.kind, "Any")
+            "int" if value.kind == BOOLEAN else INPUT_TYPES.get(value.kind, "Any")
             for value in values
         ]
         kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]

@@ -36,6 +36,13 @@ PYTHON_TYPES = {
 }
 """Types of the kinds of values as conversions see them."""
 
+INPUT_TYPES = {
+    **PYTHON_TYPES,
+    QUATERNION: "conversions.QuaternionLike",
+    TIME: "conversions.TimeLike",
+}
+"""The same for what conversions are given: messages of ROS have attributes of these names."""
+
 UNLIMITED = (-math.inf, math.inf)
 
 _SINGLE = (-3.4028234663852886e38, 3.4028234663852886e38)

@@ -1,0 +1,198 @@
+"""Light classes: ROS messages as plain objects, which a bridge makes without the classes of ROS."""
+
+from __future__ import annotations
+
+import importlib
+import struct
+from array import array
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeGuard, TypeVar
+
+from ..wire.message import DecodeError, EncodeError
+from . import cdr
+from .errors import RosTypeError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+__all__ = ["Layout", "LightMessage", "cdr", "differences", "installed_class", "is_light"]
+
+MessageT = TypeVar("MessageT", bound="LightMessage")
+
+Layout: TypeAlias = Mapping[str, str]
+"""Types of fields by name."""
+
+_BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError)
+
+
+class LightMessage:
+    """A ROS message as a plain object: it has the attributes of the class of ROS, and their names.
+
+    Attributes:
+        TYPE: The type, e.g. `nav_msgs/msg/Odometry`.
+        LAYOUT: The types of the fields by name, in order, as `get_fields_and_field_types` of the
+            class of ROS gives them.
+        NESTED: Classes of the messages inside it.
+        LEAST: Fewest bytes that it takes, without padding.
+    """
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+    TYPE: ClassVar[str]
+    LAYOUT: ClassVar[Layout]
+    NESTED: ClassVar[tuple[type[LightMessage], ...]]
+    LEAST: ClassVar[int]
+
+    @classmethod
+    def from_cdr(cls: type[MessageT], data: bytes) -> MessageT:
+        """Returns the message that a serialized one is.
+
+        Args:
+            data: The serialized message, in either byte order.
+
+        Raises:
+            DecodeError: It is none.
+        """
+        order = cdr.ORDERS.get(data[:2])
+        if order is None or len(data) < len(cdr.HEADER):
+            raise DecodeError(cls.TYPE, "no XCDR1 encapsulation")
+        try:
+            return cls._read(data, len(cdr.HEADER), order)[0]
+        except struct.error as error:
+            raise DecodeError(cls.TYPE, str(error)) from error
+
+    def to_cdr(self) -> bytes:
+        """Returns the serialized message, in little-endian order.
+
+        Raises:
+            EncodeError: A value does not fit its field.
+        """
+        parts = [cdr.HEADER]
+        try:
+            self._write(parts.append, len(cdr.HEADER))
+        except _BAD_VALUES as error:
+            raise EncodeError(self.TYPE, str(error)) from error
+        return b"".join(parts)
+
+    @classmethod
+    def _read(cls: type[MessageT], data: bytes, offset: int, order: int) -> tuple[MessageT, int]:
+        """Returns the message that stands at an offset, and the offset behind it."""
+        raise NotImplementedError
+
+    def _write(self, append: cdr.Append, offset: int) -> int:
+        """Appends the message, which begins at an offset; returns the offset behind it."""
+        raise NotImplementedError
+
+    @classmethod
+    def _read_many(
+        cls: type[MessageT], data: bytes, offset: int, count: int, order: int
+    ) -> tuple[list[MessageT], int]:
+        """Returns messages that follow each other, and the offset behind them."""
+        cdr.check_count(data, offset, count, cls.LEAST)
+        found = []
+        for _ in range(count):
+            message, offset = cls._read(data, offset, order)
+            found.append(message)
+        return found, offset
+
+    @classmethod
+    def _write_many(
+        cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
+    ) -> int:
+        """Appends messages, which begin at an offset; returns the offset behind them."""
+        for each in found:
+            # An override may have put an object of ROS into the list.
+            offset = cls._write(each, append, offset)
+        return offset
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(_equal(getattr(self, name), getattr(other, name)) for name in self.LAYOUT)
+
+    def __repr__(self) -> str:
+        fields = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.LAYOUT)
+        return f"{self.TYPE.replace('/', '.')}({fields})"
+
+
+# ------------------------------------------------------------------ installed types
+
+
+def is_light(message_type: type[Any]) -> TypeGuard[type[LightMessage]]:
+    """Whether a class is a light one."""
+    return issubclass(message_type, LightMessage)
+
+
+def differences(light: type[LightMessage], real: Any) -> list[str]:
+    """Returns how a type of the model differs from the installed one; nothing when it does not.
+
+    Args:
+        light: Class of the type of the model.
+        real: Class of the installed type, which messages are exchanged with.
+
+    Returns:
+        Sentences that name type, field and both types, those of the messages inside it included.
+    """
+    return list(_differences(light, real, set()))
+
+
+def installed_class(light: type[LightMessage]) -> Any:
+    """Returns the class of the installed type that a light class is of.
+
+    Raises:
+        RosTypeError: Its package is not installed, or the type is another there.
+    """
+    try:
+        real = _installed(light.TYPE)
+    except ImportError as error:
+        package = light.TYPE.partition("/")[0]
+        cure = f"install {package}, or add it to the path of the bridge"
+        raise RosTypeError(f"{light.TYPE} is not installed ({error}); {cure}") from error
+    found = differences(light, real)
+    if found:
+        package = found[0].partition("/")[0]
+        cure = f"import the installed types (jausml import ros {package} --force) and generate anew"
+        raise RosTypeError(
+            f"the installed types are not those of the model: {'; '.join(found)}; {cure}"
+        )
+    return real
+
+
+def _installed(name: str) -> Any:
+    package, kind, own = name.split("/")
+    module = importlib.import_module(f"{package}.{kind}")
+    try:
+        return getattr(module, own)
+    except AttributeError:
+        raise ImportError(f"{package} has no type {own}", name=module.__name__) from None
+
+
+def _differences(
+    light: type[LightMessage], real: Any, known: set[type[LightMessage]]
+) -> Iterator[str]:
+    known.add(light)
+    there: Mapping[str, str] = real.get_fields_and_field_types()
+    for name, kind in light.LAYOUT.items():
+        if there.get(name) != kind:
+            other = f"is {there[name]} there" if name in there else "is not there"
+            yield f"{light.TYPE}: {name} is {kind} in the model and {other}"
+    for name, kind in there.items():
+        if name not in light.LAYOUT:
+            yield f"{light.TYPE}: {name} is not in the model and {kind} there"
+    if list(light.LAYOUT) != list(there) and set(light.LAYOUT) == set(there):
+        yield f"{light.TYPE}: the fields are in another order there"
+    for nested in light.NESTED:
+        if nested not in known:
+            try:
+                inner = _installed(nested.TYPE)
+            except ImportError as error:
+                yield f"{nested.TYPE}: {error}"
+            else:
+                yield from _differences(nested, inner, known)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two values of a field are the same, whatever carries the elements of an array."""
+    if isinstance(one, array | bytes | bytearray | list | tuple):
+        return list(one) == list(other)
+    return bool(one == other)

@@ -1,0 +1,356 @@
+"""Light classes: the bytes of rclpy for every type of the library, and sound with any bytes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from array import array
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from light_support import (
+    EXTREMES,
+    ROOT,
+    extremes,
+    library,
+    light_module,
+    masked,
+    real_class,
+    real_object,
+    values_of,
+    written,
+)
+
+from jausml.generation import GenerationError
+from jausml.runtime.bridge.errors import RosTypeError
+from jausml.runtime.bridge.light_message import differences, installed_class, is_light
+from jausml.runtime.wire import DecodeError, EncodeError
+
+LIBRARY, EXTREME = library(), extremes()
+INSTALLED = [name for name, each in LIBRARY.types.items() if real_class(each) is not None]
+ALL = {
+    **{name: (LIBRARY, name) for name in LIBRARY.types},
+    **{name: (EXTREME, name) for name in EXTREME.types},
+}
+FEW = settings(
+    deadline=None, max_examples=15, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+
+
+@pytest.mark.parametrize("name", ALL)
+@FEW
+@given(data=st.data())
+def test_values_return_from_both_byte_orders(name, data):
+    made = ALL[name][0]
+    values = data.draw(values_of(made.types[name]))
+    light = made.object(name, values)
+    little, _ = written(made.types[name], values, "<")
+    big, _ = written(made.types[name], values, ">")
+    assert light.to_cdr() == little
+    kind = type(light)
+    assert kind.from_cdr(little) == light
+    assert kind.from_cdr(big) == light
+    assert kind.from_cdr(big).to_cdr() == little
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+@FEW
+@given(data=st.data())
+def test_the_bytes_are_those_of_rclpy(name, data):
+    serialization = pytest.importorskip("rclpy.serialization")
+    message = LIBRARY.types[name]
+    values = data.draw(values_of(message))
+    real = real_object(message, values)
+    light = LIBRARY.object(name, values)
+    ours, padding = light.to_cdr(), written(message, values)[1]
+    theirs = serialization.serialize_message(real)
+    # rclpy leaves padding as it is, and adds some where sequences are empty.
+    assert ours == masked(theirs, padding, len(ours))
+    assert len(theirs) >= len(ours)
+    assert serialization.deserialize_message(ours, type(real)) == real
+    assert type(light).from_cdr(theirs) == light
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_new_message_is_that_of_rclpy(name):
+    serialization = pytest.importorskip("rclpy.serialization")
+    real, light = real_class(LIBRARY.types[name])(), LIBRARY.kind(name)()
+    assert serialization.deserialize_message(light.to_cdr(), type(real)) == real
+    assert installed_class(type(light)) is type(real)
+
+
+# ------------------------------------------------------------------ bytes of strangers
+
+
+@pytest.mark.parametrize("name", ALL)
+@settings(FEW, max_examples=40)
+@given(data=st.data())
+def test_any_bytes_are_a_message_or_an_error(name, data):
+    made = ALL[name][0]
+    values = data.draw(values_of(made.types[name]))
+    raw = bytearray(written(made.types[name], values, data.draw(st.sampled_from("<>")))[0])
+    for _ in range(data.draw(st.integers(0, 3))):
+        raw[data.draw(st.integers(4, len(raw) - 1))] = data.draw(st.integers(0, 255))
+    cut = bytes(raw[: data.draw(st.integers(0, len(raw)))])
+    for each in (cut, bytes(raw)):
+        try:
+            found = made.kind(name).from_cdr(each)
+        except DecodeError:
+            continue
+        # What was understood can be written, and is the same again.
+        assert repr(made.kind(name).from_cdr(found.to_cdr())) == repr(found)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_message_that_ends_early_is_refused(name):
+    made = ALL[name][0]
+    raw = made.kind(name)().to_cdr()
+    for length in range(len(raw)):
+        with pytest.raises(DecodeError):
+            made.kind(name).from_cdr(raw[:length])
+
+
+@pytest.mark.parametrize(
+    ("name", "raw"),
+    [
+        # Four billion texts, numbers, messages: refused before anything is made of them.
+        ("std_msgs/msg/String", "00010000 ffffffff 61"),
+        ("std_msgs/msg/ByteMultiArray", "00010000 00000000 00000000 ffffffff"),
+        ("nav_msgs/msg/Path", "00010000 00000000 00000000 01000000 00000000 ffffffff"),
+        ("sensor_msgs/msg/JointState", "00010000 00000000 00000000 01000000 00000000 ffffffff"),
+        # Other encapsulations: parameter lists, XCDR2.
+        ("std_msgs/msg/Bool", "00030000 01"),
+        ("std_msgs/msg/Bool", "00070000 01"),
+        ("std_msgs/msg/Bool", ""),
+    ],
+)
+def test_hostile_bytes_are_refused(name, raw):
+    with pytest.raises(DecodeError):
+        LIBRARY.kind(name).from_cdr(bytes.fromhex(raw))
+
+
+def test_a_bounded_sequence_with_more_elements_is_refused():
+    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    raw = bytearray(numbers().to_cdr())
+    place = 4 + 4  # first, flags, then the count of `bytes`
+    raw[place] = 5
+    with pytest.raises(DecodeError, match="5 elements, more than 4"):
+        numbers.from_cdr(bytes(raw) + bytes(8))
+
+
+def test_text_is_read_as_rclpy_does():
+    text = LIBRARY.kind("std_msgs/msg/String")
+    assert text.from_cdr(bytes.fromhex("00010000 00000000")).data == ""
+    assert text.from_cdr(bytes.fromhex("00010000 03000000 616263")).data == "abc"
+    assert text.from_cdr(bytes.fromhex("00010000 02000000 ff00")).data == "\ufffd"
+
+
+# ------------------------------------------------------------------ values that do not fit
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value"),
+    [
+        ("std_msgs/msg/UInt8", "data", 256),
+        ("std_msgs/msg/UInt8", "data", 1.5),
+        ("std_msgs/msg/UInt8", "data", None),
+        ("std_msgs/msg/Float32", "data", 1e39),
+        ("std_msgs/msg/String", "data", 5),
+        ("std_msgs/msg/String", "data", "\ud800"),
+        ("std_msgs/msg/Float32MultiArray", "data", [1e39]),
+        ("std_msgs/msg/Int16MultiArray", "data", [40000]),
+        ("std_msgs/msg/UInt8MultiArray", "data", [256]),
+        ("std_msgs/msg/UInt8MultiArray", "data", "text"),
+        ("geometry_msgs/msg/PoseWithCovariance", "covariance", [0.0] * 35),
+        ("geometry_msgs/msg/PoseWithCovariance", "pose", None),
+        ("nav_msgs/msg/Path", "poses", [None]),
+        ("extreme_msgs/msg/Texts", "bounded", "sixsix"),
+        ("extreme_msgs/msg/Texts", "some", ["", "", "", ""]),
+        ("extreme_msgs/msg/Texts", "three", ["", ""]),
+        ("extreme_msgs/msg/Numbers", "octets", b"12345"),
+        ("extreme_msgs/msg/Numbers", "shorts", [1, 2, 3, 4]),
+        ("extreme_msgs/msg/Holder", "pair", []),
+    ],
+)
+def test_what_does_not_fit_is_an_error(name, field, value):
+    message = ALL[name][0].kind(name)()
+    setattr(message, field, value)
+    with pytest.raises(EncodeError):
+        message.to_cdr()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]],
+)
+def test_elements_may_stand_in_any_sequence(value):
+    kind = LIBRARY.kind("std_msgs/msg/Float32MultiArray")
+    assert kind(data=value).to_cdr() == kind(data=[1.0, 2.0]).to_cdr()
+    assert kind.from_cdr(kind(data=value).to_cdr()).data == array("f", [1.0, 2.0])
+
+
+def test_numpy_arrays_are_sequences():
+    numpy = pytest.importorskip("numpy")
+    for name, dtype in (("Float32MultiArray", "f4"), ("UInt8MultiArray", "u1")):
+        kind = LIBRARY.kind(f"std_msgs/msg/{name}")
+        value = numpy.array([1, 2], dtype=dtype)
+        assert kind(data=value).to_cdr() == kind(data=[1, 2]).to_cdr()
+
+
+# ------------------------------------------------------------------ objects
+
+
+def test_messages_are_plain_objects():
+    point = LIBRARY.kind("geometry_msgs/msg/Point")
+    stamped = LIBRARY.kind("geometry_msgs/msg/PointStamped")
+    message = stamped(point=point(x=1.0))
+    assert message.header is not stamped().header
+    assert message == stamped(point=point(x=1.0))
+    assert message != stamped()
+    assert message != 1
+    assert repr(message.point) == "geometry_msgs.msg.Point(x=1.0, y=0.0, z=0.0)"
+    with pytest.raises(AttributeError):
+        message.point.w = 1.0
+    with pytest.raises(TypeError):
+        hash(message)
+    assert is_light(stamped)
+    assert not is_light(int)
+
+
+def test_constants_and_defaults_are_those_of_the_model():
+    assert LIBRARY.kind("sensor_msgs/msg/NavSatStatus").STATUS_GBAS_FIX == 2
+    assert LIBRARY.kind("geometry_msgs/msg/Quaternion")().w == 1.0
+    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    assert (numbers.TYPE, numbers.TYPE_) == ("extreme_msgs/msg/Numbers", 7)
+    assert (numbers.LIMIT, numbers.WORD) == (2.5, 'a "word"')
+    assert (numbers().cdr, list(numbers().gains)) == (1.5, [0.5, 2.0])
+    assert EXTREME.kind("extreme_msgs/msg/Texts")().three == ["", "", ""]
+
+
+def test_a_byte_may_be_given_as_rclpy_has_it():
+    numbers = EXTREME.kind("extreme_msgs/msg/Numbers")
+    ours = numbers(first=b"\7", octets=[b"\1", 2])
+    assert ours.to_cdr() == numbers(first=7, octets=b"\1\2").to_cdr()
+
+
+def test_objects_of_ros_may_stand_inside():
+    pytest.importorskip("rclpy")
+    path, stamped = LIBRARY.kind("nav_msgs/msg/Path"), "geometry_msgs/msg/PoseStamped"
+    real = real_class(LIBRARY.types[stamped])()
+    real.pose.position.x = 2.0
+    own = LIBRARY.kind(stamped)()
+    own.pose.position.x = 2.0
+    assert path(header=real.header, poses=[real]).to_cdr() == path(poses=[own]).to_cdr()
+
+
+def test_the_module_is_clean(tmp_path):
+    for made in (LIBRARY, EXTREME):
+        file = tmp_path / "ros_types.py"
+        file.write_text(made.text, encoding="utf-8")
+        config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+        for check in (["format", "--check"], ["check"]):
+            done = subprocess.run(
+                [sys.executable, "-m", "ruff", *check, *config, str(file)],
+                capture_output=True,
+                text=True,
+            )
+            assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_module_passes_the_type_checker(tmp_path):
+    for number, made in enumerate((LIBRARY, EXTREME)):
+        text = made.text.replace("from jausml_runtime.", "from jausml.runtime.")
+        (tmp_path / f"types_{number}.py").write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "."],
+        cwd=tmp_path,
+        env={**os.environ, "MYPYPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+# ------------------------------------------------------------------ models that cannot be
+
+
+def changed(tmp_path, old, new):
+    text = EXTREMES.read_text(encoding="utf-8")
+    assert old in text
+    model = tmp_path / "changed.xmi"
+    model.write_text(text.replace(old, new), encoding="utf-8")
+    return light_module([model], "changed")
+
+
+def test_a_message_in_itself_is_an_error(tmp_path):
+    old = 'name="voids" arrayKind="unboundedSequence" messageType="Nothing"'
+    new = 'name="voids" arrayKind="unboundedSequence" messageType="Holder"'
+    with pytest.raises(GenerationError, match=r"extreme_msgs/Holder contains itself"):
+        changed(tmp_path, old, new)
+
+
+@pytest.mark.parametrize("name", ["self", "to_cdr", "from_cdr"])
+def test_a_field_that_hides_what_a_light_class_needs_is_an_error(tmp_path, name):
+    with pytest.raises(GenerationError, match=f"a bridge cannot carry a field named {name}"):
+        changed(tmp_path, 'name="self_test"', f'name="{name}"')
+
+
+# ------------------------------------------------------------------ installed types
+
+
+class Real:
+    """Stands for an installed class: what differs is only its fields."""
+
+    def __init__(self, fields):
+        self._fields = fields
+
+    def get_fields_and_field_types(self):
+        return self._fields
+
+
+@pytest.mark.parametrize(
+    ("fields", "found"),
+    [
+        ({"x": "double", "y": "double", "z": "double"}, []),
+        (
+            {"x": "double", "y": "float", "z": "double"},
+            ["geometry_msgs/msg/Point: y is double in the model and is float there"],
+        ),
+        (
+            {"x": "double", "y": "double"},
+            ["geometry_msgs/msg/Point: z is double in the model and is not there"],
+        ),
+        (
+            {"x": "double", "y": "double", "z": "double", "w": "uint8[4]"},
+            ["geometry_msgs/msg/Point: w is not in the model and uint8[4] there"],
+        ),
+        (
+            {"x": "double", "z": "double", "y": "double"},
+            ["geometry_msgs/msg/Point: the fields are in another order there"],
+        ),
+    ],
+)
+def test_differences_are_told(fields, found):
+    assert differences(LIBRARY.kind("geometry_msgs/msg/Point"), Real(fields)) == found
+
+
+def test_differences_inside_are_told():
+    holder = EXTREME.kind("extreme_msgs/msg/Holder")
+    found = differences(holder, Real(dict(holder.LAYOUT)))
+    assert any("extreme_msgs/msg/Numbers: " in each for each in found)
+
+
+def test_a_package_that_is_not_installed_is_one_error_with_its_cure():
+    with pytest.raises(RosTypeError, match=r"extreme_msgs/msg/Holder is not installed .*install"):
+        installed_class(EXTREME.kind("extreme_msgs/msg/Holder"))
+
+
+def test_a_type_that_is_installed_otherwise_is_one_error_with_its_cure(monkeypatch):
+    pytest.importorskip("rclpy")
+    point = LIBRARY.kind("geometry_msgs/msg/Point")
+    monkeypatch.setattr(point, "LAYOUT", {**point.LAYOUT, "z": "float"})
+    pose = LIBRARY.kind("geometry_msgs/msg/Pose")
+    with pytest.raises(RosTypeError, match=r"z is float in the model and is double there.*import"):
+        installed_class(pose)
