@@ -25,7 +25,8 @@ def message_class(ros_type: type[Any]) -> type[Any]:
         RosTypeError: The installed type is not that of the light class.
     """
     if is_light(ros_type):
-        return installed_class(ros_type)
+        real: type[Any] = installed_class(ros_type)
+        return real
     named: str | None = getattr(ros_type, "TYPE", None)
     if named is None:
         return ros_type
