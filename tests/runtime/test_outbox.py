@@ -75,10 +75,7 @@ class Line:
 
     def acknowledge(self, *packets: Packet) -> None:
         for each in packets:
-            answer = Packet(
-                each.source, each.destination, b"", each.sequence, acknowledge=AckNak.ACK
-            )
-            self.messenger._outbox.acknowledged(answer)
+            self.messenger._outbox.acknowledged(each.source, each.sequence, each.destination)
         self.pass_time(0)
 
     def pass_time(self, seconds: float) -> None:

@@ -104,7 +104,8 @@ class Message:
         Raises:
             DecodeError: The bytes are no such message.
         """
-        cls.check_code(payload)
+        if read_code(payload) != cls.CODE:
+            cls.check_code(payload)
         try:
             message, end = cls.read_from(payload, 2)
         except struct.error as error:

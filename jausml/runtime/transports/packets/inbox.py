@@ -37,7 +37,7 @@ class Inbox(Generic[Origin]):
         self,
         settings: TransportSettings,
         loop: Loop,
-        acknowledged: Callable[[Packet], bool],
+        acknowledged: Callable[[int, int, int], bool],
         carrier: Carrier[Origin],
     ) -> None:
         """Start with no components.
@@ -45,13 +45,15 @@ class Inbox(Generic[Origin]):
         Args:
             settings: Limits of duplicate detection and reassembly.
             loop: Its lock, clock and counters are used.
-            acknowledged: Takes an acknowledgement; returns whether a packet waited for it.
+            acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
+                and who sent it; returns whether a packet waited for it.
             carrier: Sends answers back.
         """
         self._loop = loop
         self._counters = loop.counters
         self._timeout = settings.reassembly_timeout
         self._acknowledged = acknowledged
+        self._matched = loop.counters.tally("transport.acknowledgement")
         self._carrier = carrier
         self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._reassembly = Reassembly(
@@ -186,13 +188,16 @@ class Inbox(Generic[Origin]):
         if self.duplicates.is_duplicate(packet, now):
             self._counters.add("transport.duplicate")
             return
-        if packet.data_flags:
-            whole = self._reassembly.add(packet, now)
+        whole = self.complete(packet, now) if packet.data_flags else packet
+        if whole is not None:
+            self.deliver(whole, receivers)
+
+    def complete(self, fragment: Packet, now: float) -> Packet | None:
+        """Take a fragment and return the whole message that it completes, if it does."""
+        whole = self._reassembly.add(fragment, now)
+        if self._expiry is None:
             self._plan_expiry()
-            if whole is None:
-                return
-            packet = whole
-        self.deliver(packet, receivers)
+        return whole
 
     def _acknowledge(self, packet: Packet, receivers: Receivers, origin: Origin) -> None:
         for address, _ in receivers:
@@ -206,8 +211,19 @@ class Inbox(Generic[Origin]):
             self._counters.add("transport.nak")  # nobody sends it; the repetition goes on
         elif packet.payload:
             self._on_marked_payload(packet, receivers, origin, now)
-        elif self._acknowledged(packet):
-            self._counters.add("transport.acknowledgement")
+        else:
+            self.take_acknowledgement(packet.destination, packet.sequence, packet.source)
+
+    def take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
+        """Take an acknowledgement.
+
+        Args:
+            component: Component of this process that it is for.
+            sequence: Number of the packet that is acknowledged.
+            by: Who acknowledges.
+        """
+        if self._acknowledged(component, sequence, by):
+            self._matched.count += 1
         else:
             self._counters.add("transport.unmatched_acknowledgement")
 

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 from .packet import Priority
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ..delivery import OnResult
     from .packet import Packet
 
@@ -97,16 +95,18 @@ class Lane:
         else:
             self._singles.append(message)
 
-    def ready(self) -> Iterator[tuple[Message, Packet]]:
-        """Yield the packets whose turn it is; they are under way from now on."""
+    def ready(self) -> list[tuple[Message, Packet]]:
+        """Return the packets whose turn it is; they are under way from now on."""
+        ready: list[tuple[Message, Packet]] = []
         singles = self._singles
         while singles and (self._singles_under_way < _SINGLES_UNDER_WAY or singles[0].is_urgent):
             self._singles_under_way += 1
-            yield _next_of(singles.popleft())
+            ready.append(_next_of(singles.popleft()))
         if self._large:
             first = self._large[0]
             while first.under_way < first.window and first.sent < len(first.packets):
-                yield _next_of(first)
+                ready.append(_next_of(first))
+        return ready
 
     def give_up_late(self, now: float) -> list[Message]:
         """Forget the messages whose turn would be now, but which is too late, and return them."""

@@ -6,6 +6,7 @@ import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ...base.address import address_of
 from .lane import Lane, Message
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _MAX_MESSAGES = 4096
 _MAX_BYTES = 16 << 20
+_MAX_IDLE_LANES = 256
 _BEST_EFFORT_WINDOW = 8
 _BEST_EFFORT_PATIENCE_S = 1.0
 
@@ -25,18 +27,15 @@ _BEST_EFFORT_PATIENCE_S = 1.0
 class _Flight:
     """A packet under way."""
 
-    __slots__ = ("message", "packet", "repetitions", "since", "timer")
+    __slots__ = ("due", "key", "message", "packet", "repetitions", "since")
 
-    def __init__(self, message: Message, packet: Packet, since: float) -> None:
+    def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
         self.message = message
         self.packet = packet
+        self.key: tuple[int, int] = packet.source, packet.sequence
         self.since = since
+        self.due = due
         self.repetitions = 0
-        self.timer: Timer | None = None
-
-    @property
-    def key(self) -> tuple[JausAddress, int]:
-        return self.packet.source, self.packet.sequence
 
 
 class Outbox:
@@ -63,12 +62,14 @@ class Outbox:
             carrier: Puts packets on the network; told the destination before the last repetition,
                 which may thus search for it.
         """
-        self._settings = settings
+        self._timeout = settings.acknowledge_timeout
+        self._retries = settings.acknowledge_retries
         self._loop = loop
         self._carrier = carrier
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
-        self._flights: dict[tuple[JausAddress, int], _Flight] = {}
+        self._flights: dict[tuple[int, int], _Flight] = {}  # in the order in which they are due
+        self._timer: Timer | None = None
         self._messages: set[Message] = set()
         self._size = 0
 
@@ -105,20 +106,30 @@ class Outbox:
             self._report(message, acknowledged=False)
         self._transmit(ready)
 
-    def acknowledged(self, packet: Packet) -> bool:
-        """Take an acknowledgement; return whether a packet waited for it."""
+    def acknowledged(self, component: int, sequence: int, by: int) -> bool:
+        """Take an acknowledgement; return whether a packet waited for it.
+
+        Args:
+            component: Who sent the packet.
+            sequence: Number of the packet.
+            by: Who acknowledges it.
+        """
         with self._lock:
-            flight = self._flights.get((packet.destination, packet.sequence))
-            if flight is None or not flight.packet.destination.matches(packet.source):
+            flight = self._flights.get((component, sequence))
+            if flight is None:
                 return False
-            self._land(flight)
             message, destination = flight.message, flight.packet.destination
+            if destination != by and not destination.matches(address_of(by)):
+                return False
+            del self._flights[flight.key]
+            message.under_way -= 1
             lane = self._lanes[destination]
             lane.heard = self._loop.now()
-            if message.is_done:
+            is_done = message.is_done
+            if is_done:
                 self._forget(message, lane)
-            ready = self._take_off(lane, destination)
-        if message.is_done:
+            ready = [] if lane.is_empty else self._take_off(lane, destination)
+        if is_done:
             self._report(message, acknowledged=True)
         self._transmit(ready)
         return True
@@ -127,8 +138,10 @@ class Outbox:
         """Give up everything; the results are reported."""
         with self._lock:
             abandoned = list(self._messages)
-            for flight in list(self._flights.values()):
-                self._land(flight)
+            self._flights.clear()
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
             self._messages.clear()
             self._lanes.clear()
             self._size = 0
@@ -143,37 +156,41 @@ class Outbox:
     def _put(self, message: Message, destination: JausAddress) -> list[Packet]:
         lane = self._lanes.get(destination)
         if lane is None:
-            lane = self._lanes[destination] = Lane()
+            lane = self._add_lane(destination)
         self._messages.add(message)
         self._size += message.size
         lane.add(message)
         return self._take_off(lane, destination)
 
+    def _add_lane(self, destination: JausAddress) -> Lane:
+        if len(self._lanes) >= _MAX_IDLE_LANES:
+            self._lanes = {each: lane for each, lane in self._lanes.items() if not lane.is_empty}
+        lane = self._lanes[destination] = Lane()
+        return lane
+
     def _take_off(self, lane: Lane, destination: JausAddress) -> list[Packet]:
         """Return the packets that are to be transmitted now."""
         now = self._loop.now()
+        if lane.has_large:
+            self._give_up_late(lane, destination, now)
+        ready = lane.ready()
+        due = now + self._timeout
+        for message, packet in ready:
+            flight = _Flight(message, packet, now, due)
+            self._flights[flight.key] = flight
+        if ready and self._timer is None:
+            self._timer = self._loop.call_later(self._timeout, self._expire)
+        return [packet for _, packet in ready]
+
+    def _give_up_late(self, lane: Lane, destination: JausAddress, now: float) -> None:
         for message in lane.give_up_late(now):
             self._drop(message)
             self._loop.counters.count("transport.too_late", f"a message to {destination}")
             self._report(message, acknowledged=False)
-        flights = [_Flight(*ready, now) for ready in lane.ready()]
-        for flight in flights:
-            self._flights[flight.key] = flight
-            self._wait_for(flight)
-        if lane.is_empty:
-            del self._lanes[destination]
-        return [flight.packet for flight in flights]
-
-    def _wait_for(self, flight: _Flight) -> None:
-        flight.timer = self._loop.call_later(
-            self._settings.acknowledge_timeout, partial(self._expired, flight)
-        )
 
     def _land(self, flight: _Flight) -> None:
         del self._flights[flight.key]
         flight.message.under_way -= 1
-        if flight.timer is not None:
-            flight.timer.cancel()
 
     def _forget(self, message: Message, lane: Lane) -> None:
         lane.remove(message)
@@ -183,23 +200,40 @@ class Outbox:
         self._messages.discard(message)
         self._size -= message.size
 
-    def _expired(self, flight: _Flight) -> None:
+    def _expire(self) -> None:
+        """Repeat or give up what is due; the next flight that will be has the timer then.
+
+        One timer serves all: each flight waits for the same time, from when it was sent last.
+        """
+        now = self._loop.now()
+        while True:
+            with self._lock:
+                flight = next(iter(self._flights.values()), None)
+                if flight is None:
+                    self._timer = None
+                    return
+                if flight.due > now:
+                    self._timer = self._loop.call_at(flight.due, self._expire)
+                    return
+            self._expired(flight, now)
+
+    def _expired(self, flight: _Flight, now: float) -> None:
         given_up: list[Message] = []
         ready: list[Packet] = []
         packet = flight.packet
         with self._lock:
             if self._flights.get(flight.key) is not flight:
                 return
-            if flight.repetitions < self._settings.acknowledge_retries:
+            if flight.repetitions < self._retries:
                 flight.repetitions += 1
-                self._wait_for(flight)
+                flight.due = now + self._timeout
+                self._flights[flight.key] = self._flights.pop(flight.key)
                 ready = [packet]
                 self._loop.counters.add("transport.repeated")
             else:
                 given_up = self._give_up(flight)
-                lane = self._lanes[packet.destination]
-                ready = self._take_off(lane, packet.destination)
-        if flight.repetitions == self._settings.acknowledge_retries:
+                ready = self._take_off(self._lanes[packet.destination], packet.destination)
+        if flight.repetitions == self._retries:
             self._carrier.suspect(packet.destination)
         for message in given_up:
             self._loop.counters.count("transport.unacknowledged", f"{packet.destination}")

@@ -119,7 +119,7 @@ _FIELDS_OFFSET = 3
 _COMPRESSION_FIELDS_SIZE = 2
 _COMPRESSED = 3
 _TYPE_MASK = 0x3F
-_FLAGS = tuple(
+FLAGS = tuple(
     (
         Priority(flags & 3),
         Broadcast(flags >> 2 & 3),
@@ -128,6 +128,8 @@ _FLAGS = tuple(
     )
     for flags in range(256)
 )
+"""By value of the flags what they say: priority, broadcast, acknowledge, data flags."""
+
 _OTHER_VERSIONS = (
     (b"\x01", "judp.version_1", "AS5669 version 1, which AS5669A replaced"),
     (b"JAUS01.0", "judp.reference_architecture", "JAUS Reference Architecture 3 (OPC)"),
@@ -189,7 +191,7 @@ def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Pa
             return None
         start += skipped
         flags, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET + skipped)
-    priority, broadcast, acknowledge, data_flags = _FLAGS[flags]
+    priority, broadcast, acknowledge, data_flags = FLAGS[flags]
     return Packet(
         address_of(destination),
         address_of(source),

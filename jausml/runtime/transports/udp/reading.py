@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ...base.address import address_of
 from ..delivery import MESSAGE_CODE_SIZE
 from ..packets.duplicates import SMALL
-from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION
+from ..packets.packet import EMPTY_MESSAGE_SIZE, FLAGS, JUDP_VERSION, Packet
 from .shared_port import SO_RXQ_OVFL
 
 if TYPE_CHECKING:
@@ -31,10 +31,11 @@ _HEADER = struct.Struct("<HHBII")
 _ANSWER = struct.Struct("<HHBIIH")
 _DROPPED = struct.Struct("I")
 _SHORTEST = EMPTY_MESSAGE_SIZE + MESSAGE_CODE_SIZE
-_ASKS = 0x10
-_PLAIN_FLAGS = 0x20
 _PRIORITY = 0x03
+_ASKS = 0x10
+_ANSWERS = 0x20
 _ACK = 0x30
+_FRAGMENT = 0x40
 
 
 def reader(  # noqa: C901 - a call costs more than what it does, see below
@@ -48,11 +49,14 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
 ) -> Callable[[], None]:
     """Return what reads the datagrams that have arrived at a socket, a few at a time.
 
-    A datagram is usual when it is one whole message (JUDP version 2, no other message, no fragment,
-    no acknowledgement) to one component of this process, from a known component that is where
-    it was. It is taken here, in one function and on its bytes, with the effects that it has
+    A datagram is usual when it is one packet (JUDP version 2; a whole message, a fragment or an
+    acknowledgement) to one component of this process, from a known component that is where it
+    was. It is taken here, in one function and on its bytes, with the effects that it has
     as a packet: of the functions that a message meets after a pause each costs as much as all
     that is done in it (docs/adr/0018).
+
+    To find that nothing more has arrived costs as much as a datagram. So more than one are only
+    looked for when there were more the last time.
 
     Args:
         sock: The socket, which does not block.
@@ -69,13 +73,16 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     takers, learnt, window = inbox.takers, book.learnt, inbox.duplicates
     seen, history = window.seen, window.history
     unpack, pack_answer = _HEADER.unpack_from, _ANSWER.pack
+    burst = 1
 
     def read() -> None:  # noqa: C901
+        nonlocal burst
         now = clock()
-        for _ in range(_DATAGRAMS_PER_TURN):
+        for _ in range(burst):
             try:
                 data, notes, _, origin = receive(_LARGEST_DATAGRAM, _NOTES_SIZE)
             except BlockingIOError:
+                burst = 1
                 return
             except OSError as error:
                 counters.count("judp.receive_failed", str(error))
@@ -84,31 +91,40 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
             if notes:
                 note_drops(notes)
             size = len(data) - 1
-            if size < _SHORTEST:
+            if size < EMPTY_MESSAGE_SIZE:
                 otherwise(data, origin)
                 continue
             start, stated, flags, destination, source = unpack(data)
-            take, entry, numbers = takers.get(destination), learnt.get(source), seen.get(source)
+            entry = learnt.get(source)
             if (
                 start != JUDP_VERSION  # of a message type other than 0 as well
                 or stated != size
-                or flags >= _PLAIN_FLAGS
-                or take is None
                 or entry is None
-                or numbers is None
                 or entry.endpoint != origin
                 or source in inbox.receivers
                 or origin in port.endpoints
             ):
                 otherwise(data, origin)
                 continue
+            sequence = data[-2] | data[-1] << 8
+            if size == EMPTY_MESSAGE_SIZE:
+                if flags & _ACK != _ACK or destination not in inbox.receivers:
+                    otherwise(data, origin)
+                    continue
+                entry.heard = now
+                learnt.move_to_end(source)
+                inbox.take_acknowledgement(destination, sequence, source)
+                continue
+            take, numbers = takers.get(destination), seen.get(source)
+            if take is None or numbers is None or flags & _ANSWERS or size < _SHORTEST:
+                otherwise(data, origin)
+                continue
             entry.heard = now
             learnt.move_to_end(source)
-            sequence = data[-2] | data[-1] << 8
             if flags & _ASKS:
-                flags = flags & _PRIORITY | _ACK
+                how = flags & _PRIORITY | _ACK
                 answer(
-                    pack_answer(start, EMPTY_MESSAGE_SIZE, flags, source, destination, sequence),
+                    pack_answer(start, EMPTY_MESSAGE_SIZE, how, source, destination, sequence),
                     origin,
                 )
             payload = data[13:-2]
@@ -121,10 +137,18 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 if len(numbers) >= history:
                     numbers.popitem(last=False)
                 numbers[sequence] = now, hash(payload) ^ destination
+            sender = address_of(source)
+            if flags >= _FRAGMENT:
+                packet = Packet(address_of(destination), sender, payload, sequence, *FLAGS[flags])
+                whole = inbox.complete(packet, now)
+                if whole is None:
+                    continue
+                payload = whole.payload
             try:
-                take(payload, address_of(source))
+                take(payload, sender)
             except Exception as error:  # one component must not silence the others
                 inbox.count_failure(address_of(destination), error)
+        burst = min(2 * burst, _DATAGRAMS_PER_TURN)
 
     return read
 
