@@ -20,9 +20,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.event_handler import QoSSubscriptionEventType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.type_support import check_is_valid_msg_type
 from rclpy.utilities import try_shutdown
@@ -33,7 +31,8 @@ from . import parameters
 from .errors import RosLostError
 from .quality import EndpointHealth
 from .ros_codec import Codec, message_class
-from .ros_events import publisher_events, subscription_events
+from .ros_events import matched_event, publisher_events, subscription_events
+from .ros_internals import internals, require_internals
 from .ros_listener import Listener, NoListenerError
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
 from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
@@ -137,6 +136,7 @@ class RosNode:
                 signal_handler_options=SignalHandlerOptions.NO,
             )
             self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
+        require_internals(self._node)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread: threading.Thread | None = None
@@ -232,7 +232,7 @@ class RosNode:
         """
         found = message_class(ros_type)
         health = self._watched(topic, topic.qos, publishes=True)
-        handle = self._made(rclpy_implementation.Publisher, found, topic, health)
+        handle = self._made(internals.Publisher, found, topic, health)
         self._publishers.append(handle)
         made = NodePublisher(handle, found)
 
@@ -263,15 +263,17 @@ class RosNode:
         """
         found, counts = message_class(ros_type), TopicCounts()
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
-        handle = self._made(rclpy_implementation.Subscription, found, topic, health)
+        handle = self._made(internals.Subscription, found, topic, health)
         self._subscriptions.append(handle)
         qos = health.qos
         # What is latched is as old as it is.
         age_limit = self._age_limit if qos.durability == "volatile" else 0
         depth = qos.depth if qos.history == "keep_last" else 0
         self._wait_for(subscription_events(handle, health))
+        matched = matched_event(handle)
+        self._events.append(matched)
         self._present_waiting.subscription(
-            Subscription(handle, found, depth, take, age_limit, counts)
+            Subscription(handle, matched, found, depth, take, age_limit, counts)
         )
         return counts
 
@@ -296,10 +298,8 @@ class RosNode:
         node = self._node.handle
         with node:
             profile = profile_of(Qos()).get_c_qos_profile()
-            trial = rclpy_implementation.Subscription(node, DiagnosticArray, "_trial", profile)
-        matched = rclpy_implementation.EventHandle(
-            trial, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
-        )
+            trial = internals.Subscription(node, DiagnosticArray, "_trial", profile)
+        matched = matched_event(trial)
         try:
             listener.try_out(trial, matched)
         finally:
@@ -378,6 +378,8 @@ class RosNode:
 
     def close(self) -> None:
         """Stops to wait and leaves ROS, once subscribers have what was published last."""
+        if self._is_closing:
+            return
         self._is_closing = True
         deadline = time.monotonic() + LAST_WORDS
         for publisher in self._publishers if self._context.ok() else ():

@@ -12,8 +12,9 @@ from rclpy.event_handler import (
     QoSSubscriptionEventType,
     UnsupportedEventTypeError,
 )
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import qos_policy_name_from_kind
+
+from .ros_internals import internals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
     from .quality import EndpointHealth
 
     Told = Callable[[Any], None]
+
+
+def matched_event(subscription: Any) -> Any:
+    """Returns the event of a subscription that tells of publishers that come and go."""
+    with subscription:
+        return internals.EventHandle(
+            subscription, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
+        )
 
 
 def publisher_events(
@@ -75,7 +84,7 @@ def _event(handle: Any, kind: Any, tell: Told) -> Iterator[tuple[Any, Callable[[
     """Yields one event; nothing where the middleware does not know it."""
     try:
         with handle:
-            event = rclpy_implementation.EventHandle(handle, kind)
+            event = internals.EventHandle(handle, kind)
     except UnsupportedEventTypeError:
         return
 

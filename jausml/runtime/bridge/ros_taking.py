@@ -1,16 +1,10 @@
 """Takes serialized messages of a topic and counts what was lost."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
-
 from __future__ import annotations
 
 from dataclasses import dataclass
 from time import time_ns
 from typing import TYPE_CHECKING, Any
-
-from rclpy.event_handler import QoSSubscriptionEventType
-from rclpy.impl.implementation_singleton import rclpy_implementation
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,6 +27,7 @@ class Subscription:
 
     Attributes:
         handle: That of rclpy.
+        matched: Handle of the event that tells of publishers that come and go.
         message_class: Class of its messages in rclpy.
         depth: Messages that it keeps; 0 means all.
         take: Is given each serialized message, and the time in nanoseconds at which it was
@@ -42,6 +37,7 @@ class Subscription:
     """
 
     handle: Any
+    matched: Any
     message_class: type[Any]
     depth: int
     take: Callable[[bytes, int], None]
@@ -120,10 +116,7 @@ class _Publishers:
         self._counts = subscription.counts
         self._waiting = subscription.depth or _KEPT_BY_ALL
         self._trusted_from = 0
-        with subscription.handle:
-            self._matched = rclpy_implementation.EventHandle(
-                subscription.handle, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
-            )
+        self._matched = subscription.matched
 
     def follow(self, expected: int, number: int | None) -> int:
         """Returns the number after one that was not expected; counts what is missed for certain."""

@@ -8,8 +8,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
-from rclpy.impl.implementation_singleton import rclpy_implementation
-
+from .ros_internals import internals
 from .ros_taking import AT_ONCE, reader
 
 if TYPE_CHECKING:
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from .ros_taking import Subscription
+
+    _Served = tuple[tuple[Any, Callable[[], object]], ...]
 
 
 class WaitSet:
@@ -32,7 +33,7 @@ class WaitSet:
         self._loop = loop
         self._context = context
         with context.handle:
-            self._wake_up = rclpy_implementation.GuardCondition(context.handle)
+            self._wake_up = internals.GuardCondition(context.handle)
         self._subscriptions: list[tuple[Any, Callable[[], object]]] = []
         self._events: list[tuple[Any, Callable[[], object]]] = []
         self._thread: threading.Thread | None = None
@@ -65,6 +66,9 @@ class WaitSet:
         self._wake_up.trigger_guard_condition()
         if self._thread is not None:
             self._thread.join()
+        self._wake_up.destroy_when_not_in_use()
+        self._subscriptions.clear()
+        self._events.clear()
 
     def _run(self, fail: Callable[[BaseException], None]) -> None:
         try:
@@ -78,15 +82,22 @@ class WaitSet:
         """Waits with one wait set until something is added to it."""
         subscriptions, events = tuple(self._subscriptions), tuple(self._events)
         with self._context.handle:
-            wait_set = rclpy_implementation.WaitSet(
+            wait_set = internals.WaitSet(
                 len(subscriptions), 1, 0, 0, 0, len(events), self._context.handle
             )
+        try:
+            self._serve_all(wait_set, subscriptions, events)
+        finally:
+            wait_set.destroy_when_not_in_use()
+
+    def _serve_all(self, wait_set: Any, subscriptions: _Served, events: _Served) -> None:
         readers = {handle.pointer: read for handle, read in subscriptions}
         while (
             not self._is_closing
             and len(subscriptions) == len(self._subscriptions)
             and len(events) == len(self._events)
         ):
+            # rcl forgets what was not ready: all has to be named again.
             wait_set.clear_entities()
             wait_set.add_guard_condition(self._wake_up)
             for handle, _ in subscriptions:
