@@ -228,7 +228,9 @@ def test_a_bridge_takes_arguments_of_both_sides(tmp_path, stand_in):
     write(model.with_suffix(""), tmp_path, (BRINGUP,))
     launch = Launch(tmp_path / "minimal_bringup" / "launch" / "minimal.launch.py", stand_in)
     bridge = launch.nodes["sensor_bridge"]
-    assert bridge["arguments"] == options("sensor_bridge_jaus_id")
+    waiting = ["--ros-waiting=", "$ros_waiting"]
+    assert bridge["arguments"] == [*options("sensor_bridge_jaus_id"), waiting]
+    assert launch.arguments["ros_waiting"] == ""
     assert bridge["parameters"] == [
         parameter_file("minimal_bringup", "sensor_bridge"),
         "$params_file",

@@ -102,6 +102,85 @@ def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
     assert loop.run_once(0) == 0
 
 
+def test_a_descriptor_number_is_as_good_as_a_socket(loop: Loop, pair) -> None:
+    near, far = pair
+    seen: list[bytes] = []
+    loop.register(near.fileno(), lambda: seen.append(near.recv(1)))
+    far.sendall(b"ab")
+    loop.run_once(5)
+    loop.unregister(near.fileno())
+    assert loop.run_once(0) == 0
+    assert seen == [b"a"]
+
+
+def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
+    loop: Loop,
+) -> None:
+    """A descriptor that is closed lends its number to the next that is opened."""
+    first, second = socket.socketpair(), socket.socketpair()
+    numbers = [each[0].fileno() for each in (first, second)]
+    called: list[str] = []
+
+    def replace(other: socket.socket, name: str) -> None:
+        called.append(name)
+        number = other.fileno()
+        loop.unregister(other)
+        other.close()
+        made = socket.socketpair()
+        reused = [each for each in made if each.fileno() == number]
+        kept.extend(made)
+        for each in reused:
+            loop.register(each, lambda: called.append("new"))
+
+    kept: list[socket.socket] = []
+    loop.register(first[0], lambda: replace(second[0], "first"))
+    loop.register(second[0], lambda: replace(first[0], "second"))
+    for _, far in (first, second):
+        far.sendall(b"x")
+    assert loop.run_once(5) == 1
+    assert called in (["first"], ["second"])
+    assert any(each.fileno() in numbers for each in kept)
+    for each in (*first, *second, *kept):
+        each.close()
+
+
+def test_a_timer_that_asks_for_the_next_at_once_does_not_hold_up_a_turn(loop: Loop, clock) -> None:
+    ran: list[float] = []
+
+    def again() -> None:
+        ran.append(clock.time)
+        loop.call_later(0.0, again)
+
+    again()
+    assert loop.run_once(0) == 1
+    assert loop.run_once(0) == 1
+    assert len(ran) == 3
+
+
+def test_many_ready_descriptors_are_served_in_several_turns_and_timers_between(
+    loop: Loop, clock
+) -> None:
+    pairs = [socket.socketpair() for _ in range(150)]
+    served: list[int] = []
+    for number, (near, far) in enumerate(pairs):
+        loop.register(
+            near, lambda near=near, number=number: served.append(near.recv(1)[0] + number)
+        )
+        far.sendall(b"\0")
+    loop.call_later(1.0, lambda: served.append(-1))
+    assert 0 < loop.run_once(5) < 150
+    assert not loop.is_idle()
+    clock.time += 1.0
+    while len(served) < 151:
+        assert loop.run_once(5)
+    assert sorted(served) == list(range(-1, 150))
+    assert served.index(-1) < 149
+    assert loop.is_idle()
+    for near, far in pairs:
+        near.close()
+        far.close()
+
+
 def test_a_socket_is_watched_for_writing_on_demand(loop: Loop) -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:

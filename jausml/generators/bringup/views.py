@@ -102,6 +102,11 @@ class Argument:
     description: str
 
 
+_ROS_WAITING = Argument(
+    "ros_waiting", '""', "How bridges wait for topics: automatic, listener or wait-set"
+)
+
+
 @dataclass(frozen=True)
 class ProcessView:
     """A process of the system.
@@ -205,6 +210,11 @@ class LaunchView:
         return any(process.speaks_ros for process in self.processes)
 
     @property
+    def has_bridges(self) -> bool:
+        """Whether some process is a JAUS component and a ROS 2 node."""
+        return any(process.speaks_jaus and process.speaks_ros for process in self.processes)
+
+    @property
     def has_components(self) -> bool:
         """Whether some process is a JAUS component without ROS."""
         return any(not process.speaks_ros for process in self.processes)
@@ -244,6 +254,7 @@ class LaunchView:
                 for each in self.processes
                 if each.speaks_jaus
             ),
+            *([_ROS_WAITING] if self.has_bridges else []),
             *(self._setting(number, each) for number, each in enumerate(self.settings)),
             *(
                 Argument(

@@ -139,6 +139,10 @@ class Loop:
             if not self._closed and self._callbacks.pop(number, None) is not None:
                 self._epoll.unregister(number)
 
+    def is_idle(self) -> bool:
+        """Tell whether no descriptor waits to be served; to be called by a callback."""
+        return not self._epoll.poll(0, 1)
+
     def start(self) -> None:
         """Run the loop on a thread of its own.
 

@@ -22,6 +22,7 @@ from ..component.process import (
     running_transport,
 )
 from . import parameters
+from .collection import QuietCollection, without_collection
 from .errors import RosLostError, RosTypeError
 from .parameters import ParameterError
 
@@ -60,7 +61,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     configure_log(options.log_level)
     stop = StopRequest()
     try:
-        with stop.on_signals():
+        with without_collection(), stop.on_signals():
             model = bridge.settings
             node = RosNode(model.name, model.namespace, line, options.ros_waiting)
             try:
@@ -150,6 +151,7 @@ def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: St
             bridge.open(node, network)
             bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
             node.start(stop.fail)
+            QuietCollection(network.loop).start()
             LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
             LOGGER.info("%s ends: %s", node.name, stop.wait())
         finally:
