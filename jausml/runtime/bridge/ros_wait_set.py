@@ -1,8 +1,5 @@
 """Waits for ROS on a thread with a wait set of its own, where the middleware has no listeners."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
-
 from __future__ import annotations
 
 import threading
