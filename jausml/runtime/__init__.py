@@ -26,7 +26,8 @@ from .bridge.layouts import CdrLayouts, PresenceLayouts
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
-from .bridge.to_jaus import TopicsToMessage, TopicsToReport
+from .bridge.to_jaus import TopicsToMessage
+from .bridge.to_reports import TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.topics import Qos, Topic
 from .bridge.transcoding import ros_classes, transcoded

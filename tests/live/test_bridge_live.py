@@ -169,25 +169,59 @@ def test_diagnostics_name_each_connection(system):
     assert float(odometry["declared rate (Hz)"]) == 20.0
     assert int(odometry["messages passed"]) > 0
     assert odometry["peer 10.1.1"] == "confirmed"
-    assert float(odometry["handling longest (us)"]) > 0
+    assert odometry["translation"] in ("flat", "light classes", "ROS classes")
+    assert not [key for key in odometry if key.startswith("in the bridge")]
     drive = {value.key: value.value for value in statuses["drive"].values}
     assert drive["peer 10.1.1"] == drive["peer 10.1.2"] == "ready"
     assert statuses["cruise"].level == b"\x03"  # nobody commands: stale
 
 
+def call(system, service, name, request):
+    """The answer of a service of the bridge's node."""
+    client = system.ros.node.create_client(service, f"/loop_bridge/{name}")
+    assert client.wait_for_service(10)
+    future = client.call_async(request)
+    return wait_for(lambda: future.done() and future.result(), name)
+
+
+def test_latency_is_measured_on_a_running_bridge(system):
+    from diagnostic_msgs.msg import DiagnosticArray
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters
+
+    def measure(wanted):
+        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=wanted)
+        request = SetParameters.Request(parameters=[Parameter(name="latency", value=value)])
+        (result,) = call(system, SetParameters, "set_parameters", request).results
+        assert result.successful
+
+    def latency():
+        """Keys of the latest status of each connection."""
+        return {
+            status.name.rpartition(": ")[2]: {
+                each.key for each in status.values if each.key.endswith((" p50 (us)", " max (us)"))
+            }
+            for status in arrays[-1].status
+        }
+
+    arrays = system.ros.listen(DiagnosticArray, "/diagnostics")
+    wait_for(lambda: arrays, "diagnostics")
+    assert not any(latency().values())
+    measure(wanted=True)
+    expected = {"in the bridge p50 (us)", "in the bridge max (us)"}
+    wait_for(lambda: expected <= latency()["odometry"], "latency")
+    measure(wanted=False)
+    wait_for(lambda: not any(latency().values()), "end of the measurement")
+
+
 def test_parameters_have_descriptors(system):
     from rcl_interfaces.srv import DescribeParameters, ListParameters
 
-    def call(service, name, request):
-        client = system.ros.node.create_client(service, f"/loop_bridge/{name}")
-        assert client.wait_for_service(10)
-        future = client.call_async(request)
-        return wait_for(lambda: future.done() and future.result(), name)
-
-    names = call(ListParameters, "list_parameters", ListParameters.Request()).result.names
+    names = call(system, ListParameters, "list_parameters", ListParameters.Request()).result.names
     assert {"odometry.rate", "speed.rate", "pose.rate", "diagnostics_frequency"} <= set(names)
     request = DescribeParameters.Request(names=["odometry.rate", "jaus_id"])
-    descriptor, fixed = call(DescribeParameters, "describe_parameters", request).descriptors
+    answer = call(system, DescribeParameters, "describe_parameters", request)
+    descriptor, fixed = answer.descriptors
     assert (descriptor.read_only, fixed.read_only) == (False, True)
     assert "odometry" in descriptor.description
     assert descriptor.floating_point_range[0].to_value == 1092.0

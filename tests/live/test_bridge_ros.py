@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from jausml.runtime.bridge.diagnostic_array import DiagnosticArray as DiagnosticWriter
 from jausml.runtime.bridge.diagnostics import ConnectionStatus
 from jausml.runtime.bridge.parameter import Parameter
 from jausml.runtime.bridge.parameters import ParameterError
@@ -114,13 +115,20 @@ def test_diagnostics(node, peer):
 
     tested = node(namespace="fleet")
     found = peer.listen(DiagnosticArray, "/diagnostics")
-    status = ConnectionStatus("odometry", "warning", "slower", "10.1.9", (("age (s)", "0.1"),))
-    wait_for(lambda: tested.publish_diagnostics([status]) or found, "diagnostics")
-    (shown,) = found[0].status
-    assert (shown.name, shown.level) == ("/fleet/tested: odometry", b"\x01")
-    assert (shown.message, shown.hardware_id) == ("slower", "10.1.9")
-    assert [(value.key, value.value) for value in shown.values] == [("age (s)", "0.1")]
+    statuses = [
+        ConnectionStatus(name, "warning", "slower", "10.1.9", (("age (s)", "0.1"), (name, "")))
+        for name in ("o", "od", "odo", "odom", "Größe")
+    ]
+    array = DiagnosticWriter(tested.name)
+    for each in statuses:
+        array.add(each)
+    data = array.serialized(tested.now())
+    wait_for(lambda: tested.publish_diagnostics(data) or found, "diagnostics")
     assert found[0].header.stamp.sec > 0
+    for shown, status in zip(found[0].status, statuses, strict=True):
+        assert (shown.name, shown.level) == (f"/fleet/tested: {status.name}", b"\x01")
+        assert (shown.message, shown.hardware_id) == ("slower", "10.1.9")
+        assert tuple((value.key, value.value) for value in shown.values) == status.values
 
 
 def test_log_goes_through_ros(node, peer):

@@ -68,6 +68,9 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
         QUEUE_AGE_LIMIT,
         "Seconds after which a message of a topic that is not latched is too old; 0 is never.",
     )
+    yield ParameterLine(
+        "latency", value=False, about="Whether the latency of all connections is measured."
+    )
     # A translation that cannot be written is reported by the template that it stands in.
     with suppress(AssignmentError, PathError):
         for each in view.module.parameters:
@@ -90,6 +93,7 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         float(connection.silenceTimeout or freshness_of(connection)),
         "Seconds without a message that count as silence; 0 is never.",
     )
+    yield ParameterLine(f"{name}.latency", value=False, about="Whether its latency is measured.")
     for join in view.joins:
         owner = f"{name}.{join.name}"
         yield ParameterLine(

@@ -1,10 +1,10 @@
 """Bridge: one process that is a JAUS component and a ROS 2 node at the same time.
 
-Both kinds of values cross on the loop, which waits for sockets and topics alike. Nothing is polled
-and nothing is handed over.
+A value crosses on the thread of the loop, which waits for both sides. Nothing is polled and nothing
+is handed over.
 
-    JAUS message ─► loop ─► translate ─► publish
-    ROS message  ─► loop ─► translate ─► encode ─► send
+    JAUS message ─► translate ─► publish
+    ROS message  ─► translate ─► send
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
 from . import parameters
-from .diagnostics import double_status
-from .ends import ReportHolder
-from .light_message import is_light
+from .diagnosing import Diagnosing
+from .sharing import SharedMessages, SharedTopics
 from .stops import Standing, StopReason
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
     from ..wire.message import Message
     from .connection import AnyConnection
-    from .ends import RosSide
+    from .ends import Feed, ReportHolder, RosPublisher, RosSide
     from .parameters import AttributeParameter
     from .settings import BridgeSettings
     from .topics import Topic
@@ -62,13 +61,8 @@ class Bridge:
         self.parameters: Sequence[AttributeParameter] = ()
         self._is_open = False
         self._standing = Standing(Status.INITIALIZE, None)
-        self._publishers: dict[tuple[type[Any], Topic, bool], Callable[[Any], None]] = {}
-        self._greeters: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
-        self._takers: dict[tuple[type[Any], Topic], list[Callable[[Any], None]]] = {}
-        self._reports: dict[type[Message], ReportHolder] = {}
-        self._commands: dict[type[Message], list[Callable[[Any, JausAddress], None]]] = {}
-        self._period = 1.0
-        self._next_diagnostics = 0.0
+        self._topics: SharedTopics
+        self._messages: SharedMessages
 
     # ------------------------------------------------------------------ life
 
@@ -84,20 +78,32 @@ class Bridge:
         self.ros = ros
         self.component = _BridgeComponent(self, transport)
         ros.attach(transport.loop)
-        diagnostics = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
-        self._period = 1 / ros.parameter(diagnostics)
+        self._topics = SharedTopics(ros)
+        self._messages = SharedMessages(self.component)
+        frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
+        period = 1 / ros.parameter(frequency)
         for each in self.parameters:
             self._read(each)
-        with transport.loop.lock:
-            for connection in self.connections:
-                connection.open(self)
+        with self.loop.lock:
+            self._open_connections()
             self.component.start()
             self._standing = self._present_standing()
             self._is_open = True
             for connection in self.connections:
                 connection.watch()
-            self._next_diagnostics = self.loop.now() + self._period
-            self.loop.call_at(self._next_diagnostics, self._diagnose)
+            self._measure_latency(ros.parameter(parameters.latency(), self._measure_latency))
+            Diagnosing(self, period).start()
+
+    def _open_connections(self) -> None:
+        for connection in self.connections:
+            connection.open(self)
+        self._topics.subscribe()
+        self._messages.handle()
+        forms: dict[str, list[str]] = {}
+        for connection in self.connections:
+            forms.setdefault(connection.form.value, []).append(connection.name)
+        for form, names in forms.items():
+            LOGGER.info("translation by %s: %s", form, ", ".join(names))
 
     def close(self) -> None:
         """Stops what was commanded, releases control and cancels events; ROS is closed after it."""
@@ -107,6 +113,8 @@ class Bridge:
             ended = [each for each in self.connections if each.end()]
             self._log_stops(ended, StopReason.END)
             self.component.stop()
+            for each in self.connections:
+                each.note_losses()
             self._is_open = False
 
     def on_not_ready(self) -> None:
@@ -150,89 +158,44 @@ class Bridge:
 
     def publisher(
         self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> Callable[[Any], None]:
+    ) -> RosPublisher:
         """Returns what publishes on a topic; connections that name it alike share it.
 
         Args:
-            message_type: Class of the messages.
+            message_type: Type of the messages.
             topic: The topic.
             greet: Called for each subscriber that is found.
         """
-        # To hear of subscribers has its price at each message: only those pay it who ask.
-        key = (message_type, topic, greet is not None)
-        greeters = self._greeters.setdefault(key, [])
-        if greet is not None:
-            greeters.append(greet)
-        if key not in self._publishers:
-            tell = (lambda: _each(greeters)) if greet is not None else None
-            made = self.ros.publisher(message_type, topic, tell)
-            self._publishers[key] = (
-                (lambda message: made.publish(message.to_cdr()))
-                if is_light(message_type)
-                else made.publish_message
-            )
-        return self._publishers[key]
+        return self._topics.publisher(message_type, topic, greet)
 
-    def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
+    def subscribe(
+        self, message_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> Feed:
         """Subscribes to a topic; connections that name it alike share its subscription."""
-        key = (message_type, topic)
-        takers = self._takers.setdefault(key, [])
-        takers.append(take)
-        if len(takers) == 1:
-            light = message_type.from_cdr if is_light(message_type) else None
-            decode = light or self.ros.codec(message_type).decode
-            self.ros.subscribe(message_type, topic, lambda data, _: _each(takers, decode(data)))
+        return self._topics.feed(message_type, topic, take)
 
     def accept(
         self,
         message: type[Message],
-        take: Callable[[Any, JausAddress], None],
+        take: Callable[[bytes, JausAddress], None],
         when: Guard | Callable[[Any], Guard],
     ) -> None:
-        """Takes messages that other components send to the bridge.
-
-        Args:
-            message: The message.
-            take: Takes each message and its sender.
-            when: Whom to obey, or a function that tells it from the message; a command has one
-                handler, which its connections share.
-        """
-        if when is Guard.ANY:
-            self.component.on_message(message, take)
-            return
-        takers = self._commands.setdefault(message, [])
-        takers.append(take)
-        if len(takers) == 1:
-            handler = lambda command, sender: _each(takers, command, sender)  # noqa: E731
-            self.component.handle(message, handler, when=when)
+        """Takes messages that other components send to the bridge."""
+        self._messages.accept(message, take, when)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
-        """Offers a report; connections that feed one report share its value.
-
-        Args:
-            query: The query that asks for it.
-            report: The report.
-        """
-        if query not in self._reports:
-            holder = self._reports[query] = ReportHolder()
-            self.component.provide(query, report, lambda _query, _sender: holder.value)
-        return self._reports[query]
+        """Offers a report; connections that feed one report share its value."""
+        return self._messages.report(query, report)
 
     def _read(self, each: AttributeParameter) -> None:
         """Gives an attribute the value of its parameter, now and whenever that changes."""
         assign = partial(setattr, self, each.attribute)
         assign(self.ros.parameter(each.of(getattr(self, each.attribute)), assign))
 
-    # ------------------------------------------------------------------ diagnostics
-
-    def _diagnose(self) -> None:
-        self._next_diagnostics = max(self._next_diagnostics + self._period, self.loop.now())
-        self.loop.call_at(self._next_diagnostics, self._diagnose)
-        statuses = [connection.status() for connection in self.connections]
-        double = self.component.transport.double_of(self.settings.address)
-        if double is not None:
-            statuses.append(double_status(double, self.loop.now()))
-        self.ros.publish_diagnostics(statuses)
+    def _measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        with self.loop.lock:
+            for connection in self.connections:
+                connection.measure_latency(wanted)
 
 
 class _BridgeComponent(JausComponent):
@@ -260,8 +223,3 @@ class _BridgeComponent(JausComponent):
 
     def core_state_changed(self) -> None:
         self._bridge.follow()
-
-
-def _each(takers: Sequence[Callable[..., None]], *arguments: object) -> None:
-    for take in takers:
-        take(*arguments)

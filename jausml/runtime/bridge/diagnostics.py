@@ -9,6 +9,21 @@ if TYPE_CHECKING:
     from ..transports.delivery import Double
     from .stops import StopReason
 
+LOST_IN_QUEUE = "lost_in_queue"
+"""Messages of a topic that the queue of its subscription had no room for."""
+
+MISSED = "missed"
+"""Messages of a topic that were published and never arrived."""
+
+TOO_OLD = "too_old"
+"""Messages of a topic that waited too long in the queue of its subscription."""
+
+UNHEARD = "unheard"
+"""Messages that were published while nobody subscribed to their topic."""
+
+NOT_LOST = frozenset([UNHEARD])
+"""Counts that tell of no loss: whoever subscribes later does not want what was before."""
+
 DOUBLE_LIFETIME = 10.0
 """Seconds after which a component with the same address that was heard no more is history."""
 
@@ -27,8 +42,7 @@ class Statistics:
         errors: Messages not passed on because of a value whose policy is `error`.
         drops: Messages not passed on, by reason.
         last_arrival: Seconds, None before the first message.
-        handling_total: Nanoseconds spent from arrival to hand-over, all passed messages.
-        handling_longest: The longest of these.
+        heard: When the source last said something usable, or silence was last looked for.
     """
 
     arrivals: int = 0
@@ -40,19 +54,7 @@ class Statistics:
     errors: int = 0
     drops: dict[str, int] = field(default_factory=dict)
     last_arrival: float | None = None
-    handling_total: int = 0
-    handling_longest: int = 0
-
-    def handled(self, nanoseconds: int) -> None:
-        """Notes that a message was passed on, and how long that took."""
-        self.passed += 1
-        self.handling_total += nanoseconds
-        self.handling_longest = max(self.handling_longest, nanoseconds)
-
-    @property
-    def handling_mean(self) -> float:
-        """Nanoseconds that a message took on the average; 0 before the first."""
-        return self.handling_total / self.passed if self.passed else 0.0
+    heard: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,3 +87,16 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
     values = (("place", double.place), ("age (s)", f"{age:.3f}"))
     level = "error" if age < DOUBLE_LIFETIME else "warning"
     return ConnectionStatus("jaus id", level, str(double), str(double.address), values)
+
+
+def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionStatus:
+    """Returns the status of a bridge for whose sockets the kernel had no room.
+
+    Args:
+        drops: Datagrams that were dropped so far.
+        hardware_id: JAUS address of the bridge.
+        is_new: Whether some of them were dropped since the last status.
+    """
+    level, message = ("warning", "datagrams are lost") if is_new else ("ok", "running")
+    values = (("dropped by the kernel", str(drops)),)
+    return ConnectionStatus("jaus socket", level, message, hardware_id, values)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from ..conversions import Time
     from ..services.definitions import Guard
     from ..wire import Message
-    from .diagnostics import ConnectionStatus
     from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
@@ -54,6 +53,10 @@ class RosSide(Protocol):
     Messages are serialized (CDR, with the header that names the encoding). A ROS type is a class
     of rclpy, or a light class, whose `TYPE` names it, e.g. `nav_msgs/msg/Odometry`.
     """
+
+    @property
+    def name(self) -> str:
+        """Full name of the node, e.g. `/fleet/bridge`."""
 
     def attach(self, loop: Loop) -> None:
         """Tells which loop waits; to be called before there are publishers and subscriptions."""
@@ -96,15 +99,31 @@ class RosSide(Protocol):
     def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""
 
-    def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
-        """Publishes one status for each connection."""
+    def publish_diagnostics(self, data: bytes) -> None:
+        """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
 
 
-@dataclass
+@dataclass(slots=True)
 class ReportHolder:
-    """The present value of a report that topics feed; None before their first message."""
+    """The present report that topics feed.
 
-    value: Message | None = None
+    Attributes:
+        value: It, encoded; None before their first message.
+        feeder: The connection that spoke last; None before.
+    """
+
+    value: bytes | None = None
+    feeder: object = None
+
+
+class Feed(Protocol):
+    """A subscription of the bridge.
+
+    Attributes:
+        counts: What became of the messages of the topic.
+    """
+
+    counts: TopicCounts
 
 
 class Ends(Protocol):
@@ -126,16 +145,18 @@ class Ends(Protocol):
 
     def publisher(
         self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
-    ) -> Callable[[Any], None]:
+    ) -> RosPublisher:
         """Returns what publishes on a topic; `greet` is called for each subscriber found."""
 
-    def subscribe(self, message_type: type[Any], topic: Topic, take: Callable[[Any], None]) -> None:
-        """Subscribes to a topic."""
+    def subscribe(
+        self, message_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> Feed:
+        """Subscribes to a topic when all connections are open."""
 
     def accept(
         self,
         message: type[Message],
-        take: Callable[[Any, JausAddress], None],
+        take: Callable[[bytes, JausAddress], None],
         when: Guard | Callable[[Any], Guard],
     ) -> None:
         """Takes messages that other components send to the bridge."""

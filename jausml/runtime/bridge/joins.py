@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from . import parameters
 from .errors import StaleJoinError
+from .transcoding import ros_decoder
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from .ends import Ends
     from .topics import Topic
@@ -40,7 +41,7 @@ class Join:
 
 
 class JoinedTopic:
-    """The latest message of a joined topic. All but its age is used on the thread of ROS alone."""
+    """The latest message of a joined topic; it is made an object when somebody asks for it."""
 
     def __init__(self, join: Join) -> None:
         """Keeps nothing yet.
@@ -52,16 +53,21 @@ class JoinedTopic:
         self.freshness = join.freshness
         self.topics: tuple[Topic, ...] = ()
         self._ends: Ends
-        self._latest: tuple[float, Any] | None = None
+        self._decode: Callable[[bytes], Any]
+        self._arrival: float | None = None
+        self._data: bytes | None = None
+        self._latest: Any = None
 
-    def open(self, ends: Ends, connection: str) -> None:
+    def open(self, ends: Ends, connection: str, *, real: bool) -> None:
         """Makes the subscriptions.
 
         Args:
             ends: The bridge.
             connection: Name of the connection, with which those of parameters begin.
+            real: Whether objects of the message class of ROS are wanted.
         """
         self._ends = ends
+        self._decode = ros_decoder(ends.ros, self.join.type, real=real)
         name = f"{connection}.{self.join.name}"
         stale = parameters.freshness(name, self.freshness)
         self.freshness = ends.ros.parameter(stale, self._set_freshness)
@@ -74,9 +80,12 @@ class JoinedTopic:
 
         Raises:
             StaleJoinError: There is nothing fresh, and the message of the main topic is dropped.
+            DecodeError: The latest message cannot be read.
         """
-        if self._latest is not None and not self.is_stale:
-            return self._latest[1]
+        if not self.is_stale:
+            if self._data is not None:
+                self._latest, self._data = self._decode(self._data), None
+            return self._latest
         if self.join.drop:
             age = self.age
             reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
@@ -86,8 +95,8 @@ class JoinedTopic:
     @property
     def age(self) -> float | None:
         """Seconds since the latest message arrived; None before the first."""
-        latest = self._latest
-        return None if latest is None else self._ends.loop.now() - latest[0]
+        arrival = self._arrival
+        return None if arrival is None else self._ends.loop.now() - arrival
 
     @property
     def is_stale(self) -> bool:
@@ -98,5 +107,5 @@ class JoinedTopic:
     def _set_freshness(self, seconds: float) -> None:
         self.freshness = seconds
 
-    def _keep(self, message: Any) -> None:
-        self._latest = self._ends.loop.now(), message
+    def _keep(self, data: bytes, _stamp: int = 0) -> None:
+        self._arrival, self._data = self._ends.loop.now(), data

@@ -133,6 +133,17 @@ def silence_timeout(connection: str, seconds: float) -> Parameter:
     return Parameter(f"{connection}.silence_timeout", seconds, text, (0.0, LONGEST_TIME))
 
 
+def latency(connection: str = "") -> Parameter:
+    """Returns whether the latency of a connection is measured, or that of all of them.
+
+    Args:
+        connection: The connection; empty for all.
+    """
+    name, whose = (f"{connection}.latency", connection) if connection else ("latency", "all")
+    text = f"Whether the latency of {whose} is measured."
+    return Parameter(name, default=False, description=text)
+
+
 def freshness(join: str, seconds: float) -> Parameter:
     """Returns the time in seconds after which the latest message of a join is stale.
 

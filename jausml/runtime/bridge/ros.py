@@ -17,7 +17,7 @@ import time
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from ..base.loop import Loop
-    from .diagnostics import ConnectionStatus
     from .parameter import Parameter
     from .quality import TopicFault
     from .topics import Topic
@@ -54,13 +53,6 @@ LAST_WORDS = 1.0
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
 """How the bridge waits for ROS; `automatic` takes the listener where there is one."""
-
-_LEVELS = {
-    "ok": DiagnosticStatus.OK,
-    "warning": DiagnosticStatus.WARN,
-    "error": DiagnosticStatus.ERROR,
-    "stale": DiagnosticStatus.STALE,
-}
 
 
 class Waiting(Protocol):
@@ -342,21 +334,9 @@ class RosNode:
 
     # ------------------------------------------------------------------ life
 
-    def publish_diagnostics(self, statuses: Sequence[ConnectionStatus]) -> None:
-        """Publishes one status for each connection on `/diagnostics`."""
-        array = DiagnosticArray()
-        array.header.stamp = self._node.get_clock().now().to_msg()
-        array.status = [
-            DiagnosticStatus(
-                level=_LEVELS[status.level],
-                name=f"{self.name}: {status.name}",
-                message=status.message,
-                hardware_id=status.hardware_id,
-                values=[KeyValue(key=key, value=value) for key, value in status.values],
-            )
-            for status in statuses
-        ]
-        self._diagnostics.publish(array)
+    def publish_diagnostics(self, data: bytes) -> None:
+        """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
+        self._diagnostics.publish(data)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
         """Starts to wait for messages and parameters, and to log through ROS.

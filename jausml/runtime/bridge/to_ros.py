@@ -1,4 +1,4 @@
-"""Connections that carry JAUS messages to ROS topics. All of their work is done on the loop."""
+"""Connections that carry JAUS messages to ROS topics."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from . import parameters
-from .connection import Connection
+from .connection import FILTERED, Connection
+from .diagnostics import UNHEARD
+from .latency import age_of_stamp
+from .light_message import is_light
 from .stops import StopReason
+from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -17,13 +21,17 @@ if TYPE_CHECKING:
     from ..clients.event_subscription import EventSubscription
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
-    from .ends import Ends
+    from .connection import Take
+    from .ends import Ends, RosPublisher
     from .quality import TopicFault
+    from .stopping import Switch
     from .stops import Standing
     from .topics import Topic
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
+
+UNEXPECTED = "unexpected_source"
 
 _GREETING = 10.0
 """Seconds after the start in which subscribers may still be found that were there before."""
@@ -59,7 +67,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._message = message
         self._type = type
         self._topics = tuple(topics)
-        self._publish: list[Callable[[TargetT], None]] = []
+        self._publishers: list[RosPublisher] = []
+        self._encode: Callable[[Any], bytes]
         self._opened = 0.0
 
     @property
@@ -69,13 +78,69 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, before any message can arrive."""
+        self._encode = ros_encoder(ends.ros, self._type)
         super().open(ends)
         self._topics = parameters.topics(ends.ros, self.name, self._topics)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
-        self._publish = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        self._take = self.make_take(self._switch)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
+
+    def decoder(self) -> Callable[[bytes], SourceT]:
+        """Returns what decodes the JAUS message."""
+        return self._message.decode
+
+    def encode(self, target: TargetT) -> bytes:
+        """Serializes a ROS message."""
+        return self._encode(target)
+
+    def readable_form(self) -> Form:
+        """Returns which classes the translation makes objects of."""
+        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
+        return Form.ROS_CLASSES if is_real else Form.LIGHT
+
+    def make_take(self, switch: Switch) -> Take:
+        """Returns the short way of messages."""
+        counts, transcode, now = self.statistics, self._transcode, self._ends.loop.now
+        drop, fail, publishers = self.drop, self.fail, self._publishers
+        publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
+        publish = publisher.publish
+        known = self.senders()
+
+        def take(data: bytes, sender: JausAddress | None = None) -> None:
+            if known is not None and sender not in known.present:
+                drop(UNEXPECTED, str(sender))
+                return
+            if switch.unusual is not None:
+                switch.unusual(data, sender)
+                return
+            counts.arrivals += 1
+            try:
+                target = transcode(data)
+                counts.heard = counts.last_arrival = now()
+                if target is None:
+                    drop(FILTERED)
+                    return
+                publish(target)
+                if not publisher.matched:
+                    publisher.unmatched += 1
+            except Exception as error:
+                counts.last_arrival = now()
+                fail(error)
+                return
+            counts.passed += 1
+
+        return take
+
+    def senders(self) -> PeerBinding | None:
+        """Returns whose messages alone are taken; None where only they can arrive, or anybody."""
+        return None
+
+    def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
+        """Returns the age of a message with a TimeStamp."""
+        return age_of_stamp(self._message.decode(data))
 
     def _join(self, peer: JausAddress) -> None:
         """Begins with a peer; by default nothing is to be asked of it."""
@@ -98,11 +163,17 @@ class ToTopics(Connection[SourceT, TargetT]):
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
-    def deliver(self, target: TargetT) -> bool:
+    def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic."""
-        for publish in self._publish:
-            publish(target)
+        for publisher in self._publishers:
+            publisher.publish(payload)
+            if not publisher.matched:
+                publisher.unmatched += 1
         return True
+
+    def losses(self) -> dict[str, int]:
+        """How many messages nobody has heard."""
+        return {UNHEARD: sum(each.unmatched for each in self._publishers)}
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics."""
@@ -171,7 +242,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def _join(self, peer: JausAddress) -> None:
         self._events[peer] = self._ends.component.subscribe(
-            peer, self._query, self._message, self._take_report, rate=self.rate
+            peer, self._query, self._message, self._take, rate=self.rate, payloads=True
         )
 
     def _leave(self, peer: JausAddress) -> None:
@@ -180,9 +251,6 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def _state_of(self, peer: JausAddress) -> str:
         event = self._events.get(peer)
         return "confirmed" if event is not None and event.active else "asked"
-
-    def _take_report(self, report: SourceT, _: JausAddress) -> None:
-        self.take(report)
 
 
 class QueryToTopics(ToTopics[SourceT, TargetT]):
@@ -241,13 +309,11 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
                 peer,
                 self._query,
                 self._message,
-                self._take_report,
+                self._take,
                 timeout=1 / self.rate,
                 retries=0,
+                payloads=True,
             )
-
-    def _take_report(self, report: SourceT, _: JausAddress) -> None:
-        self.take(report)
 
 
 class MessageToTopics(ToTopics[SourceT, TargetT]):
@@ -279,7 +345,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
         super().open(ends)
-        ends.accept(self._message, self._take_from, self._when)
+        ends.accept(self._message, self._take, self._when)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""
@@ -294,8 +360,22 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """The JAUS components whose messages are taken."""
         return super().describe_peers() or [("peer", "any")]
 
-    def _take_from(self, message: SourceT, sender: JausAddress) -> None:
-        if sender not in self.peers and not self._peers.is_anybody:
-            self.drop("unexpected_source", str(sender))
-            return
-        self.take(message)
+    def senders(self) -> PeerBinding | None:
+        """Returns whose messages alone are taken; None for those of anybody."""
+        return None if self._peers.is_anybody else self._peers
+
+
+class _Publishers:
+    """Several publishers as one."""
+
+    matched = 1
+    unmatched = 0
+
+    def __init__(self, publishers: Sequence[RosPublisher]) -> None:
+        self._publishers = tuple(publishers)
+
+    def publish(self, data: bytes) -> None:
+        for publisher in self._publishers:
+            publisher.publish(data)
+            if not publisher.matched:
+                publisher.unmatched += 1

@@ -8,10 +8,14 @@ classes of the bridge package, or on those of ROS if `ros_classes` asks for them
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from .light_message import is_light
 
 if TYPE_CHECKING:
     from .connection import AnyConnection
+    from .ends import RosSide
 
     TranscoderFactory: TypeAlias = Callable[[Any, AnyConnection], "Transcode"]
 
@@ -50,3 +54,66 @@ def transcoder_of(translate: Callable[..., Any]) -> TranscoderFactory | None:
 def uses_ros_classes(translate: Callable[..., Any]) -> bool:
     """Whether a translation wants objects of the message classes of ROS."""
     return getattr(translate, "uses_ros_classes", False) is True
+
+
+class Form(Enum):
+    """Form in which the translation of a connection runs; the value is what diagnostics say."""
+
+    FLAT = "flat"
+    LIGHT = "light classes"
+    ROS_CLASSES = "ROS classes"
+
+
+def readable(
+    translate: Callable[..., Any],
+    decode: Callable[[bytes], Any],
+    encode: Callable[[Any], bytes],
+) -> Transcode:
+    """Returns what runs a translation on objects.
+
+    Args:
+        translate: Makes the target object, or None to pass nothing on.
+        decode: Makes the source object; raises DecodeError.
+        encode: Encodes the target object; raises EncodeError.
+    """
+
+    def transcode(data: bytes, **joins: Any) -> bytes | None:
+        target = translate(decode(data), **joins)
+        return None if target is None else encode(target)
+
+    return transcode
+
+
+def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:
+    """Returns what makes objects of serialized ROS messages.
+
+    Args:
+        ros: The ROS side.
+        message_type: A light class, or a message class of ROS.
+        real: Whether objects of the message class of ROS are wanted anyway.
+    """
+    if real or not is_light(message_type):
+        return ros.codec(message_type).decode
+    return message_type.from_cdr
+
+
+def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]:
+    """Returns what serializes ROS messages, be they light or of the message class of ROS.
+
+    Args:
+        ros: The ROS side.
+        message_type: A light class, or a message class of ROS.
+    """
+    if not is_light(message_type):
+        return ros.codec(message_type).encode
+    encode: Callable[[Any], bytes] | None = None
+
+    def encode_either(message: Any) -> bytes:
+        nonlocal encode
+        if isinstance(message, message_type):
+            return message.to_cdr()
+        if encode is None:
+            encode = ros.codec(message_type).encode
+        return encode(message)
+
+    return encode_either

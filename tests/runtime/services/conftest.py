@@ -15,6 +15,8 @@ from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
+from .bridge_support import Setting
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -196,6 +198,15 @@ def world() -> Iterator[World]:
     made = World()
     with made.loop:
         yield made
+
+
+@pytest.fixture
+def setting(world: World) -> Iterator[Setting]:
+    """A bridge in the world, which a test opens."""
+    made = Setting(world)
+    yield made
+    if made.bridge is not None:
+        made.bridge.close()
 
 
 @pytest.fixture

@@ -15,13 +15,12 @@ from jausml.runtime.bridge.to_ros import QueryToTopics
 from jausml.runtime.bridge.topics import Qos, Topic
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout
 
-from .test_bridge import (
+from .bridge_support import (
     OTHER,
     OWN,
     PEER,
     Number,
     Ros,
-    Setting,
     command,
     event,
     minutes,
@@ -31,15 +30,6 @@ from .test_bridge import (
     safe,
     values,
 )
-
-
-@pytest.fixture
-def setting(world):
-    made = Setting(world)
-    yield made
-    if made.bridge is not None:
-        made.bridge.close()
-
 
 # ------------------------------------------------------------------ what the ends are
 

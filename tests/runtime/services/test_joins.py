@@ -7,26 +7,21 @@ from dataclasses import dataclass
 import pytest
 
 from jausml.runtime.bridge.joins import Join
-from jausml.runtime.bridge.to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.bridge.to_jaus import TopicsToMessage
+from jausml.runtime.bridge.to_reports import TopicsToReport
 from jausml.runtime.bridge.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
-from .test_bridge import PEER, Number, Setting, peer_component, values
+from .bridge_support import PEER, Number, Serialized, peer_component, values
 
 
 @dataclass
-class Angle:
+class Angle(Serialized):
     """The joined ROS message."""
 
+    TYPE = "test_msgs/msg/Angle"
+
     yaw: float = 0.0
-
-
-@pytest.fixture
-def setting(world):
-    made = Setting(world)
-    yield made
-    if made.bridge is not None:
-        made.bridge.close()
 
 
 def number_and_angle(source, angle=None):
@@ -53,7 +48,8 @@ def angle_join(**options):
 
 
 def present(setting):
-    stamp = setting.bridge.report(QueryTime, ReportTime).value.time_stamp
+    report = setting.bridge.report(QueryTime, ReportTime).value
+    stamp = ReportTime.decode(report).time_stamp
     return stamp.minutes, stamp.hour
 
 

@@ -27,6 +27,7 @@ PARAMETERS = frozenset(
         "jaus_multicast_ttl",
         "jaus_port",
         "jaus_transport",
+        "latency",
         "queue_age_limit",
         "start_type_description_service",
         "use_sim_time",

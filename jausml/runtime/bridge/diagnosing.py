@@ -1,0 +1,76 @@
+"""Publishes diagnostics in time, a few connections in each turn of the loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .diagnostic_array import DiagnosticArray
+from .diagnostics import double_status, socket_status
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..base.loop import Loop
+    from .bridge import Bridge
+    from .connection import AnyConnection
+    from .diagnostics import ConnectionStatus
+
+SLICE = 16
+"""Connections that are looked at in one turn: messages must not wait for all of them."""
+
+
+class Diagnosing:
+    """Looks at all connections once each period."""
+
+    def __init__(self, bridge: Bridge, period: float) -> None:
+        """Does nothing before `start`.
+
+        Args:
+            bridge: The bridge, which is open.
+            period: Seconds from one report to the next.
+        """
+        self._bridge = bridge
+        self._loop: Loop = bridge.loop
+        self._period = period
+        self._next = 0.0
+        self._array: DiagnosticArray
+        self._waiting: Sequence[AnyConnection] = ()
+        self._kernel_drops = 0
+
+    def start(self) -> None:
+        """Begins; the first report comes after a period."""
+        self._next = self._loop.now() + self._period
+        self._loop.call_at(self._next, self._begin)
+
+    def _begin(self) -> None:
+        self._next = max(self._next + self._period, self._loop.now())
+        self._loop.call_at(self._next, self._begin)
+        if self._waiting:
+            return  # connections are many and the period is short: this report ends first
+        self._array = DiagnosticArray(self._bridge.ros.name)
+        self._waiting = tuple(self._bridge.connections)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        present, self._waiting = self._waiting[:SLICE], self._waiting[SLICE:]
+        for each in present:
+            self._array.add(each.status())
+        if self._waiting:
+            self._loop.call_soon(self._go_on)
+            return
+        for status in self._of_the_process():
+            self._array.add(status)
+        ros = self._bridge.ros
+        ros.publish_diagnostics(self._array.serialized(ros.now()))
+
+    def _of_the_process(self) -> list[ConnectionStatus]:
+        """Returns what concerns no connection alone; nothing while all is well."""
+        bridge, found = self._bridge, []
+        double = bridge.component.transport.double_of(bridge.settings.address)
+        if double is not None:
+            found.append(double_status(double, self._loop.now()))
+        drops = bridge.component.counters.snapshot().get("judp.kernel_dropped", 0)
+        if drops:
+            is_new, self._kernel_drops = drops > self._kernel_drops, drops
+            found.append(socket_status(drops, str(bridge.settings.address), is_new=is_new))
+        return found

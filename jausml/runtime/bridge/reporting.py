@@ -1,0 +1,150 @@
+"""What `/diagnostics` and the log say of a connection, from one report to the next."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from .diagnostics import NOT_LOST, ConnectionStatus
+from .stops import StopReason
+
+if TYPE_CHECKING:
+    from .connection import AnyConnection
+    from .quality import TopicFault
+
+
+class _Totals(NamedTuple):
+    """Counts of a connection at the time of a report."""
+
+    time: float
+    arrivals: int = 0
+    dropped: int = 0
+    lost: int = 0
+    errors: int = 0
+    limited: int = 0
+
+
+class Reporter:
+    """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
+
+    def __init__(self, connection: AnyConnection) -> None:
+        """Has reported nothing yet.
+
+        Args:
+            connection: The connection.
+        """
+        self._connection = connection
+        self._reported: _Totals | None = None
+        self._faults: list[TopicFault] = []
+        self._noted: dict[str, int] = {}
+
+    def note_losses(self) -> int:
+        """Counts what was lost since the last call; returns how much was lost in all."""
+        connection = self._connection
+        counters = connection.counters
+        total = 0
+        for reason, count in connection.losses().items():
+            new = count - self._noted.get(reason, 0)
+            if new:
+                self._noted[reason] = count
+                name = f"bridge.{connection.name}.{reason}"
+                if reason in NOT_LOST:
+                    counters.add(name, new)
+                else:
+                    counters.count(name, f"{new} since the last report", amount=new)
+            total += 0 if reason in NOT_LOST else count
+        return total
+
+    def status(self, now: float, hardware_id: str) -> ConnectionStatus:
+        """Returns the state since the last call.
+
+        Args:
+            now: Time of the loop.
+            hardware_id: JAUS address of the bridge.
+        """
+        connection, counts = self._connection, self._connection.statistics
+        present = _Totals(
+            now,
+            counts.arrivals,
+            sum(counts.drops.values()),
+            self.note_losses(),
+            counts.errors,
+            counts.limited,
+        )
+        former, self._reported = self._reported or _Totals(now), present
+        elapsed = now - former.time
+        rate = (present.arrivals - former.arrivals) / elapsed if elapsed > 0 else 0.0
+        faults = self._told_faults()
+        level, message = self._judge(former, present, rate, faults)
+        values = self._values(now, rate, faults)
+        return ConnectionStatus(connection.name, level, message, hardware_id, values)
+
+    def _values(
+        self, now: float, rate: float, faults: list[TopicFault]
+    ) -> tuple[tuple[str, str], ...]:
+        connection, counts = self._connection, self._connection.statistics
+        age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
+        return (
+            ("translation", connection.form.value),
+            ("messages taken", str(counts.arrivals)),
+            ("messages passed", str(counts.passed)),
+            ("rate (Hz)", f"{rate:.2f}"),
+            ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
+            ("age (s)", age),
+            *connection.describe_joins(),
+            *((fault.kind.replace("_", " "), fault.text) for fault in faults),
+            *((("when lost", connection.when_lost),) if connection.is_command else ()),
+            ("safe values", str(counts.safe_values)),
+            *((f"stopped: {reason.value}", str(n)) for reason, n in counts.stops.items()),
+            ("values limited", str(counts.limited)),
+            *(
+                (f"out of range: {policy} {field}", str(n))
+                for (policy, field), n in sorted(counts.out_of_range.items())
+            ),
+            *((f"dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+            *((reason.replace("_", " "), str(n)) for reason, n in connection.losses().items()),
+            *connection.describe_latency(),
+            *connection.describe_peers(),
+        )
+
+    def _told_faults(self) -> list[TopicFault]:
+        """Returns the faults of the topics; the log tells of each when it begins."""
+        connection, faults = self._connection, list(self._connection.topic_faults())
+        for fault in faults:
+            if fault not in self._faults:
+                connection.counters.count(f"bridge.{connection.name}.{fault.kind}", fault.text)
+        self._faults = faults
+        return faults
+
+    def _judge(
+        self, former: _Totals, present: _Totals, rate: float, faults: list[TopicFault]
+    ) -> tuple[str, str]:
+        """Returns level and message."""
+        if present.errors > former.errors:
+            return "error", "values out of range"
+        if faults:
+            return "warning", faults[0].text
+        absence = self._absence()
+        if absence:
+            return "stale", absence
+        stale = ", ".join(self._connection.stale_joins())
+        if stale:
+            return "warning", f"nothing fresh from {stale}"
+        if present.dropped > former.dropped:
+            return "warning", "messages are dropped"
+        if present.lost > former.lost:
+            return "warning", "messages are lost"
+        if present.time > former.time and rate < self._connection.declared_rate / 2:
+            return "warning", "slower than declared"
+        if present.limited > former.limited:
+            return "warning", "values are clamped"
+        return "ok", "running"
+
+    def _absence(self) -> str:
+        """Returns why no messages of the source stand; empty while they do."""
+        connection = self._connection
+        lacking = connection.lacks_peers()
+        if lacking:
+            return f"searching {lacking}"
+        if connection.stopped is not None:
+            return connection.stopped.value
+        return StopReason.START.value if connection.statistics.last_arrival is None else ""

@@ -1,0 +1,293 @@
+"""A bridge in a small world, with a ROS side that keeps what it is given."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, field
+
+from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.diagnostics import ConnectionStatus
+from jausml.runtime.bridge.light_message import LightMessage
+from jausml.runtime.bridge.settings import BridgeSettings
+from jausml.runtime.bridge.to_jaus import TopicsToMessage
+from jausml.runtime.bridge.to_ros import EventToTopics, MessageToTopics
+from jausml.runtime.bridge.topics import Topic, TopicCounts
+from jausml.runtime.conversions import Time
+from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
+from jausml.runtime.wire.message import DecodeError
+
+PEER = JausAddress(1, 1, 1)
+OTHER = JausAddress(1, 1, 2)
+OWN = JausAddress(1, 1, 9)
+CORE = tuple(
+    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+    for name in ("Transport", "Events", "AccessControl", "Management")
+)
+NAN, INFINITE = float("nan"), float("inf")
+
+_CDR = struct.Struct("<4sd")
+LEVELS = ("ok", "warning", "error", "stale")
+_HEADER = b"\0\1\0\0"
+
+
+class Serialized(LightMessage):
+    """What the classes of this ROS have in common: one number."""
+
+    @classmethod
+    def from_cdr(cls, data):
+        try:
+            header, number = _CDR.unpack(data)
+        except struct.error as error:
+            raise DecodeError(cls.__name__, str(error)) from error
+        assert header == _HEADER
+        return cls(number)
+
+    def to_cdr(self):
+        (number,) = vars(self).values()
+        return _CDR.pack(_HEADER, number)
+
+
+@dataclass
+class Number(Serialized):
+    """A light class."""
+
+    TYPE = "test_msgs/msg/Number"
+
+    data: float = 0.0
+
+
+@dataclass
+class RosNumber:
+    """The class of ROS for the same type."""
+
+    data: float = 0.0
+
+
+class RosNumberCodec:
+    """What makes objects of the class of ROS."""
+
+    @staticmethod
+    def decode(data):
+        return RosNumber(Number.from_cdr(data).data)
+
+    @staticmethod
+    def encode(message):
+        if not isinstance(message, RosNumber):
+            raise TypeError(f"RosNumber expected, not {message!r}")
+        return Number(message.data).to_cdr()
+
+
+@dataclass
+class Publisher:
+    """Keeps what is published; somebody subscribes unless a test says otherwise."""
+
+    ros: object
+    published: list = field(default_factory=list)
+    matched: int = 1
+    unmatched: int = 0
+
+    def publish(self, data):
+        if self.ros.fails:
+            raise RuntimeError("the middleware refuses")
+        self.published.append(Number.from_cdr(data))
+
+
+def read_diagnostics(data):
+    """Yields the statuses of a serialized array."""
+    place = 4
+
+    def number():
+        nonlocal place
+        place += -place % 4
+        (value,) = struct.unpack_from("<I", data, place)
+        place += 4
+        return value
+
+    def text():
+        nonlocal place
+        size = number()
+        place += size
+        assert data[place - 1] == 0
+        return data[place - size : place - 1].decode()
+
+    assert data[:4] == _HEADER
+    number(), number(), text()
+    for _ in range(number()):
+        level = LEVELS[data[place]]
+        place += 1
+        node, _, name = text().partition(": ")
+        assert node == Ros.name
+        message, hardware_id = text(), text()
+        pairs = tuple((text(), text()) for _ in range(number()))
+        yield ConnectionStatus(name, level, message, hardware_id, pairs)
+    assert place == len(data)
+
+
+class Ros:
+    """The ROS side: what was made on it, in order, and what was published.
+
+    Attributes:
+        deliver: By topic, what gives the bridge a message.
+        take: By topic, what gives the bridge a serialized message and its stamp.
+    """
+
+    name = "/fleet/bridge"
+
+    def __init__(self):
+        self.made: list[tuple[str, str]] = []
+        self.published: dict[str, list[Number]] = {}
+        self.publishers = {}
+        self.counts = {}
+        self.deliver = {}
+        self.take = {}
+        self.statuses = []
+        self.parameters = {}
+        self.changed = {}
+        self.found_faults = {}
+        self.fails = False
+
+    def attach(self, loop):
+        assert not self.made
+        self.loop = loop
+
+    def now(self):
+        return Time(1_780_000_000, 0)
+
+    def parameter(self, parameter, changed=None):
+        assert parameter.description
+        limits = parameter.limits
+        assert limits is None or limits[0] <= parameter.default <= limits[1]
+        self.changed[parameter.name] = changed
+        return self.parameters.get(parameter.name, parameter.default)
+
+    def faults(self, topic, *, publishes):
+        return self.found_faults.get((topic.name, publishes), [])
+
+    def codec(self, _ros_type):
+        return RosNumberCodec
+
+    def publisher(self, _ros_type, topic, _greet=None):
+        self.made.append(("publisher", topic.name))
+        found = self.published.setdefault(topic.name, [])
+        made = self.publishers[topic.name] = Publisher(self, found)
+        return made
+
+    def subscribe(self, _ros_type, topic, take):
+        self.made.append(("subscription", topic.name))
+        self.deliver[topic.name] = lambda message: self._take(take, message.to_cdr(), 0)
+        self.take[topic.name] = lambda data, stamp=0: self._take(take, data, stamp)
+        counts = self.counts[topic.name] = TopicCounts()
+        return counts
+
+    def _take(self, take, data, stamp):
+        with self.loop.lock:
+            take(data, stamp)
+
+    def publish_diagnostics(self, data):
+        statuses = read_diagnostics(data)
+        self.statuses.append({status.name: status for status in statuses})
+
+    def numbers(self, topic):
+        return [message.data for message in self.published[topic]]
+
+
+@dataclass
+class Setting:
+    """A bridge in a world, opened."""
+
+    world: object
+    ros: Ros = field(default_factory=Ros)
+    bridge: Bridge | None = None
+
+    def open(self, *connections, services=(), **settings):
+        self.bridge = Bridge(
+            BridgeSettings(
+                "bridge",
+                OWN,
+                services=services,
+                component=ComponentSettings(register_services=False, **settings),
+            )
+        )
+        self.bridge.connections = list(connections)
+        self.bridge.open(self.ros, self.world)
+        self.world.settle()
+        return connections[0]
+
+    def drops(self, connection):
+        return connection.statistics.drops
+
+
+def peer_component(world, address=PEER, **settings):
+    component = world.component(str(address), services=CORE, **settings)
+    component.start()
+    return component
+
+
+def minutes_to_number(report):
+    return Number(float(report.timeout))
+
+
+def number_to_time(source):
+    return SetTime(time_stamp=SetTime.TimeStamp(minutes=int(source.data)))
+
+
+def command(name="drive", **options):
+    options.setdefault("translate", number_to_time)
+    options.setdefault("peers", [PEER])
+    return TopicsToMessage(
+        name,
+        options.pop("translate"),
+        message=SetTime,
+        type=Number,
+        topics=[Topic("numbers")],
+        **options,
+    )
+
+
+def event(name="timeout", **options):
+    options.setdefault("translate", minutes_to_number)
+    options.setdefault("topics", [Topic(name)])
+    options.setdefault("peers", [PEER])
+    return EventToTopics(
+        name,
+        options.pop("translate"),
+        message=ReportEventTimeout,
+        type=Number,
+        query=QueryEventTimeout(),
+        **options,
+    )
+
+
+def message_connection(
+    translate=lambda message: Number(float(message.time_stamp.minutes)), **options
+):
+    options.setdefault("is_command", options.get("when", Guard.ANY) is not Guard.ANY)
+    return MessageToTopics(
+        "times",
+        translate,
+        message=SetTime,
+        type=Number,
+        topics=[Topic("times")],
+        **options,
+    )
+
+
+def minutes(value):
+    return SetTime(time_stamp=SetTime.TimeStamp(minutes=value))
+
+
+def raising(error):
+    def translate(_source):
+        raise error
+
+    return translate
+
+
+def safe():
+    return minutes(0)
+
+
+def values(status):
+    return dict(status.values)

@@ -1,0 +1,257 @@
+"""What bridges say on /diagnostics."""
+
+from __future__ import annotations
+
+import logging
+import time
+
+import pytest
+
+from jausml.runtime import Guard
+from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.diagnosing import SLICE
+from jausml.runtime.bridge.latency import WINDOW, Latency
+from jausml.runtime.bridge.settings import BridgeSettings
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.conversions import Time, time_to_timestamp
+from jausml.runtime.messages import ReleaseControl, RequestControl, Reset, Resume, SetTime
+
+from .bridge_support import (
+    CORE,
+    OWN,
+    PEER,
+    Number,
+    command,
+    event,
+    message_connection,
+    minutes,
+    peer_component,
+    safe,
+    values,
+)
+
+
+def test_diagnostics_judge_each_connection(world, setting):
+    peer_component(world)
+    setting.open(event(rate=10.0, silence_timeout=0.5), command(control=Guard.READY))
+    world.run(0.05)
+    world.run(3.0)
+    status = setting.ros.statuses[-1]["timeout"]
+    assert (status.level, status.message) == ("ok", "running")
+    assert float(values(status)["rate (Hz)"]) == pytest.approx(10.0, abs=1.5)
+    assert values(status)["declared rate (Hz)"] == "10.00"
+    assert values(status)["peer 1.1.1"] == "confirmed"
+    assert values(status)["translation"] == "light classes"
+    drive = setting.ros.statuses[-1]["drive"]
+    assert (drive.level, drive.message) == ("stale", "no message yet")
+    assert values(drive)["peer 1.1.1"] == "ready"
+    world.lost = lambda source, *_: source == PEER
+    world.run(2.0)
+    assert setting.ros.statuses[-1]["timeout"].message == "the source is silent"
+    setting.ros.deliver["numbers"](Number(99.0))
+    world.run(1.0)
+    drive = setting.ros.statuses[-1]["drive"]
+    assert (drive.level, drive.message) == ("warning", "messages are dropped")
+    assert any(key.startswith("dropped: ") for key in values(drive))
+
+
+def test_diagnostics_count_the_reasons_of_stops(world, setting):
+    setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
+    )
+    operator = world.probe("5.1.1")
+    for message in (ReleaseControl(), ReleaseControl(), Reset()):
+        for each in (RequestControl(authority_code=200), Resume(), minutes(2), message):
+            operator.send(each, OWN)
+        world.run(1.1)
+    told = values(setting.ros.statuses[-1]["times"])
+    assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
+        "stopped: no message yet": "1",
+        "stopped: control was released or lapsed": "2",
+        "stopped: the bridge is reset": "1",
+    }
+
+
+def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, setting):
+    setting.open(
+        command("drive", is_command=True, safe_value=safe),
+        command("goal", is_command=True, hold_reason="a goal stands until the next one"),
+        event(),
+    )
+    world.run(1.1)
+    told = {
+        name: values(status).get("when lost") for name, status in setting.ros.statuses[-1].items()
+    }
+    assert told == {
+        "drive": "the stop is sent",
+        "goal": "the last message stands (a goal stands until the next one)",
+        "timeout": None,
+    }
+
+
+def test_slow_source_is_told(world, setting):
+    peer_component(world, event_rate_max=2.0)
+    setting.open(event(rate=10.0))
+    world.run(4.0)
+    assert setting.ros.statuses[-1]["timeout"].message == "slower than declared"
+
+
+def test_diagnostics_keep_their_frequency(world, setting):
+    setting.ros.parameters["diagnostics_frequency"] = 5.0
+    setting.open(event(rate=1.0))
+    world.run(2.0)
+    assert 9 <= len(setting.ros.statuses) <= 11
+
+
+@pytest.mark.parametrize(("frequency", "expected"), [(20.0, 4), (0.5, 2)])
+def test_diagnostics_come_once_a_second_at_most(world, setting, frequency, expected):
+    bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, frequency=frequency))
+    bridge.open(setting.ros, world)
+    world.run(4.1)
+    assert len(setting.ros.statuses) == expected
+
+
+def test_clock_before_and_after_opening(setting):
+    bridge = Bridge(BridgeSettings("bridge", OWN))
+    assert bridge.now().sec > 1_700_000_000
+    setting.open(command())
+    assert setting.bridge.now() == setting.ros.now()
+
+
+def test_diagnostics_of_many_connections_take_turns_and_come_as_one(world, setting):
+    many = 3 * SLICE + 1
+    setting.open(*(event(f"e{number}", peers=[]) for number in range(many)))
+    world.time += 1.0
+    turns = 0
+    while not setting.ros.statuses:
+        assert world.loop.run_once(0)
+        turns += 1
+    assert turns >= 3
+    (statuses,) = setting.ros.statuses
+    assert list(statuses) == [f"e{number}" for number in range(many)]
+    world.run(1.1)
+    assert len(setting.ros.statuses) == 2
+
+
+# ------------------------------------------------------------------ losses
+
+
+def test_losses_of_the_queue_are_told_and_counted(world, setting, caplog):
+    connection = setting.open(command())
+    setting.ros.deliver["numbers"](Number(1.0))
+    counts = setting.ros.counts["numbers"]
+    counts.lost, counts.missed, counts.too_old = 3, 4, 2
+    with caplog.at_level(logging.WARNING, "jausml"):
+        world.run(1.1)
+    status = setting.ros.statuses[-1]["drive"]
+    assert (status.level, status.message) == ("warning", "messages are lost")
+    told = values(status)
+    assert (told["lost in queue"], told["missed"], told["too old"]) == ("3", "4", "2")
+    assert world.counters.drops() == {
+        "bridge.drive.lost_in_queue": 3,
+        "bridge.drive.missed": 4,
+        "bridge.drive.too_old": 2,
+    }
+    assert len(caplog.records) == 3
+    setting.ros.deliver["numbers"](Number(1.0))
+    world.run(1.0)
+    assert connection.status().message == "running"
+    counts.lost += 1
+    setting.bridge.close()
+    assert world.counters.drops()["bridge.drive.lost_in_queue"] == 4
+
+
+def test_what_nobody_hears_is_told_and_no_loss(world, setting):
+    peer_component(world)
+    setting.open(event(rate=10.0, topics=[Topic("a"), Topic("b")]), event("c", rate=10.0))
+    setting.ros.publishers["b"].matched = setting.ros.publishers["c"].matched = 0
+    world.run(2.1)
+    for name, topic in (("timeout", "b"), ("c", "c")):
+        status = setting.ros.statuses[-1][name]
+        assert (status.level, status.message) == ("ok", "running")
+        unheard = int(values(status)["unheard"])
+        assert 10 <= unheard <= len(setting.ros.numbers(topic))
+        assert world.counters.snapshot()[f"bridge.{name}.unheard"] == unheard
+    assert not setting.ros.publishers["a"].unmatched
+    assert "bridge.c.unheard" not in world.counters.drops()
+
+
+def test_datagrams_that_the_kernel_drops_are_told(world, setting):
+    setting.open(command())
+    world.run(1.1)
+    assert "jaus socket" not in setting.ros.statuses[-1]
+    world.counters.count("judp.kernel_dropped", amount=5)
+    world.run(1.0)
+    status = setting.ros.statuses[-1]["jaus socket"]
+    assert (status.level, status.message) == ("warning", "datagrams are lost")
+    assert values(status) == {"dropped by the kernel": "5"}
+    world.run(1.0)
+    assert setting.ros.statuses[-1]["jaus socket"].level == "ok"
+
+
+# ------------------------------------------------------------------ latency
+
+
+def latency(status):
+    return {key for key in values(status) if key.startswith(("source to", "in the bridge"))}
+
+
+BRIDGE = {f"in the bridge {word} (us)" for word in ("p50", "p99", "max")}
+SOURCE = {f"source to bridge {word} (us)" for word in ("p50", "p99", "max")}
+
+
+@pytest.mark.parametrize("parameter", ["latency", "drive.latency"])
+def test_latency_is_measured_while_it_is_wanted(setting, parameter):
+    connection = setting.open(command())
+    setting.ros.take["numbers"](Number(1.0).to_cdr(), 1)
+    assert latency(connection.status()) == set()
+    setting.ros.changed[parameter](True)
+    assert latency(connection.status()) == set()
+    for _ in range(3):
+        setting.ros.take["numbers"](Number(1.0).to_cdr(), time.time_ns() - 10**9)
+    told = values(connection.status())
+    assert latency(connection.status()) == BRIDGE | SOURCE
+    assert 1e6 <= float(told["source to bridge p50 (us)"]) < 1e8
+    assert 0 < float(told["in the bridge p50 (us)"]) <= float(told["in the bridge max (us)"])
+    assert connection.statistics.passed == 4
+    setting.ros.changed[parameter](False)
+    assert latency(connection.status()) == set()
+    setting.ros.take["numbers"](Number(1.0).to_cdr())
+    assert connection.statistics.passed == 5
+
+
+def test_latency_may_be_wanted_from_the_start(world, setting):
+    peer = world.probe(str(PEER))
+    setting.ros.parameters |= {"drive.latency": True}
+    connection = setting.open(command(silence_timeout=1.0, safe_value=safe, is_command=True))
+    for value in (1.0, 2.0):
+        setting.ros.deliver["numbers"](Number(value))
+    assert latency(connection.status()) == BRIDGE  # no stamp, no age
+    world.run(1.1)
+    assert peer.take() == [minutes(0), minutes(1), minutes(2), minutes(0)]
+
+
+def test_latency_of_messages_with_a_time_stamp(world, setting):
+    """What JAUS stamps tells the age; what has no stamp, the time in the bridge alone."""
+    setting.ros.parameters["latency"] = True
+    peer_component(world)
+    setting.open(message_connection(), event(rate=10.0))
+    now = time_to_timestamp(Time(*divmod(time.time_ns() - 5 * 10**9, 10**9)))
+    stamp = SetTime.TimeStamp(now.milliseconds, now.seconds, now.minutes, now.hour, now.day)
+    world.probe("5.1.1").send(SetTime(time_stamp=stamp), OWN)
+    world.run(1.1)
+    statuses = setting.ros.statuses[-1]
+    assert latency(statuses["times"]) == BRIDGE | SOURCE
+    assert 5e6 <= float(values(statuses["times"])["source to bridge max (us)"]) < 1e8
+    assert latency(statuses["timeout"]) == BRIDGE
+
+
+def test_percentiles_are_of_the_latest_messages():
+    latency = Latency(lambda _data, _origin: None)
+    for number in range(3 * WINDOW):
+        latency._handling.append(number * 1000)
+    assert latency.describe() == [
+        ("in the bridge p50 (us)", f"{2 * WINDOW + (WINDOW - 1) // 2}.0"),
+        ("in the bridge p99 (us)", f"{2 * WINDOW + (WINDOW - 1) * 99 // 100}.0"),
+        ("in the bridge max (us)", f"{3 * WINDOW - 1}.0"),
+    ]

@@ -1,0 +1,131 @@
+"""Connections of bridges that carry ROS topics to JAUS."""
+
+from __future__ import annotations
+
+from jausml.runtime import Guard
+from jausml.runtime.bridge.to_reports import TopicsToReport
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime
+from jausml.runtime.transports.packets.packet import Priority
+
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, minutes
+
+
+def test_one_translation_serves_every_peer(world, setting):
+    encoded = []
+
+    class Counted(SetTime):
+        def encode(self):
+            encoded.append(self)
+            return super().encode()
+
+    def translate(source):
+        return Counted(time_stamp=SetTime.TimeStamp(minutes=int(source.data)))
+
+    peers = [world.probe(str(PEER)), world.probe(str(OTHER))]
+    connection = setting.open(command(translate=translate, peers=[PEER, OTHER]))
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert [peer.take() for peer in peers] == [[minutes(5)], [minutes(5)]]
+    assert len(encoded) == 1
+    assert setting.ros.made == [("subscription", "numbers")]
+    assert connection.statistics.passed == 1
+
+
+def test_priority_and_acknowledgement(world, setting):
+    sent = []
+    send = world.send
+
+    def spy(source, destination, payload, **options):
+        sent.append((int.from_bytes(payload[:2], "little"), options))
+        send(source, destination, payload, **options)
+
+    world.send = spy
+    setting.open(command(priority=Priority.SAFETY_CRITICAL, acknowledge=True))
+    setting.ros.deliver["numbers"](Number(5.0))
+    options = dict(sent)[SetTime.CODE]
+    assert options == {"priority": Priority.SAFETY_CRITICAL, "acknowledge": True}
+
+
+def test_connections_of_one_topic_share_one_subscription(world, setting):
+    peers = world.probe(str(PEER)), world.probe(str(OTHER))
+    setting.open(command("a"), command("b", peers=[OTHER]))
+    assert setting.ros.made == [("subscription", "numbers")]
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert [len(peer.take()) for peer in peers] == [1, 1]
+
+
+def test_command_waits_for_ready(world, setting):
+    connection = setting.open(command(control=Guard.READY))
+    setting.ros.deliver["numbers"](Number(1.0))
+    assert setting.drops(connection) == {"not_ready": 1}
+    received = []
+    tested = world.component(str(PEER), services=CORE)
+    tested.handle(SetTime, lambda message, _: received.append(message), when=Guard.READY)
+    tested.start()
+    world.run(10.0)
+    setting.ros.deliver["numbers"](Number(2.0))
+    world.settle()
+    assert received == [minutes(2)]
+    assert setting.drops(connection) == {"not_ready": 1}
+
+
+def test_controlled_is_enough_where_nobody_can_resume(world, setting):
+    services = tuple(s for s in CORE if "Management" not in s.urn)
+    received = []
+    tested = world.component(str(PEER), services=services)
+    tested.handle(SetTime, lambda message, _: received.append(message), when=Guard.CONTROLLED)
+    tested.start()
+    setting.open(command(control=Guard.CONTROLLED))
+    world.run(2.0)
+    setting.ros.deliver["numbers"](Number(2.0))
+    world.settle()
+    assert received == [minutes(2)]
+    assert world.count(Resume.CODE) == 0
+
+
+def test_report_is_served_to_queries_and_events(world, setting):
+    setting.open(
+        TopicsToReport(
+            "time",
+            lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
+            message=ReportTime,
+            type=Number,
+            query=QueryTime,
+            topics=[Topic("numbers")],
+        ),
+        services=CORE,
+    )
+    watched = []
+    client = world.component("7.1.1", services=())
+    client.start()
+    client.subscribe(
+        OWN, QueryTime(presence_vector=1), ReportTime, lambda report, _: watched.append(report)
+    )
+    probe = world.probe("8.1.1")
+    assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # nothing yet
+    world.run(1.0)
+    setting.ros.deliver["numbers"](Number(3.0))
+    (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    assert report.time_stamp.minutes == 3
+    setting.ros.deliver["numbers"](Number(4.0))
+    world.run(1.0)
+    assert [each.time_stamp.minutes for each in watched] == [3, 4]
+
+
+def test_connections_may_feed_one_report(world, setting):
+    def feed(name):
+        return TopicsToReport(
+            name,
+            lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
+            message=ReportTime,
+            type=Number,
+            query=QueryTime,
+            topics=[Topic(name)],
+        )
+
+    setting.open(feed("a"), feed("b"), services=CORE)
+    probe = world.probe("8.1.1")
+    for topic, value in (("a", 1.0), ("b", 2.0), ("a", 3.0)):
+        setting.ros.deliver[topic](Number(value))
+        (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
+        assert report.time_stamp.minutes == value

@@ -1,0 +1,250 @@
+"""Connections of bridges that carry JAUS messages to ROS topics."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime import Guard, JausComponent, Status
+from jausml.runtime.bridge.to_ros import QueryToTopics
+from jausml.runtime.bridge.topics import Topic
+from jausml.runtime.conversions import ConversionError
+from jausml.runtime.messages import (
+    Event,
+    QueryEventTimeout,
+    ReleaseControl,
+    ReportEventTimeout,
+    RequestControl,
+    Resume,
+)
+
+from .bridge_support import (
+    CORE,
+    OWN,
+    PEER,
+    Number,
+    command,
+    event,
+    message_connection,
+    minutes,
+    minutes_to_number,
+    peer_component,
+)
+
+
+def test_event_reaches_every_topic(world, setting):
+    peer_component(world, event_timeout=3)
+    setting.open(event(rate=10.0, topics=[Topic("a"), Topic("b")]))
+    world.run(1.0)
+    assert len(setting.ros.numbers("a")) >= 9
+    assert set(setting.ros.numbers("a")) == {3.0}
+    assert setting.ros.numbers("a") == setting.ros.numbers("b")
+
+
+def test_connections_of_one_report_share_one_event(world, setting):
+    peer_component(world)
+    setting.open(event("a", rate=10.0), event("b", rate=10.0))
+    world.run(1.0)
+    events = world.count(Event.CODE)
+    assert 9 <= events <= 12
+    assert len(setting.ros.numbers("a")) == len(setting.ros.numbers("b")) >= 9
+
+
+def test_everything_is_made_before_the_first_message(setting):
+    """Whatever the component sends or hears comes after publishers and subscriptions."""
+    made_at_start = []
+    original = JausComponent.start
+
+    def start(component):
+        made_at_start.extend(setting.ros.made)
+        original(component)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(JausComponent, "start", start)
+        setting.open(event(rate=1.0, topics=[Topic("a")]), command())
+    assert made_at_start == [("publisher", "a"), ("subscription", "numbers")]
+
+
+def test_rate_is_a_parameter(world, setting):
+    peer_component(world)
+    setting.ros.parameters["timeout.rate"] = 2.0
+    connection = setting.open(event(rate=10.0))
+    world.run(2.0)
+    assert connection.declared_rate == 2.0
+    assert 3 <= len(setting.ros.numbers("timeout")) <= 6
+
+
+def test_query_asks_once_each_period(world, setting):
+    peer_component(world, event_timeout=4)
+    setting.open(
+        QueryToTopics(
+            "timeout",
+            minutes_to_number,
+            message=ReportEventTimeout,
+            type=Number,
+            query=QueryEventTimeout(),
+            rate=5.0,
+            peers=[PEER],
+            topics=[Topic("timeout")],
+        )
+    )
+    world.run(2.0)
+    assert 10 <= world.count(QueryEventTimeout.CODE) <= 11
+    assert setting.ros.numbers("timeout") == [4.0] * len(setting.ros.numbers("timeout"))
+    assert len(setting.ros.numbers("timeout")) >= 10
+
+
+def test_query_of_an_absent_peer_goes_on(world, setting):
+    connection = setting.open(
+        QueryToTopics(
+            "timeout",
+            minutes_to_number,
+            message=ReportEventTimeout,
+            type=Number,
+            query=QueryEventTimeout(),
+            rate=5.0,
+            peers=[PEER],
+            topics=[Topic("timeout")],
+        )
+    )
+    world.run(2.0)
+    peer_component(world)
+    world.run(1.0)
+    assert connection.statistics.passed >= 4
+
+
+def test_message_from_anybody(world, setting):
+    setting.open(message_connection())
+    world.probe("5.1.1").send(minutes(7), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [7.0]
+
+
+def test_message_from_a_stranger_is_counted(world, setting):
+    connection = setting.open(message_connection(peers=[PEER]))
+    world.probe("5.1.1").send(minutes(7), OWN)
+    world.probe(str(PEER)).send(minutes(8), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [8.0]
+    assert setting.drops(connection) == {"unexpected_source": 1}
+
+
+def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
+    connection = setting.open(
+        message_connection(when=Guard.READY, silence_timeout=30.0, safe_value=lambda: Number(-1.0)),
+        services=CORE,
+    )
+    operator = world.probe("5.1.1")
+    operator.send(minutes(1), OWN)  # not obeyed: no control
+    operator.send(RequestControl(authority_code=200), OWN)
+    operator.send(Resume(), OWN)
+    operator.send(minutes(2), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 2.0]
+    operator.send(ReleaseControl(), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
+    assert connection.is_silent
+    operator.send(RequestControl(authority_code=200), OWN)
+    operator.send(Resume(), OWN)
+    operator.send(minutes(3), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
+    assert not connection.is_silent
+    world.run(60.0, step=0.5)
+    assert setting.ros.numbers("times") == [
+        -1.0,
+        2.0,
+        -1.0,
+        3.0,
+        -1.0,
+    ]  # one silence, one safe value
+
+
+def test_losing_control_is_safe_without_a_timeout_too(world, setting):
+    connection = setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=200), Resume(), minutes(2), ReleaseControl()):
+        operator.send(message, OWN)
+    world.run(60.0, step=0.5)
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
+    for message in (RequestControl(authority_code=200), Resume(), minutes(3)):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
+    assert not connection.is_silent
+
+
+@pytest.mark.parametrize("guard", [Guard.READY, Guard.CONTROLLED, lambda _message: Guard.READY])
+@pytest.mark.parametrize("timeout", [0.0, 30.0])
+def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
+    """The bridge stays in Ready for another; the former controller's command must not stand."""
+    connection = setting.open(
+        message_connection(when=guard, silence_timeout=timeout, safe_value=lambda: Number(-1.0)),
+        services=CORE,
+        control_timeout=60,
+    )
+    former, rival = world.probe("5.1.1"), world.probe("6.1.1")
+    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
+        former.send(message, OWN)
+    world.settle()
+    rival.send(RequestControl(authority_code=200), OWN)
+    world.settle()
+    assert setting.bridge.component.status is Status.READY
+    assert setting.bridge.component.controller == rival.address
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
+    former.send(minutes(3), OWN)
+    rival.send(minutes(4), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 4.0]
+    assert not connection.is_silent
+
+
+def test_lapse_of_control_in_ready_is_safe_once(world, setting):
+    setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)),
+        services=CORE,
+        control_timeout=2,
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
+        operator.send(message, OWN)
+    world.run(1.9)
+    assert setting.ros.numbers("times") == [-1.0, 2.0]
+    world.run(0.2)
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
+
+
+def test_guard_may_depend_on_the_message(world, setting):
+    """A limit passes the guard in Standby, is no command, and does not end a silence."""
+
+    def current(source):
+        if source.time_stamp.minutes:
+            raise ConversionError("a limit, not the current command")
+        return Number(5.0)
+
+    connection = setting.open(
+        message_connection(
+            translate=current,
+            when=lambda message: Guard.CONTROLLED if message.time_stamp.minutes else Guard.READY,
+            safe_value=lambda: Number(-1.0),
+        ),
+        services=CORE,
+    )
+    operator = world.probe("5.1.1")
+    for message in (RequestControl(authority_code=200), minutes(0), minutes(7)):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0]
+    assert setting.drops(connection) == {"no_counterpart": 1}
+    assert setting.bridge.component.counters.drops()["component.command_refused"] == 1
+    for message in (Resume(), minutes(0), ReleaseControl()):
+        operator.send(message, OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
+    operator.send(RequestControl(authority_code=200), OWN)
+    operator.send(minutes(7), OWN)
+    world.settle()
+    assert connection.is_silent
+    assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
