@@ -24,7 +24,7 @@ from jausml.generation.languages.python.tokens import (
 from jausml.generation.literals import LINE_WIDTH
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 _STEP = " " * 4
 _KEYWORDS = {"if", "elif", "while", "return", "assert", "raise", "yield", "await", "del", "except"}
@@ -46,24 +46,30 @@ _OPERATORS = (
 _BOOLEAN = {"and", "or"}
 
 
-def layout(text: str, module: ast.Module | None = None) -> str:
+def layout(
+    text: str,
+    module: ast.Module | None = None,
+    lay_out: Callable[[Sequence[str]], list[str]] | None = None,
+) -> str:
     """Returns a Python module with its long and its broken statements laid out.
 
     Args:
         text: The module; what Python cannot read is returned as it is.
         module: Its syntax tree, if it is known.
+        lay_out: Stands for `lay_out_statement`, whose results it may know.
     """
     try:
         module = module or ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):
         return text
+    lay_out = lay_out or lay_out_statement
     lines = text.split("\n")
     found: list[str] = []
     done = 0
     for start, end in sorted(set(_spans(module, lines))):
         if start >= done and (start < end or len(lines[start]) > LINE_WIDTH):
             found += lines[done:start]
-            found += _laid_out(lines[start : end + 1])
+            found += lay_out(lines[start : end + 1])
             done = end + 1
     return "\n".join([*found, *lines[done:]])
 
@@ -102,8 +108,12 @@ def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:
     return end
 
 
-def _laid_out(lines: Sequence[str]) -> list[str]:
-    """Returns the lines of one statement; one with comments or long strings inside stays."""
+def lay_out_statement(lines: Sequence[str]) -> list[str]:
+    """Returns the lines of one statement as they are to be.
+
+    Args:
+        lines: Its lines; one with comments or long strings inside stays as it is.
+    """
     code = lines[0].lstrip()
     indent = lines[0][: len(lines[0]) - len(code)]
     statement = read("\n".join([code, *lines[1:]]))

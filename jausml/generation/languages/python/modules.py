@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.checks import CANNOT_PARSE
 from jausml.generation.languages.python.imports import MARKER, Names, import_lines, names_in
-from jausml.generation.languages.python.layout import layout
+from jausml.generation.languages.python.layout import lay_out_statement, layout
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from jausml.generation.languages.python.imports import Imports
 
 _START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
-_HEAD = re.compile(r"(?:def|class) (\w+)")
+_HEAD = re.compile(r"(?:def |class |self\.)(\w+)")
+_PREFIX = re.compile("[bfrtu]{1,2}")
+"""Words that may stand before a string, and change what it is."""
 _STAND_IN = "\u01c2"
 """A letter that no rendered word has; as many of them as the word has letters stand in for it."""
 
@@ -54,6 +56,7 @@ class Modules:
 
     def __init__(self) -> None:
         self._pieces: dict[str, _Piece] = {}
+        self._statements: dict[str, list[str]] = {}
 
     def finished(
         self, text: str, imports: Imports | None = None, words: Collection[str] = ()
@@ -77,7 +80,7 @@ class Modules:
                 pieces = [self._piece(each, words) for each in _START.split(text)]
             except CANNOT_PARSE:
                 # What looks like a function may stand in a string.
-                pieces = [_worked_on(text)]
+                pieces = [self._worked_on(text)]
             laid_out = "\n\n".join(each.text for each in pieces)
             if imports is None:
                 return laid_out
@@ -85,28 +88,33 @@ class Modules:
             return laid_out.replace(MARKER, f"{MARKER}\n{layout(lines)}" if lines else MARKER, 1)
 
     def _piece(self, text: str, words: Collection[str]) -> _Piece:
-        word = _word_in(text, words) if _STAND_IN not in text else ""
+        word, alike = _without_word(text, words)
         if not word:
-            return _worked_on(text)
-        # Neither may be part of a longer word, but for the parts that underscores join.
-        pattern = f"{word}(?<![A-Za-z0-9]{word})(?![A-Za-z0-9])"
-        alike = re.sub(pattern, _STAND_IN * len(word), text)
+            return self._worked_on(text, words)
         if alike not in self._pieces:
             try:
-                self._pieces[alike] = _worked_on(alike)
+                self._pieces[alike] = self._worked_on(alike)
             except CANNOT_PARSE:
-                return _worked_on(text)
+                return self._worked_on(text)
         return self._pieces[alike].under(word)
 
+    def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
+        is_member = text.startswith(" ")
+        whole = f"class _:\n{text}" if is_member else text
+        module = ast.parse(whole)
+        laid_out = layout(whole, module, lambda lines: self._statement(lines, words))
+        if laid_out != whole:
+            ast.parse(laid_out)
+        return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
 
-def _worked_on(text: str) -> _Piece:
-    is_member = text.startswith(" ")
-    whole = f"class _:\n{text}" if is_member else text
-    module = ast.parse(whole)
-    laid_out = layout(whole, module)
-    if laid_out != whole:
-        ast.parse(laid_out)
-    return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
+    def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
+        """Lays out a statement of a piece that has no word as a whole."""
+        word, alike = _without_word("\n".join(lines), words)
+        if not word:
+            return lay_out_statement(lines)
+        if alike not in self._statements:
+            self._statements[alike] = lay_out_statement(alike.split("\n"))
+        return [line.replace(_STAND_IN * len(word), word) for line in self._statements[alike]]
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
@@ -117,9 +125,19 @@ def _joined(pieces: Sequence[_Piece]) -> Names:
     )
 
 
+def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
+    """Returns a word that a text is about, and the text without it; no word when there is none."""
+    word = _word_in(text, words) if words and _STAND_IN not in text else ""
+    if not word or _PREFIX.fullmatch(word):
+        return "", text
+    # Neither may be part of a longer word, but for the parts that underscores join.
+    pattern = f"{word}(?<![A-Za-z0-9]{word})(?![A-Za-z0-9])"
+    return word, re.sub(pattern, _STAND_IN * len(word), text)
+
+
 def _word_in(text: str, words: Collection[str]) -> str:
-    """Returns the first of some words in the name of a function; empty when there is none."""
-    head = _HEAD.search(text) if words else None
+    """Returns the first of some words in the name of a function, method or attribute."""
+    head = _HEAD.search(text)
     parts = head[1].split("_") if head else []
     for start in range(len(parts)):
         for end in range(len(parts), start, -1):

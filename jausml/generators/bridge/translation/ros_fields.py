@@ -80,7 +80,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
     """
     begin = start or RosStart("source", message_type)
     current, field, is_array = begin.type, begin.field, False
-    constants = _constants(message_type)
+    holder = message_type
     for step in [] if path == "." else path.split("."):
         found = _STEP.fullmatch(step)
         if current is None or is_array or found is None:
@@ -88,7 +88,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         field = _field_named(current, found["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
-        constants = _constants(current)
+        holder = current
         is_array = field.arrayKind.name != "single" and found["index"] is None
         current = field.messageType if isinstance(field, ros.MessageField) else None
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
@@ -101,7 +101,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         _counts(field) if is_array and field is not None else None,
         current,
         field,
-        constants,
+        _constants(holder),
     )
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.bridge.translation.body import OWN_NAMES
-from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
+from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros, used_maps
+from jausml.generators.bridge.translation.sharing import SharedTranslations
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
 from jausml.semantics.stops import has_stop
@@ -101,25 +102,38 @@ def translate(
         (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
         for each in element.bridgeConnections
     ]
-    return Translations(tuple(_translated(*each, uses) for each in named), uses, ros_classes)
+    shared = SharedTranslations(uses)
+    translated = tuple(_translated(*each, uses, shared) for each in named)
+    return Translations(translated, uses, ros_classes)
 
 
 def _translated(
-    connection: bridge.Connection, name: str, ros_name: str, uses: Surroundings
+    connection: bridge.Connection,
+    name: str,
+    ros_name: str,
+    uses: Surroundings,
+    shared: SharedTranslations,
 ) -> Translated:
-    message = uses.view_of(connection.map.message)
-    if connection.direction.name == "jausToRos":
-        body = to_ros(connection, message, f"self.{name}", ros_name, uses)
-        joins: tuple[TranslatedJoin, ...] = ()
-    else:
-        scope = Scope(OWN_NAMES)
-        joins = tuple(
-            TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
-            for each in connection.map.joins
-        )
+    used, message = connection.map, uses.view_of(connection.map.message)
+    is_to_ros = connection.direction.name == "jausToRos"
+    scope = Scope(OWN_NAMES)
+    joins = tuple(
+        TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
+        for each in (() if is_to_ros else used.joins)
+    )
+
+    def make(name: str, around: Surroundings) -> tuple[str, ...]:
+        if is_to_ros:
+            return to_ros(connection, message, f"self.{name}", ros_name, around).lines
         parameters = {str(each.join.name): (each.name, each.join.type) for each in joins}
-        body = to_jaus(connection, message, f"self.{name}", parameters, uses)
+        return to_jaus(connection, message, f"self.{name}", parameters, around).lines
+
+    if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
+        # Each connection has its own methods for the messages inside its message.
+        lines = make(name, uses)
+    else:
+        lines = shared.lines((used, is_to_ros, connection.outOfRange.name), name, make)
     safe_lines: tuple[str, ...] = ()
     if has_stop(connection):
         safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
-    return Translated(name, ros_name, joins, body.lines, safe_lines)
+    return Translated(name, ros_name, joins, lines, safe_lines)

@@ -1,0 +1,120 @@
+"""What connections of one map share is made once, and is what each would have alone."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from jausml.generation.system import system_of
+from jausml.generators.bridge.checks.module import TestModule as Tests
+from jausml.generators.bridge.translation import maps
+from jausml.generators.bridge.views import BridgeView
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+EVERY_POLICY = Path(__file__).with_name("checked_bridge.ros2jaus").read_text(encoding="utf-8")
+MESSAGES_IN_MESSAGES = """
+import mappings.waypoint_lists
+import mappings.global_pose_sensor
+
+bridge lists {
+  address: 10.1.1
+  provides: GlobalPoseSensor
+  connection there { map: local_waypoint_list direction: jausToRos onSilence: hold topic there }
+  connection back { map: local_waypoint_list direction: rosToJaus peers: robot topic back }
+  connection pose { map: global_pose direction: rosToJaus topic fix topic imu { join: imu } }
+}
+
+component robot { address: 10.1.2 }
+"""
+# Names that are parts of each other, and of names that are made of them.
+NAMES = ("{0}", "last_{0}", "{0}_2", "max_speed_{0}", "x_{0}")
+
+
+def multiplied(text, names=NAMES):
+    """Returns a model with each connection under several names, and all of these."""
+    lines, found = [], []
+    for line in text.splitlines():
+        if line.startswith("  connection "):
+            word, name, rest = line.split(maxsplit=2)
+            several = [each.format(name) for each in names]
+            lines += [f"  {word} {each} {rest}" for each in several]
+            found += several
+        else:
+            lines.append(line)
+    return "\n".join(lines), found
+
+
+def only(text, name):
+    """Returns a model with one of the connections."""
+    lines = text.splitlines()
+    return "\n".join(
+        each for each in lines if "  connection " not in each or f" connection {name} " in each
+    )
+
+
+def viewed(text, folder):
+    """Returns the view of the bridge of a model."""
+    path = folder / "shared.ros2jaus"
+    path.write_text(text, encoding="utf-8")
+    model = read_models([path], notations=NOTATIONS).model
+    return BridgeView(system_of(model).bridges[0], system_of(model), "shared.ros2jaus")
+
+
+@pytest.mark.parametrize("text", [EVERY_POLICY, MESSAGES_IN_MESSAGES])
+def test_connections_share_what_each_has_alone(text, tmp_path):
+    text, names = multiplied(text)
+    whole = viewed(text, tmp_path)
+    translated = {each.name: each for each in whole.translations.connections}
+    checks = {each.name: each for each in Tests(whole).checks}
+
+    assert len(translated) == len(names)
+    for name in names:
+        alone = viewed(only(text, name), tmp_path)
+        (expected,) = alone.translations.connections
+        assert translated[name].lines == expected.lines
+        assert translated[name].safe_lines == expected.safe_lines
+        for check in Tests(alone).checks:
+            assert checks[check.name] == check
+
+
+def test_frames_and_memories_are_those_of_each_connection(tmp_path):
+    text, _ = multiplied(EVERY_POLICY, ("{0}", "b_{0}", "c_{0}"))
+    uses = viewed(text, tmp_path).translations.uses
+
+    frames = {each.name for each in uses.frames.values()}
+    assert frames >= {f"{each}speed_frame_id" for each in ("", "b_", "c_")}
+    assert {each.name for each in uses.memories} == {
+        f"last_{each}speed_twist_twist_angular_z" for each in ("", "b_", "c_")
+    }
+
+
+def test_a_name_that_is_taken_is_told_apart(tmp_path):
+    text, _ = multiplied(EVERY_POLICY, ("{0}", "b", "b_frame_id"))
+    text = only(text, "speed").replace("  connection speed", "  connection b_frame_id", 1)
+    line = next(each for each in text.splitlines() if "connection b_frame_id" in each)
+    lines = [line.replace("b_frame_id", each) for each in ("b_frame_id", "a", "b")]
+    view = viewed(text.replace(line, "\n".join(lines)), tmp_path)
+
+    assert "target.header.frame_id = self.b_frame_id_2" in view.translations.connections[2].lines
+
+
+def test_a_map_is_translated_twice_at_most(tmp_path):
+    text, names = multiplied(EVERY_POLICY, [f"{{0}}_{number}" for number in range(30)])
+    view = viewed(text, tmp_path)
+    called = Counter()
+    wanted = {maps.to_ros.__code__, maps.to_jaus.__code__}
+
+    def counted(frame, event, _argument):
+        if event == "call" and frame.f_code in wanted:
+            called[frame.f_locals["connection"].map.name, frame.f_code] += 1
+
+    sys.setprofile(counted)
+    try:
+        assert len(view.translations.connections) == len(names) == 180
+    finally:
+        sys.setprofile(None)
+    assert set(called.values()) == {2}
