@@ -17,11 +17,12 @@ GROWTH = Path(__file__).parents[2] / "benchmarks" / "growth.py"
 
 
 @pytest.fixture(scope="module")
-def growth():
-    """The benchmark, which makes the models."""
+def growth(tmp_path_factory):
+    """The benchmark, which makes the models, when what a process does once is done."""
     spec = importlib.util.spec_from_file_location("growth", GROWTH)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    calls(module.connections(2, own_maps=False), tmp_path_factory.mktemp("once"))
     return module
 
 
