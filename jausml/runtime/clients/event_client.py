@@ -33,6 +33,9 @@ COMMAND_REQUESTS = range(224, 255)
 STRAY_REQUEST = 255
 """Request id with which events that nobody here wants are cancelled."""
 
+_EVENT_HEADER = 8
+"""Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
+
 DEFAULT_EVENT_TIMEOUT = 1
 """Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""
 
@@ -50,7 +53,7 @@ class EventClient:
         self._timeouts: dict[JausAddress, int] = {}
         self._last_request = -1
         self._stray_cancelled = float("-inf")
-        component.on_message(Event, self._event)
+        component.on_payload(Event, self._event)
         component.on_message(ConfirmEventRequest, self._confirmed)
         component.on_message(RejectEventRequest, self._rejected)
         component.on_message(ReportEventTimeout, self._timeout_reported)
@@ -133,12 +136,19 @@ class EventClient:
 
     # ---- messages ---------------------------------------------------------------------------
 
-    def _event(self, event: Event, sender: JausAddress) -> None:
-        stream = self._by_event.get((sender, event.event_id))
+    def _event(self, payload: bytes, sender: JausAddress) -> None:
+        """Hand the report of an event to its stream; the event itself is read on its bytes."""
+        if (
+            len(payload) < _EVENT_HEADER
+            or int.from_bytes(payload[4:8], "little") != len(payload) - _EVENT_HEADER
+        ):
+            Event.decode(payload)  # raises
+        event_id = payload[2]
+        stream = self._by_event.get((sender, event_id))
         if stream is None:
-            self._stray(event, sender)
+            self._stray(event_id, sender)
         else:
-            stream.receive(event)
+            stream.receive(payload[3], payload[_EVENT_HEADER:])
 
     def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
         stream = self._by_request.get((sender, message.request_id))
@@ -157,7 +167,7 @@ class EventClient:
                 if stream.provider == sender:
                     stream.reschedule()
 
-    def _stray(self, event: Event, sender: JausAddress) -> None:
+    def _stray(self, event_id: int, sender: JausAddress) -> None:
         """Act on an event that is not ours: its creation is not confirmed yet, or is unwanted.
 
         The event may be left from before a restart of this component, or its confirmation was
@@ -172,7 +182,7 @@ class EventClient:
         now = self._component.loop.now()
         if not expected and now >= self._stray_cancelled + self._component.settings.retry_min:
             self._stray_cancelled = now
-            message = CancelEvent(request_id=STRAY_REQUEST, event_id=event.event_id)
+            message = CancelEvent(request_id=STRAY_REQUEST, event_id=event_id)
             self._component.send(message, sender)
 
     def _free_request(self, provider: JausAddress, stream: EventStream) -> int:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
-    from ..messages import Event
     from ..services.host import Host
     from .event_subscription import EventSubscription
     from .presence import Presence
@@ -306,9 +305,13 @@ class EventStream:
 
     # ---- reports ----------------------------------------------------------------------------
 
-    def receive(self, event: Event) -> None:
-        """Decode the report of an event and hand it to the subscribers."""
-        sequence = event.sequence_number
+    def receive(self, sequence: int, payload: bytes) -> None:
+        """Hand a report to the subscribers.
+
+        Args:
+            sequence: Sequence number of the event.
+            payload: The encoded report.
+        """
         if self._expected is not None and sequence != self._expected:
             missing = (sequence - self._expected) & 0xFF
             if missing >= HALF_SEQUENCE:
@@ -316,7 +319,7 @@ class EventStream:
                 return
             self._counters.add("event_client.sequence_gap", missing)
         self._expected = (sequence + 1) & 0xFF
-        self._last = payload = event.report_message
+        self._last = payload
         self._heard = now = self._loop.now()
         self._silence_wait = 0.0
         for group, subscriptions in tuple(self._groups.items()):
@@ -335,14 +338,13 @@ class EventStream:
     def _read(self, group: _Group, payload: bytes) -> Message | bytes | None:
         """Return a report as a group of subscribers takes it; None if it is of another message."""
         report_class, takes_payloads = group
+        if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
+            return payload
         try:
-            if not takes_payloads:
-                return report_class.decode(payload)
-            report_class.check_code(payload)
+            return report_class.decode(payload)
         except DecodeError as error:
             self.count_bad(self.provider, error)
             return None
-        return payload
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
         """Count a report that cannot be read."""

@@ -397,20 +397,6 @@ class ComponentBase(ComponentHooks):
         """Return what answers a query."""
         return self._jaus_router.provision(query_code)
 
-    def report(
-        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
-    ) -> bytes | None:
-        """Return the encoded report that answers a query now, or None without one."""
-        report = self.present_report(provision, query, sender)
-        return None if report is None else self.encoded_report(provision, query, report)
-
-    def present_report(
-        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
-    ) -> Message | bytes | None:
-        """Return the report that there is now for a sender, whatever its query leaves out."""
-        report: Message | bytes | None = self._jaus_router.call(provision.provider, query, sender)
-        return report
-
     def encoded_report(
         self, provision: Provision[Any, Any], query: Message, report: Message | bytes
     ) -> bytes | None:
@@ -446,6 +432,7 @@ class ComponentBase(ComponentHooks):
     def _jaus_answer(
         self, provision: Provision[Any, Any], query: Message, sender: JausAddress
     ) -> None:
-        payload = self.report(provision, query, sender)
+        _, report = self._jaus_router.attempt(provision.provider, query, sender)
+        payload = None if report is None else self.encoded_report(provision, query, report)
         if payload is not None:
             self.transport.send(self.address, sender, payload)

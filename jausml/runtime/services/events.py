@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +18,14 @@ from ..messages import (
     UpdateEvent,
 )
 from ..wire.message import DecodeError, Message
+from ..wire.selection import asks_for_all
 from .command_events import CommandEvents
 from .definitions import CORE, VERSION_1_1
 from .event_requests import EventIds, RejectCode, RequestError, reject
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from ..base.address import JausAddress
     from ..base.loop import Timer
     from .dispatch import Provision
@@ -41,6 +45,7 @@ class _Setup:
     payload: bytes
     periodic: bool
     rate: float
+    asks_for_all: bool
 
 
 @dataclass(slots=True, eq=False)
@@ -51,6 +56,7 @@ class _Event:
     client: JausAddress
     request_id: int
     setup: _Setup
+    send: Callable[[bytes], None]
     sequence: int = 0
     last_report: bytes | None = None
     due: float = 0.0
@@ -58,8 +64,8 @@ class _Event:
     expiry: Timer | None = None
 
 
-_Made = dict[bytes, tuple[Message | bytes, bytes | None]]
-"""By encoded query what was reported in this round, and the bytes of it."""
+_EVENT = struct.Struct("<HBBI")
+"""What stands before the report in an Event: code, event, sequence number, size of the report."""
 
 
 class EventsService:
@@ -100,10 +106,9 @@ class EventsService:
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one."""
-        made: _Made = {}
-        for event in self._watchers.get(report_class.CODE, ()):
-            if self._is_wanted(event):
-                self._send_if_changed(event, made)
+        watchers = self._watchers.get(report_class.CODE)
+        if watchers:
+            self._serve(watchers, only_changes=True)
 
     def permissions_changed(self) -> None:
         """Fail the commands under way that their clients may not give any more."""
@@ -170,7 +175,8 @@ class EventsService:
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
         rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
-        return _Setup(provision, query, payload, periodic, rate)
+        all_of_it = asks_for_all(query, provision.report_class)
+        return _Setup(provision, query, payload, periodic, rate, all_of_it)
 
     def _nearest_rate(self, rate: float) -> float:
         return min(max(rate, self._settings.event_rate_min), self._settings.event_rate_max)
@@ -188,7 +194,8 @@ class EventsService:
         return event
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
-        event = _Event(self._ids.take(), client, request_id, setup)
+        send = self._component.transport.sender(self._component.address, client)
+        event = _Event(self._ids.take(), client, request_id, setup, send)
         self._events[event.event_id] = event
         return event
 
@@ -205,7 +212,7 @@ class EventsService:
                 event.due = self._loop.now()
                 self._schedule(event)
         if report:
-            self._send_report(event)
+            self._serve((event,), only_changes=False)
 
     def _remove(self, event: _Event) -> None:
         del self._events[event.event_id]
@@ -233,42 +240,47 @@ class EventsService:
 
     def _tick(self, event: _Event) -> None:
         self._schedule(event)
-        self._send_report(event)
+        self._serve((event,), only_changes=False)
 
-    def _send_report(self, event: _Event) -> None:
-        report = self._component.report(event.setup.provision, event.setup.query, event.client)
-        if report is not None and self._is_wanted(event):
-            self._send(event, report)
+    def _serve(self, events: Iterable[_Event], *, only_changes: bool) -> None:
+        """Send the present report to some clients; encoded once for all who are to have the same.
 
-    def _send_if_changed(self, event: _Event, made: _Made) -> None:
-        report = self._report(event, made)
-        if report is not None and report != event.last_report and self._is_wanted(event):
-            self._send(event, report)
+        An event may end before its turn, since a provider is user code.
 
-    def _report(self, event: _Event, made: _Made) -> bytes | None:
-        """Return the report of an event; encoded once for all clients who are to have the same."""
-        setup = event.setup
-        present = self._component.present_report(setup.provision, setup.query, event.client)
-        if present is None:
-            return None
-        known = made.get(setup.payload)
-        if known is not None and (known[0] is present or known[0] == present):
-            return known[1]
-        encoded = self._component.encoded_report(setup.provision, setup.query, present)
-        made[setup.payload] = present, encoded
-        return encoded
+        Args:
+            events: Theirs.
+            only_changes: Whether a report is only sent that differs from the last one.
+        """
+        attempt, living = self._component.attempt, self._events
+        made: dict[bytes, tuple[Message | bytes, bytes | None]] = {}
+        for event in events:
+            if living.get(event.event_id) is not event:
+                continue
+            setup = event.setup
+            _, present = attempt(setup.provision.provider, setup.query, event.client)
+            if present is None:
+                continue
+            known = made.get(setup.payload)
+            if known is not None and (known[0] is present or known[0] == present):
+                report = known[1]
+            else:
+                report = self._encoded(setup, present)
+                made[setup.payload] = present, report
+            if report is None or (only_changes and report == event.last_report):
+                continue
+            if living.get(event.event_id) is event:
+                event.last_report = report
+                number, event.sequence = event.sequence, event.sequence + 1 & 0xFF
+                header = _EVENT.pack(Event.CODE, event.event_id, number, len(report))
+                event.send(header + report)
 
-    def _is_wanted(self, event: _Event) -> bool:
-        """Return whether an event still exists: its provider is user code, and may end it."""
-        return self._events.get(event.event_id) is event
-
-    def _send(self, event: _Event, report: bytes) -> None:
-        event.last_report = report
-        message = Event(
-            event_id=event.event_id, sequence_number=event.sequence, report_message=report
-        )
-        event.sequence = (event.sequence + 1) & 0xFF
-        self._component.send(message, event.client)
+    def _encoded(self, setup: _Setup, present: Message | bytes) -> bytes | None:
+        """Return a report as its clients are to have it."""
+        if setup.asks_for_all and isinstance(present, bytes):
+            code = setup.provision.report_class.CODE
+            if present[:2] == code.to_bytes(2, "little"):
+                return present
+        return self._component.encoded_report(setup.provision, setup.query, present)
 
     # ---- expiry -----------------------------------------------------------------------------
 

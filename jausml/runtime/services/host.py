@@ -103,16 +103,6 @@ class Host(Protocol):
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
         """Return what answers a query."""
 
-    def report(
-        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
-    ) -> bytes | None:
-        """Return the encoded report that answers a query now, or None without one."""
-
-    def present_report(
-        self, provision: Provision[Any, Any], query: Message, sender: JausAddress
-    ) -> Message | bytes | None:
-        """Return the report that there is now for a sender, whatever its query leaves out."""
-
     def encoded_report(
         self, provision: Provision[Any, Any], query: Message, report: Message | bytes
     ) -> bytes | None:

@@ -41,17 +41,28 @@ def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> 
         report: Message code and body. It is read only where the query may leave something out.
 
     Raises:
-        DecodeError: The report cannot be read.
+        DecodeError: The report is of another message, or cannot be read.
         EncodeError: A value of the report does not fit its field.
     """
-    wanted = _wanted(query)
-    message_class: type = report_class
-    every = (1 << len(optional_fields(message_class))) - 1
-    if wanted is None or wanted & every == every:
+    report_class.check_code(report)
+    if asks_for_all(query, report_class):
         return report
     whole = report_class.decode(report)
     part = asked_for(query, whole)
     return report if part is whole else part.encode()
+
+
+def asks_for_all(query: Message, report_class: type[Message]) -> bool:
+    """Returns whether a query asks for every field that its report can have.
+
+    Args:
+        query: The query.
+        report_class: Generated codec of the report.
+    """
+    wanted = _wanted(query)
+    message_class: type = report_class
+    every = (1 << len(optional_fields(message_class))) - 1
+    return wanted is None or wanted & every == every
 
 
 def _wanted(query: Message) -> int | None:

@@ -146,6 +146,30 @@ class TestReports:
         assert world.probe("2.1.1").ask(QueryTime(1), component) == []
         assert world.counters.drops() == {"component.report_not_encodable": 1}
 
+    def test_events_carry_bytes_as_they_are(self, world: Any, component: Any) -> None:
+        part = ReportTime(date_stamp=NOON.date_stamp).encode()
+        component.provide(QueryTime, ReportTime, lambda _query, _sender: part)
+        component.start()
+        client = world.component("2.1.1")
+        client.start()
+        taken = Taken()
+        for wanted in (3, 2, 1):
+            client.subscribe(component.address, QueryTime(wanted), ReportTime, taken, payloads=True)
+        world.run(0.1)
+        cut = ReportTime().encode()
+        assert taken == [(part, "1.1.1"), (part, "1.1.1"), (cut, "1.1.1")]
+
+    def test_bytes_of_another_message_are_counted(self, world: Any, component: Any) -> None:
+        component.provide(QueryTime, ReportTime, lambda _query, _sender: b"\x02\x40\x00")
+        component.start()
+        client = world.component("2.1.1")
+        client.start()
+        taken = Taken()
+        client.subscribe(component.address, QueryTime(3), ReportTime, taken, payloads=True)
+        world.run(0.1)
+        assert not taken
+        assert set(world.counters.drops()) == {"component.report_not_encodable"}
+
     def test_a_report_is_encoded_once_for_all_who_ask_for_the_same(
         self, world: Any, component: Any, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -202,6 +226,31 @@ class TestClients:
         world.run(0.1)
         assert not taken
         assert set(world.counters.drops()) == {"event_client.bad_report"}
+
+    @pytest.mark.parametrize(
+        "event",
+        [b"\xf1\x41", b"\xf1\x41\x00\x00\x02\x00\x00\x00\x11", b"\xf1\x41\x00\x00" + bytes(8)],
+    )
+    def test_an_event_of_a_wrong_size_is_counted(
+        self, world: Any, client: Any, event: bytes
+    ) -> None:
+        world.probe("3.1.1", strict=False).send_bytes(event, client)
+        world.run(0.1)
+        assert world.counters.drops() == {"component.bad_message": 1}
+
+    @pytest.mark.parametrize("report", [b"", b"\x11"])
+    def test_an_event_without_a_report_is_counted(
+        self, world: Any, component: Any, client: Any, report: bytes
+    ) -> None:
+        for payloads in (False, True):
+            client.subscribe(
+                component.address, QueryTime(3), ReportTime, Taken(), payloads=payloads
+            )
+        world.run(0.1)
+        header = b"\xf1\x41\x00\x01" + len(report).to_bytes(4, "little")
+        world.send(component.address, client.address, header + report)
+        world.run(0.1)
+        assert world.counters.drops() == {"event_client.bad_report": 2}
 
     @pytest.mark.parametrize("payloads", [False, True])
     def test_a_query_is_answered_once(
