@@ -21,6 +21,7 @@ from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
+from .bridge.forms import differing_forms
 from .bridge.joins import Join
 from .bridge.layouts import CdrLayouts, PresenceLayouts
 from .bridge.parameters import AttributeParameter
@@ -122,6 +123,7 @@ __all__ = [
     "any_of",
     "by_name",
     "chain",
+    "differing_forms",
     "negation",
     "peers",
     "require_api",

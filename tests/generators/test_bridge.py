@@ -270,6 +270,66 @@ def test_output_passes_the_type_checker(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_forms_that_differ_are_told(tmp_path):
+    """By the check that stands in the generated tests for each connection."""
+    pytest.importorskip("rclpy")
+    result = read_models([CASE])
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    program = """
+from jausml_runtime import ConversionError, differing_forms, transcoded
+from loop_bridge import ros_types
+from loop_bridge.loop_bridge import LoopBridge
+from loop_bridge.messages import ReportVelocityState
+
+def form(make):
+    return transcoded(lambda bridge, connection: make)
+
+def outcome(make):
+    class Mine(LoopBridge):
+        @form(make)
+        def translate_speed(self, source):
+            return super().translate_speed(source)
+    mine = Mine()
+    source = ReportVelocityState(velocity_x=1.0)
+    return differing_forms(mine, mine.translate_speed, mine.speed, source)
+
+def fails(data):
+    raise ConversionError("no")
+
+right = ros_types.Float64(data=ReportVelocityState.decode(
+    ReportVelocityState(velocity_x=1.0).encode()).velocity_x).to_cdr()
+assert outcome(lambda data: right) == []
+[told] = outcome(lambda data: right[:-1])
+assert told.startswith("readable: b'") and ", flat: b'" in told
+[told] = outcome(lambda data: None)
+assert told.endswith("flat: None")
+[told] = outcome(fails)
+assert told.endswith("flat: 'ConversionError'")
+
+# A light class that mixes up two fields.
+bridge = LoopBridge()
+source = ros_types.Twist()
+source.linear.x = 1.0
+arguments = (bridge, bridge.translate_drive, bridge.drive)
+assert differing_forms(*arguments, source) == []
+honest = ros_types.Twist._read.__func__
+def mixed(cls, data, offset, order):
+    made, offset = honest(cls, data, offset, order)
+    made.linear, made.angular = made.angular, made.linear
+    return made, offset
+ros_types.Twist._read = classmethod(mixed)
+found = differing_forms(*arguments, source)
+assert found == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, rclpy: 1.0"], found
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": python_path(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 def test_skeleton_overrides_and_help(tmp_path):
     pytest.importorskip("rclpy")
     result = read_models([CASE])
@@ -608,7 +668,7 @@ def test_examples_are_values_that_the_target_carries(tmp_path, target, conversio
     assert (sample and sample.values) == (expected and {"real": expected})
     for artifact in render(model, [TARGET]):
         if artifact.path.endswith("_translations.py"):
-            assert ("Thing" in artifact.text.partition("fixture")[0]) is (expected is not None)
+            assert ("def test_things(" in artifact.text) is (expected is not None)
             ast.parse(artifact.text)
 
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 import importlib
 import re
 import sys
-from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import Quaternion
-from std_msgs.msg import Header
 from workspaces import packages_of
 
 from jausml.generation import render
@@ -154,49 +150,6 @@ def generate(result: ReadResult, folder: Path) -> None:
         file.write_text(artifact.text, encoding="utf-8")
 
 
-@dataclass
-class GeoPoint:
-    """Stands for geographic_msgs/GeoPoint, which no wheel brings."""
-
-    latitude: float = 0.0
-    longitude: float = 0.0
-    altitude: float = 0.0
-
-
-@dataclass
-class GeoPose:
-    """Stands for geographic_msgs/GeoPose."""
-
-    position: GeoPoint = field(default_factory=GeoPoint)
-    orientation: Quaternion = field(default_factory=Quaternion)
-
-
-@dataclass
-class GeoPoseStamped:
-    """Stands for geographic_msgs/GeoPoseStamped."""
-
-    header: Header = field(default_factory=Header)
-    pose: GeoPose = field(default_factory=GeoPose)
-
-
-@dataclass
-class GeoPath:
-    """Stands for geographic_msgs/GeoPath."""
-
-    header: Header = field(default_factory=Header)
-    poses: list[GeoPoseStamped] = field(default_factory=list)
-
-
-def stand_in() -> None:
-    """Puts the stand-ins in the place of geographic_msgs, if that is not installed."""
-    if "geographic_msgs.msg" in sys.modules:
-        return
-    package, module = ModuleType("geographic_msgs"), ModuleType("geographic_msgs.msg")
-    for each in (GeoPoint, GeoPose, GeoPoseStamped, GeoPath):
-        setattr(module, each.__name__, each)
-    sys.modules.update({"geographic_msgs": package, "geographic_msgs.msg": module})
-
-
 class Translator:
     """The translations of a generated bridge.
 
@@ -211,7 +164,6 @@ class Translator:
         Args:
             package: Folder of the package; the runtime lies beside it.
         """
-        stand_in()
         name = package.name
         for folder in packages_of(package.parent):
             if folder not in sys.path:

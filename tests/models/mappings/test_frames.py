@@ -331,7 +331,7 @@ def test_a_waypoint_with_a_yaw_alone_is_level(translator: Callable[[str], Transl
 
 
 def test_a_global_waypoint(translator: Callable[[str], Translator]) -> None:
-    """With a stand-in for geographic_msgs, which no wheel brings."""
+    """No wheel brings geographic_msgs, and light classes need none."""
     maps = translator("global_waypoint_driver")
     message = maps.messages.SetGlobalWaypoint(latitude=48.5, longitude=-11.25, yaw=0.0)
     goal = maps.to_ros("global_waypoint", message)

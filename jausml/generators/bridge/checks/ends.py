@@ -158,12 +158,19 @@ class Ends:
             source: The message, as Python text.
             given: Names of joins, in Python, whose message is a variable of that name.
         """
+        return call(f"bridge.translate_{self.name}", source, *self.join_arguments(given))
+
+    def join_arguments(self, given: Iterable[str] = ()) -> list[str]:
+        """Returns the arguments that give joined messages to a translation.
+
+        Args:
+            given: Names of joins, in Python, whose message is a variable of that name.
+        """
         present = set(given)
-        arguments = [
+        return [
             f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
             for join in self.view.joins
         ]
-        return call(f"bridge.translate_{self.name}", source, *arguments)
 
     def joined(self, given: Iterable[str] = ()) -> list[str]:
         """Returns the statements that make joined messages without which nothing is translated.

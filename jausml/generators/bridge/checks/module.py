@@ -12,6 +12,7 @@ from jausml.generators.bridge.checks.absences import absences
 from jausml.generators.bridge.checks.check import NAME, Check
 from jausml.generators.bridge.checks.ends import Ends
 from jausml.generators.bridge.checks.examples import examples
+from jausml.generators.bridge.checks.forms import forms
 from jausml.generators.bridge.checks.limits import limits
 from jausml.generators.bridge.checks.round_trips import round_trips
 from jausml.generators.bridge.checks.safe_values import safe_values
@@ -139,6 +140,7 @@ class TestModule:
             checks += examples(ends, sample)
             checks += absences(ends, sample)
             checks += limits(ends, sample)
+        checks.append(forms(ends, sample))
         return sample, checks
 
     def _connections(self) -> Check:
