@@ -9,7 +9,7 @@ from ..base.errors import JausError
 from ..wire.message import EncodeError
 from .errors import RosTypeError
 from .light_message import LightMessage
-from .transcoding import transcoder_of
+from .transcoding import transcoder_of, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -38,8 +38,11 @@ def differing_forms(
         **joins: Messages of joined topics, or None.
 
     Returns:
-        Sentences; nothing when all make the same, or when there is no such source message.
+        Sentences; nothing when all make the same, when there is no such source message, or when an
+        override works on the classes of ROS.
     """
+    if uses_ros_classes(translate):
+        return []
     try:
         data = _encoded(source)
     except EncodeError:
