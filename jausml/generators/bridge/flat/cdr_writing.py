@@ -209,6 +209,10 @@ class _Values:
             raise NotFlatError(f"{self.name} has no {path} that a flat form writes")
         self.values[own] = _Given(expression, conditional)
 
+    def make(self, path: str, class_name: str) -> None:
+        """Refuses: ROS messages are complete as they are made."""
+        raise NotFlatError(f"{path} is made as {class_name}")
+
     def sequence(self, path: str) -> CdrSequenceWriting:
         """Tells that a sequence is given elements.
 

@@ -21,7 +21,8 @@ class Reading(Protocol):
     def value(self, path: str) -> str:
         """Asks for a value; returns the name of the local variable that has it after `lines`.
 
-        It is None where an optional JAUS field is absent.
+        It is None where an optional JAUS field is absent. An element of a list that is a value
+        itself has the path `.`.
 
         Raises:
             NotFlatError: The path leads to no single value.
@@ -39,21 +40,22 @@ class Reading(Protocol):
 
 
 class SequenceReading(Protocol):
-    """Reads a list.
+    """Reads a list."""
 
-    Attributes:
-        count: Python expression of the number of elements, after the lines of the message.
-        element: Reads one element; its values are there in the body of the loop.
-    """
+    @property
+    def count(self) -> str:
+        """Python expression of the number of elements, after the lines of the message."""
 
-    count: str
-    element: Reading
+    @property
+    def element(self) -> Reading:
+        """Reads one element; its values are there in the body of the loop."""
 
-    def loop(self, body: Sequence[str]) -> Sequence[str]:
+    def loop(self, body: Sequence[str], index: str = "") -> Sequence[str]:
         """Returns the loop over the elements.
 
         Args:
             body: What is done with each.
+            index: A variable that gets the position of the element; empty for none.
         """
 
     def vector(self) -> str:
@@ -98,13 +100,11 @@ class Writing(Protocol):
 
 
 class SequenceWriting(Protocol):
-    """Writes a list.
+    """Writes a list."""
 
-    Attributes:
-        element: Writes one element.
-    """
-
-    element: Writing
+    @property
+    def element(self) -> Writing:
+        """Writes one element."""
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""
