@@ -13,8 +13,8 @@ from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
-from jausml.generators.bridge.light.module import LightModule
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
+from jausml.generators.bridge.light.module import LightModule
 from jausml.generators.bridge.translation import AssignmentError, Translations, translate, used_maps
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime

@@ -8,10 +8,13 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from codec_strategies import messages
 from flat_support import cdr, outcome, ros_value
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mapping_support import FILES, ready_maps
+
+from jausml.generators.python.codec.message_builder import build_message_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
 NOT_FLAT: dict[str, str] = {}
 
 MAPS = [(path.stem, each) for path in FILES for each in ready_maps()[path.stem]]
+TO_ROS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toRos]
 TO_JAUS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toJaus]
 SEEDS = st.integers(0, 2**32)
 
@@ -52,7 +56,7 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("stem", "each"), TO_JAUS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
     bridge, name = translator(stem).bridge, f"{each.name}_to_jaus"
@@ -70,8 +74,64 @@ def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, 
             assert outcome(connection, flat, data, **joins) == expected
 
 
+def serialized(translate: Any, source: Any) -> Callable[[bytes], bytes | None]:
+    """The readable translation to ROS with bytes on both sides."""
+
+    def run(data: bytes) -> bytes | None:
+        target = translate(source.decode(data))
+        return None if target is None else target.to_cdr()
+
+    return run
+
+
+@pytest.mark.parametrize(("stem", "each"), TO_ROS)
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data(), seed=SEEDS)
+def test_to_ros(
+    translator: Callable[[str], Translator], stem: str, each: Any, data: Any, seed: int
+) -> None:
+    bridge, name = translator(stem).bridge, f"{each.name}_to_ros"
+    flat = transcoder(bridge, name)
+    if flat is None:
+        pytest.skip("not flat")
+    view = view_of(each.message)
+    source = getattr(translator(stem).messages, view.class_name)
+    payload = data.draw(strategy(view, source)).encode()
+    chance = Random(seed)
+    now = importlib.import_module("jausml_runtime.conversions").Time(
+        chance.randrange(2**31), chance.randrange(10**9)
+    )
+    bridge.now = lambda: now
+    readable = serialized(getattr(bridge, f"translate_{name}"), source)
+    connection = getattr(bridge, name)
+    for sent in (payload, *wrong(payload, chance)):
+        assert outcome(connection, flat, sent) == outcome(connection, readable, sent)
+
+
+def wrong(payload: bytes, chance: Random) -> list[bytes]:
+    """Payloads of the same code with another byte, less or more of them."""
+    made = [payload[: chance.randrange(2, len(payload))], payload + b"\0"]
+    for _ in range(20):
+        each = bytearray(payload)
+        each[chance.randrange(2, len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
+        made.append(bytes(each))
+    return made
+
+
+@cache
+def strategy(view: Any, source: Any) -> Any:
+    """Messages of a class with any legal fields."""
+    return messages(view, source)
+
+
+@cache
+def view_of(message: Any) -> Any:
+    """The class of a JAUS message."""
+    return build_message_map([message])[message]
+
+
 @pytest.mark.parametrize(("stem", "each"), TO_JAUS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
 def test_bytes_that_are_no_message(
     translator: Callable[[str], Translator], stem: str, each: Any, seed: int

@@ -22,7 +22,7 @@ from jausml.semantics.conversions import CONVERSIONS
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.generators.bridge.flat.protocols import Writing
+    from jausml.generators.bridge.flat.protocols import Values
     from jausml.generators.python.names import Scope
 
 _STEP = " " * 4
@@ -54,7 +54,7 @@ class Lowering:
         target: Name of the target in the readable translation.
     """
 
-    def __init__(self, names: Names, writing: Writing, scope: Scope, target: str) -> None:
+    def __init__(self, names: Names, writing: Values, scope: Scope, target: str) -> None:
         self._names = names
         self._writing = writing
         self._scope = scope

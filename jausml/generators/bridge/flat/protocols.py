@@ -62,8 +62,8 @@ class SequenceReading(Protocol):
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
 
-class Writing(Protocol):
-    """Writes a message, or an element of a list, with the given values as bytes.
+class Values(Protocol):
+    """Takes the values of a message, or of an element of a list.
 
     Paths are those of the readable translation, without its `target.`. What is given no value has
     the one of a message as it is made.
@@ -91,11 +91,14 @@ class Writing(Protocol):
     def sequence(self, path: str) -> SequenceWriting:
         """Tells that a list is given elements."""
 
+
+class Writing(Values, Protocol):
+    """Writes a message with the given values as bytes."""
+
     def lines(self) -> Sequence[str]:
         """Returns the statements that make the bytes, with the return at their end.
 
-        Values that have no place in them raise EncodeError. Those of an element end in an
-        assignment of the bytes that `append` takes.
+        Values that have no place in them raise EncodeError.
         """
 
 
@@ -103,8 +106,8 @@ class SequenceWriting(Protocol):
     """Writes a list."""
 
     @property
-    def element(self) -> Writing:
-        """Writes one element."""
+    def element(self) -> Values:
+        """Takes the values of one element."""
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""
