@@ -103,6 +103,14 @@ class Lowering:
         return text_of(lowered(expression, self._names))
 
     def _if(self, statement: ast.If) -> None:
+        match statement.body, statement.orelse:
+            case [ast.Assign(targets=[ast.Name() as first])], [ast.Assign(targets=[second])] if (
+                ast.unparse(second) == first.id
+            ):
+                (body,), (otherwise,) = statement.body, statement.orelse
+                values = (body.value, otherwise.value)  # type: ignore[attr-defined]
+                self._assign(first, ast.IfExp(statement.test, *values))
+                return
         self._add(f"if {self._text(statement.test)}:")
         self._inner(statement.body)
         if statement.orelse:

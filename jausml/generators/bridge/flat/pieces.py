@@ -38,6 +38,24 @@ class Bytes:
 Piece: TypeAlias = Packed | Bytes
 
 
+def sliced(data: str, begin: str, end: str) -> str:
+    """Returns a part of bytes, laid out as formatters do.
+
+    Args:
+        data: The bytes, as Python text.
+        begin: Where it begins.
+        end: Where it ends.
+    """
+    is_plain = begin.isalnum() and end.isalnum()
+    return f"{data}[{begin}{':' if is_plain else ' : '}{end}]"
+
+
+def bytes_literal(value: bytes) -> str:
+    """Returns bytes as Python text."""
+    text = repr(value)
+    return text if '"' in text else f'b"{text[2:-1]}"'
+
+
 def joined(pieces: Iterable[Piece], constants: Constants) -> str:
     """Returns the Python expression of pieces as bytes, without padding, little endian.
 
