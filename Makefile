@@ -51,8 +51,9 @@ format: $(READY)  ## lay out the code and mend what can be mended
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: $(READY)  ## the figures that docs/performance.md quotes
-	$(BIN)/python benchmarks/run.py
+# ONLY="latency load" measures a part; BENCH=--quick looks for a minute or two.
+bench: $(READY)  ## measure all, some twelve minutes, and write docs/performance.md
+	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 
 SECONDS ?= 60
 

@@ -96,17 +96,17 @@ def main() -> None:
         "nested sequences": [(n, nested(n)) for n in (10, 20, 60)],
         "types that double": [(n, doubling(n)) for n in (4, 8, 11)],
     }
-    nothing = _seconds(connections(1, own_maps=False))
+    nothing = seconds_to_generate(connections(1, own_maps=False))
     print("shape                       size   processor time   above that of one, ratio")
     for shape, models in shapes.items():
         least = 0.0
         for size, text in models:
-            seconds = _seconds(text)
+            seconds = seconds_to_generate(text)
             least = least or max(seconds - nothing, 0.01)
             print(f"{shape:24} {size:7d} {seconds:14.2f} s {(seconds - nothing) / least:18.1f}")
 
 
-def _seconds(text: str) -> float:
+def seconds_to_generate(text: str) -> float:
     """Returns the processor time of a generation into an empty folder."""
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "grown.xmi"

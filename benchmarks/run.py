@@ -1,32 +1,188 @@
-"""Runs every benchmark of this folder and prints what docs/performance.md quotes.
+"""Runs the benchmarks, and writes what they found: one data file, and the page made of it.
 
-Usage: run.py [NAME...]  (names of the other scripts without .py; all by default)
+Usage: run.py [--quick | --tiny] [--only NAME...] [--data FILE] [--page FILE] [--list]
+
+A full run takes about twelve minutes and writes benchmarks/results.json and docs/performance.md;
+any other writes into build/benchmarks unless it is told where. With --only, the other figures of
+the data file stay. Each section runs in a process of its own with a time limit; one that fails is
+told, and the others run.
 """
 
 from __future__ import annotations
 
+import argparse
+import contextlib
+import importlib
+import json
 import os
+import platform
+import signal
 import subprocess
 import sys
+import tempfile
+import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import page
+from scale import FULL, QUICK, SCALES, TINY
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scale import Scale
 
 HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+DATA = HERE / "results.json"
+PAGE = ROOT / "docs" / "performance.md"
+LOOKS = ROOT / "build" / "benchmarks"
+"""Where runs go that are not full."""
 
 
-def main() -> int:
-    """Runs the named benchmarks one after the other; returns how many failed."""
-    scripts = {path.stem: path for path in sorted(HERE.glob("*.py")) if path.stem != "run"}
-    names = sys.argv[1:] or list(scripts)
-    unknown = [name for name in names if name not in scripts]
-    if unknown:
-        sys.exit(f"no benchmark {unknown[0]}; there are: {', '.join(scripts)}")
-    environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    failures = 0
-    for name in names:
-        print(f"== {name}", flush=True)
-        result = subprocess.run([sys.executable, scripts[name]], env=environment, check=False)
-        failures += result.returncode != 0
-    return failures
+@dataclass(frozen=True)
+class Section:
+    """A part of the run.
+
+    Attributes:
+        name: Name in the data and on the command line.
+        module: Module with the function.
+        function: Takes a scale and a folder, returns what is kept.
+        limit: Seconds after which it is ended.
+    """
+
+    name: str
+    module: str
+    function: str = "measure"
+    limit: float = 240.0
+
+
+SECTIONS = (
+    Section("translations", "translations"),
+    Section("latency", "latency", limit=480),
+    Section("connections", "latency", "measure_connections"),
+    Section("throughput", "throughput", limit=300),
+    Section("load", "load"),
+    Section("grids", "load", "measure_beside_grids"),
+    Section("footprint", "footprint", limit=300),
+    Section("hosts", "footprint", "measure_components"),
+    Section("components", "components"),
+    Section("codecs", "message_codecs"),
+    Section("toolchain", "toolchain", limit=600),
+)
+NAMES = tuple(each.name for each in SECTIONS)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs sections; returns how many failed."""
+    options = _options(arguments)
+    if options.list:
+        print("\n".join(NAMES))
+        return 0
+    scale = TINY if options.tiny else QUICK if options.quick else FULL
+    if options.section:
+        return _one(options.section, scale, Path(options.data))
+    folder = HERE if scale is FULL else LOOKS
+    data_file = Path(options.data or folder / DATA.name)
+    page_file = Path(options.page or (PAGE if scale is FULL else LOOKS / PAGE.name))
+    data = _measured(options.only or NAMES, scale, data_file)
+    page_file.parent.mkdir(parents=True, exist_ok=True)
+    stored = json.loads(data_file.read_text(encoding="utf-8"))
+    for name, text in page.files(stored).items():
+        (page_file.parent / name).write_text(text, encoding="utf-8")
+    (page_file.parent / page.NAME).rename(page_file)
+    print(f"wrote {data_file} and {page_file}")
+    for name, why in data["failed"].items():
+        print(f"failed: {name}: {why}")
+    return len(data["failed"])
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="a look, in one to two minutes")
+    parser.add_argument("--tiny", action="store_true", help="only whether it works")
+    parser.add_argument("--only", nargs="+", choices=NAMES, metavar="NAME", help=" ".join(NAMES))
+    parser.add_argument("--data", help="data file")
+    parser.add_argument("--page", help="page")
+    parser.add_argument("--list", action="store_true", help="names of the sections")
+    parser.add_argument("--section", choices=NAMES, help=argparse.SUPPRESS)
+    return parser.parse_args(arguments)
+
+
+def _measured(names: Sequence[str], scale: Scale, data_file: Path) -> dict[str, Any]:
+    """Runs sections one after the other; the data is stored after each."""
+    data: dict[str, Any] = {"sections": {}, "failed": {}}
+    if len(names) < len(NAMES) and data_file.exists():
+        data = json.loads(data_file.read_text(encoding="utf-8"))
+    data.update(scale=scale.name, machine=machine())
+    data_file.parent.mkdir(parents=True, exist_ok=True)
+    for section in (each for each in SECTIONS if each.name in names):
+        print(f"== {section.name}", flush=True)
+        started = time.monotonic()
+        found, why = _in_a_process(section, scale)
+        data["failed"].pop(section.name, None)
+        if found is None:
+            data["failed"][section.name] = why
+        else:
+            data["sections"][section.name] = found
+        print(f"   {time.monotonic() - started:.0f} s {why}", flush=True)
+        text = json.dumps(data, indent=1, sort_keys=True)
+        data_file.write_text(f"{text}\n", encoding="utf-8")
+    return data
+
+
+def machine() -> dict[str, Any]:
+    """Returns what the figures depend on, without the name of the computer."""
+    return {
+        "processors": os.cpu_count(),
+        "architecture": platform.machine(),
+        "python": platform.python_version(),
+        "system": platform.system(),
+    }
+
+
+def _in_a_process(section: Section, scale: Scale) -> tuple[Any, str]:
+    """Returns what a section found, or None and why there is nothing."""
+    environment = {
+        **os.environ,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", str(10 + os.getpid() % 90)),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "found.json"
+        how = [] if scale is FULL else [f"--{scale.name}"]
+        line = [sys.executable, __file__, "--section", section.name, "--data", str(out), *how]
+        # A group of its own, so that nothing of it is left behind.
+        process = subprocess.Popen(line, env=environment, start_new_session=True)
+        try:
+            code = process.wait(section.limit)
+        except subprocess.TimeoutExpired:
+            return None, f"not done after {section.limit:.0f} s"
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        if code != 0 or not out.exists():
+            return None, f"exit code {code}"
+        return json.loads(out.read_text(encoding="utf-8")), ""
+
+
+def _one(name: str, scale: Scale, out: Path) -> int:
+    """Runs one section here."""
+    section = next(each for each in SECTIONS if each.name == name)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            found = getattr(importlib.import_module(section.module), section.function)(
+                SCALES[scale.name], Path(folder)
+            )
+        except Exception:
+            log = Path(folder) / "processes.log"
+            if log.exists():
+                print(log.read_text(encoding="utf-8", errors="replace")[-4000:], file=sys.stderr)
+            raise
+    out.write_text(json.dumps(found), encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":

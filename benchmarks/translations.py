@@ -1,96 +1,154 @@
-"""What the translations of ready maps cost, beside the making of an empty ROS message.
+"""What a translation takes of a processor, from bytes to bytes, in this process and warm.
 
-Everything runs in this process: no socket and no executor, so that the figures are those of the
-generated code alone.
+The same maps in each form: flat, on light classes, on the message classes of ROS, and interpreted.
+Forms take turns. Decoding and encoding are part of it, publishing and sending are not.
 """
 
 from __future__ import annotations
 
 import importlib
-import sys
-import tempfile
+import random
 import time
-from collections.abc import Callable
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Odometry
-from nav_msgs.msg import Path as PathMessage
-from sensor_msgs.msg import LaserScan
+import interpreting
+import typed_bridge
+from figures import Blocks
+from names import FLAT, FORMS, GENERIC, KINDS, LIGHT, TYPED, WAYS
+from rclpy.serialization import deserialize_message, serialize_message
+from samples import sample
+from systems import MAPS, Measured, generate
 
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGES
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
+from jausml.live.messages import Catalogue
+from jausml.metamodel.classes import bridge
 
-SYSTEM = """
-import mappings.range_sensor
-import mappings.velocity_state_sensor
-import mappings.waypoint_lists
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
 
-component peer {
-  address: 1.1.1
-  provides: RangeSensor, VelocityStateSensor, LocalWaypointListDriver
-}
-bridge front {
-  address: 1.1.2
-  provides: RangeSensor
-  connection velocity { map: velocity_state  exchange: periodicEvent  peers: peer  topic odom { } }
-  connection scan { map: laser_scan  direction: rosToJaus  exchange: periodicEvent  topic scan { } }
-  connection path { map: local_waypoint_list  direction: rosToJaus  peers: peer  topic path { } }
-}
-"""
-SECONDS = 0.4
-"""Time for each measurement."""
+    from samples import Sample
+    from scale import Scale
+
+_PACKAGE = "all_maps"
+_BATCH = 0.004
+"""Seconds for which one form runs before the next has its turn."""
+
+_BLOCKS = 12
 
 
-def generate(folder: Path) -> None:
-    """Writes the packages of the bridge and makes them importable."""
-    path = folder / "system.ros2jaus"
-    path.write_text(SYSTEM, encoding="utf-8")
-    model = read_models([path], project_root=folder, notations=NOTATIONS).model
-    for artifact in render(model, [BRIDGES, MESSAGES, RUNTIME]):
-        target = folder / "src" / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
-    sys.path[:0] = [str(each) for each in (folder / "src").iterdir()]
+def measure(scale: Scale, folder: Path) -> dict[str, Any]:
+    """Measures each form of each map.
+
+    Args:
+        scale: How much.
+        folder: Where files may be written.
+
+    Returns:
+        Figures by kind, way and form, in microseconds of processor time; ratios are to the
+        interpreted form.
+    """
+    system = generate(folder, {_PACKAGE: Measured(MAPS)})
+    system.importable()
+    forms = _Forms(system.model)
+    found: dict[str, Any] = {}
+    for kind in scale.cases(tuple(KINDS), len(KINDS)):
+        message = sample(system.model, kind)
+        found[kind] = {way: _by_turns(scale, forms.of(message, way)) for way in WAYS}
+        told = {way: _told(figures) for way, figures in found[kind].items()}
+        print(f"  {kind}: {told}", flush=True)
+    return found
 
 
-def microseconds(action: Callable[[], object]) -> float:
-    """Returns the time of a call: the best of five runs, since others use the machine too."""
-    best = float("inf")
-    for _ in range(5):
-        count, started = 0, time.perf_counter()
-        while (elapsed := time.perf_counter() - started) < SECONDS / 5:
-            for _ in range(20):
-                action()
-            count += 20
-        best = min(best, elapsed / count)
-    return 1e6 * best
+class _Forms:
+    """The forms of the translations of the bridge with all maps."""
+
+    def __init__(self, model: Any) -> None:
+        self._base = typed_bridge.bridge_class(_PACKAGE)
+        self._bridge = self._base()
+        transcoding = importlib.import_module("jausml_runtime.bridge.transcoding")
+        self._transcoder_of = transcoding.transcoder_of
+        self._typed = typed_bridge.typed(self._base, transcoding.ros_classes)()
+        self._messages = importlib.import_module(f"{_PACKAGE}.messages")
+        element = next(each for each in model.instances(bridge.Bridge) if each.name == _PACKAGE)
+        self._interpreters = interpreting.interpreters(element, Catalogue(model).message)
+
+    def of(self, message: Sample, way: str) -> dict[str, tuple[Callable[[bytes], Any], bytes]]:
+        """Returns the forms that there are of one translation, and what they are given."""
+        name = f"{message.map}_{way}"
+        method = getattr(self._bridge, f"translate_{name}")
+        factory = self._transcoder_of(getattr(self._base, f"translate_{name}"))
+        found = {
+            TYPED: self._typed_form(message, way),
+            GENERIC: _interpreted(self._interpreters[name], message.ros_class, way),
+        }
+        light = _light_class(method, message)
+        if light is not None:
+            found[LIGHT] = self._light_form(message, way, light)
+        if factory is not None:
+            found[FLAT] = factory(self._bridge, getattr(self._bridge, name))
+        given = message.jaus if way == "up" else message.ros
+        for form, translate in found.items():
+            assert translate(given) is not None, f"{form} of {name} passes nothing on"
+        return {form: (translate, given) for form, translate in found.items()}
+
+    def _decode(self, message: Sample) -> Callable[[bytes], Any]:
+        decode: Callable[[bytes], Any] = getattr(self._messages, f"Set{message.map.title()}").decode
+        return decode
+
+    def _typed_form(self, message: Sample, way: str) -> Callable[[bytes], Any]:
+        translate = getattr(self._typed, f"translate_{message.map}_{way}")
+        if way == "up":
+            decode = self._decode(message)
+            return lambda data: serialize_message(translate(decode(data)))
+        return lambda data: translate(deserialize_message(data, message.ros_class)).encode()
+
+    def _light_form(self, message: Sample, way: str, light: Any) -> Callable[[bytes], Any]:
+        translate = getattr(self._bridge, f"translate_{message.map}_{way}")
+        if way == "up":
+            decode = self._decode(message)
+            return lambda data: translate(decode(data)).to_cdr()
+        return lambda data: translate(light.from_cdr(data)).encode()
 
 
-def main() -> None:
-    """Measures a velocity, a laser scan and a path."""
-    with tempfile.TemporaryDirectory() as folder:
-        generate(Path(folder))
-        bridge = importlib.import_module("front.front").Front()
-        messages = importlib.import_module("front.messages")
-        velocity = messages.ReportVelocityState(velocity_x=5.0, velocity_y=0.0, yaw_rate=0.1)
-        scan = LaserScan(angle_increment=0.0174, range_max=30.0, ranges=[1.5] * 360)
-        path = PathMessage(poses=[PoseStamped() for _ in range(100)])
-        made = microseconds(Odometry)
-        print(f"{'making an Odometry':48} {made:10,.1f} us")
-        for name, action in {
-            "ReportVelocityState to Odometry": lambda: bridge.translate_velocity(velocity),
-            "LaserScan of 360 beams to ReportRangeSensorData": lambda: bridge.translate_scan(scan),
-            "Path of 100 poses to SetElement": lambda: bridge.translate_path(path),
-        }.items():
-            assert action() is not None
-            cost = microseconds(action)
-            print(f"{name:48} {cost:10,.1f} us, {cost / made:6.1f} times as long")
+def _light_class(method: Any, message: Sample) -> Any:
+    """Returns the light class of a ROS type, None where the bridge has none."""
+    found = method.__func__.__globals__.get(message.ros_class.__name__)
+    return found if hasattr(found, "from_cdr") else None
 
 
-if __name__ == "__main__":
-    main()
+def _interpreted(
+    interpreter: interpreting.Interpreter, ros_class: Any, way: str
+) -> Callable[[bytes], Any]:
+    if way == "up":
+        return lambda data: serialize_message(interpreter.to_ros(data))
+    return lambda data: interpreter.to_jaus(deserialize_message(data, ros_class))
+
+
+def _by_turns(
+    scale: Scale, forms: dict[str, tuple[Callable[[bytes], Any], bytes]]
+) -> dict[str, Any]:
+    blocks = Blocks()
+    order = list(forms.items())
+    for _ in range(scale.count(_BLOCKS, 2)):
+        blocks.begin()
+        random.shuffle(order)
+        for form, (translate, given) in order:
+            blocks.add(form, _microseconds(translate, given))
+    return blocks.summary(against=GENERIC)
+
+
+def _microseconds(translate: Callable[[bytes], Any], given: bytes) -> float:
+    """Returns the processor time of one call."""
+    translate(given)
+    count = 0
+    start = time.thread_time()
+    while (used := time.thread_time() - start) < _BATCH:
+        translate(given)
+        translate(given)
+        translate(given)
+        count += 3
+    return 1e6 * used / count
+
+
+def _told(figures: dict[str, Any]) -> str:
+    return ", ".join(f"{form} {figures[form]['median']}" for form in FORMS if form in figures)

@@ -36,7 +36,6 @@ PUBLIC = {
     public.MESSAGES,
     public.CONVERSIONS,
     public.ARITHMETIC,
-    public.STAMPS,
     public.WIRE,
     public.LIGHT,
 }

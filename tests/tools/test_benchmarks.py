@@ -1,14 +1,41 @@
-"""Benchmarks: no test runs them, so what they import is looked up."""
+"""Benchmarks: what they import is there, each of them works, and the page is that of its data."""
 
 from __future__ import annotations
 
 import ast
 import importlib
+import importlib.util
+import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "benchmarks"
+RUN = FOLDER / "run.py"
+SECTIONS = (
+    "translations",
+    "latency",
+    "connections",
+    "throughput",
+    "load",
+    "grids",
+    "footprint",
+    "hosts",
+    "components",
+    "codecs",
+    "toolchain",
+)
+
+
+@pytest.fixture
+def page(monkeypatch):
+    """The module that makes the page."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("page")
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
@@ -20,5 +47,62 @@ def test_what_it_imports_is_there(path):
             module = importlib.import_module(
                 node.module.replace("jausml_runtime", "jausml.runtime")
             )
-            lost += [each.name for each in node.names if not hasattr(module, each.name)]
+            lost += [each.name for each in node.names if not _has(module, each.name)]
     assert lost == []
+
+
+def _has(module, name):
+    """Whether a module has a name, or a package a module."""
+    return hasattr(module, name) or importlib.util.find_spec(f"{module.__name__}.{name}")
+
+
+def test_the_page_is_made_of_the_data(page):
+    data = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
+    for name, text in page.files(data).items():
+        assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
+
+
+def test_the_data_tells_nothing_of_the_computer():
+    text = (FOLDER / "results.json").read_text(encoding="utf-8")
+    assert str(ROOT) not in text
+    assert os.uname().nodename not in text
+
+
+def test_a_page_without_data_has_its_targets(page):
+    machine = {"python": "3.11.0", "processors": 2}
+    data = {"scale": "full", "sections": {}, "failed": {"load": "exit code 1"}, "machine": machine}
+    files = page.files(data)
+    assert list(files) == ["performance.md"]
+    assert "not measured" in files["performance.md"]
+    assert "- load: exit code 1" in files["performance.md"]
+
+
+def test_a_missed_target_is_told_with_its_reason(page, monkeypatch):
+    targets = importlib.import_module("targets")
+    monkeypatch.setattr(page, "REMARKS", {"round_trip": "two loops wake up."})
+    machine = {"python": "3.11.0", "processors": 2}
+    figures = {"median": 90.0, "tail": 120.0, "ratio": 3.1, "span": [2.9, 3.4], "tail_ratio": 3.0}
+    sections = {"components": {"messages": figures}}
+    data = {"scale": "tiny", "sections": sections, "failed": {}, "machine": machine}
+    text = page.files(data)["performance.md"]
+    assert "| at most 2 x | 3.1 x (messages) | **missed** |" in text
+    assert ": two loops wake up." in text
+    assert {each.key for each in targets.TARGETS} >= set(targets.REMARKS)
+
+
+def test_all_sections_are_known():
+    found = subprocess.run([sys.executable, RUN, "--list"], capture_output=True, text=True)
+    assert tuple(found.stdout.split()) == SECTIONS
+
+
+@pytest.mark.live
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("section", SECTIONS)
+def test_each_section_measures(section, tmp_path):
+    data, written = tmp_path / "results.json", tmp_path / "performance.md"
+    command = [sys.executable, RUN, "--tiny", "--only", section, "--data", data, "--page", written]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(data.read_text(encoding="utf-8"))["sections"][section]
+    assert written.read_text(encoding="utf-8").startswith("# What it costs")

@@ -1,7 +1,4 @@
-"""How many messages generated codecs encode and decode each second, beside bare struct packing.
-
-Beside the speed stand the lines of generated code of each message, docstrings included.
-"""
+"""How many messages generated codecs encode and decode each second, beside bare struct packing."""
 
 from __future__ import annotations
 
@@ -9,16 +6,22 @@ import ast
 import importlib.util
 import struct
 import sys
-import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from figures import rounded
 
 from jausml.generation import render
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.model import read_models
 from jausml.runtime import messages as core_messages
+
+if TYPE_CHECKING:
+    from scale import Scale
 
 ROOT = Path(__file__).resolve().parent.parent
 SECONDS = 0.4
@@ -56,12 +59,12 @@ def lines_of(text: str) -> dict[str, int]:
     }
 
 
-def rate(action: Callable[[], object]) -> float:
+def rate(action: Callable[[], object], seconds: float) -> float:
     """Returns calls each second: the best of three runs, since others use the machine too."""
     best = 0.0
     for _ in range(3):
         count, started = 0, time.perf_counter()
-        while (elapsed := time.perf_counter() - started) < SECONDS:
+        while (elapsed := time.perf_counter() - started) < seconds:
             for _ in range(200):
                 action()
             count += 200
@@ -69,10 +72,18 @@ def rate(action: Callable[[], object]) -> float:
     return best
 
 
-def main() -> None:
-    """Measures a small, a typical and a list message, and bare struct packing for scale."""
-    with tempfile.TemporaryDirectory() as folder:
-        vehicle, text = vehicle_messages(Path(folder))
+def measure(scale: Scale, folder: Path) -> dict[str, Any]:
+    """Measures a small, a typical and a list message, and bare struct packing for scale.
+
+    Args:
+        scale: How much.
+        folder: Where files may be written.
+
+    Returns:
+        `bare`, and for each message `encode` and `decode`, all in calls each second; `bytes` on the
+        wire and `lines` of generated code, docstrings included.
+    """
+    vehicle, text = vehicle_messages(folder)
     core = Path(core_messages.__file__ or "").read_text(encoding="utf-8")
     lines = {**lines_of(core), **lines_of(text)}
     typical = vehicle.ReportVelocityState(
@@ -87,21 +98,20 @@ def main() -> None:
     listed = services([services.NodeSeq(services.NodeRec(1), [component])])
     samples = {
         "small: ReportStatus": core_messages.ReportStatus(1, 0),
-        "typical: ReportVelocityState, 4 fields": typical,
-        "list: ReportServices, 8 services": listed,
+        "typical: ReportVelocityState with 4 fields": typical,
+        "list: ReportServices with 8 services": listed,
     }
+    seconds = max(SECONDS * scale.factor, 0.005)
     bare = struct.Struct("<HHIIHI")
-    packed = rate(lambda: bare.pack(0x4404, 0x143, 1, 2, 3, 4))
-    print(f"{'bare struct.pack of six numbers':42} {packed:12,.0f}/s")
+    found: dict[str, Any] = {}
     for name, message in samples.items():
         payload, decode = message.encode(), type(message).decode
-        encoded = rate(message.encode)
-        decoded = rate(lambda decode=decode, payload=payload: decode(payload))
-        print(
-            f"{name:42} encode {encoded:10,.0f}/s, decode {decoded:10,.0f}/s,"
-            f" {len(payload)} bytes, {lines[type(message).__name__]} lines"
-        )
-
-
-if __name__ == "__main__":
-    main()
+        found[name] = {
+            "encode": rounded(rate(message.encode, seconds)),
+            "decode": rounded(rate(partial(decode, payload), seconds)),
+            "bytes": len(payload),
+            "lines": lines[type(message).__name__],
+        }
+        print(f"  {name}: {found[name]}", flush=True)
+    packed = rate(lambda: bare.pack(0x4404, 0x143, 1, 2, 3, 4), seconds)
+    return {"bare": rounded(packed), "messages": found}

@@ -1,0 +1,30 @@
+"""What data and page call the things that are measured."""
+
+from __future__ import annotations
+
+FLOOR, GENERATED, TYPED, GENERIC = "floor", "generated", "typed", "generic"
+VARIANTS = (FLOOR, GENERATED, TYPED, GENERIC)
+"""The bridges that stand side by side."""
+
+WAYS = ("up", "down")
+"""From JAUS to ROS, and from ROS to JAUS."""
+
+ALL_WAYS = (*WAYS, "both")
+
+FLAT, LIGHT = "flat", "light"
+FORMS = (FLAT, LIGHT, TYPED, GENERIC)
+"""Forms of a translation."""
+
+KINDS = {
+    "point": ("point", "stamped point"),
+    "twist": ("twist", "twist"),
+    "odometry": ("odometry", "odometry, strings"),
+    "scan": ("scan", "scan of 360"),
+    "grid": ("grid", "grid of 40 kB"),
+    "path": ("path", "path of 100"),
+    "large": ("grid", "60 kB"),
+}
+"""Kinds of messages: the map, and how the page calls it."""
+
+SMALL = ("point", "twist", "odometry")
+"""Those that count as small messages."""

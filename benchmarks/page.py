@@ -1,0 +1,457 @@
+"""The page on performance, made of the data of a run; `python benchmarks/page.py` writes it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from figures import rounded
+from names import ALL_WAYS, FLOOR, FORMS, GENERATED, GENERIC, KINDS, TYPED, VARIANTS, WAYS
+from plots import Panel, bars
+from targets import JUDGED_RATE, REMARKS, TAIL_RATE, TARGETS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+HERE = Path(__file__).resolve().parent
+NAME = "performance.md"
+_BRIDGES = (GENERATED, TYPED, GENERIC)
+_WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
+_REST = (
+    "answers, s",
+    "first message, s",
+    "processor time, s",
+    "memory, MiB",
+    "idle, % of a processor",
+)
+_INTRODUCTION = """\
+# What it costs
+
+Made by `make bench` from `benchmarks/results.json`; do not edit. Measured with CPython {python} on
+{processors} processors. **Trust ratios more than times**: what is compared took turns in one run,
+in an order that was shuffled for each block of it; the span of a ratio is that of the blocks.
+
+- **floor**: a Python program that forwards the same bytes between the same two sockets and no more:
+  `recv`, then `Publisher.publish(bytes)`; a wait set with one subscription, raw take, then
+  `sendto`; one process for each direction.
+- **generated**: the bridge that `jausml generate` writes.
+- **typed**: the same bridge with each translation overridden on the message classes of ROS.
+- **generic**: a bridge that interprets the same model at run time, `benchmarks/generic_bridge.py`:
+  typed messages, the executor of rclpy, attribute paths by reflection.
+
+The messages and maps are those of `benchmarks/measured.ros2jaus`. "Up" is from JAUS to ROS, "down"
+from ROS to JAUS.
+"""
+
+
+def files(data: Mapping[str, Any]) -> dict[str, str]:
+    """Returns the page and its plots by file name.
+
+    Args:
+        data: The data of a run.
+    """
+    sections = data["sections"]
+    plots = dict(_plots(sections))
+    parts = [
+        _INTRODUCTION.format(**data["machine"]),
+        *_scale(data["scale"]),
+        *_targets(sections),
+        *_latency(sections, plots),
+        *_connections(sections),
+        *_throughput(sections, plots),
+        *_load(sections),
+        *_translations(sections, plots),
+        *_footprint(sections),
+        *_components(sections),
+        *_codecs(sections),
+        *_toolchain(sections),
+        *_failed(data["failed"]),
+    ]
+    return {NAME: "\n".join(parts), **plots}
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Returns a table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines) + "\n"
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float | int):
+        return f"{value:,.0f}" if abs(value) >= 100 else f"{value:g}"
+    return "" if value is None else str(value)
+
+
+def _by_kind(found: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    return [(kind, found[kind]) for kind in KINDS if kind in found]
+
+
+def _times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") -> str:
+    """Returns a ratio with its span, or that it could not be measured."""
+    if name not in figures:
+        return ""
+    ends = figures.get(span) or []
+    told = f"{figures[name]:.2f}"
+    return f"{told} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else told
+
+
+# ------------------------------------------------------------------ parts of the page
+
+
+def _scale(name: str) -> Iterator[str]:
+    if name != "full":
+        yield f"**This was no full run but a {name} one**: few cases and few samples.\n"
+
+
+def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
+    yield "## Targets\n"
+    rows, remarks = [], []
+    for target in TARGETS:
+        worst = target.worst(sections)
+        limit = f"{'at least' if target.at_least else 'at most'} {target.limit:,g}{target.unit}"
+        if worst is None:
+            rows.append((target.text, limit, "not measured", ""))
+            continue
+        where, value = worst
+        is_met = target.is_met(value)
+        verdict = "met" if is_met else "**missed**"
+        rows.append((target.text, limit, f"{value:,g}{target.unit} ({where})", verdict))
+        if not is_met:
+            why = REMARKS.get(target.key, "no explanation yet.")
+            remarks.append(f"- **{target.text[0].upper()}{target.text[1:]}**: {why}")
+    yield (
+        f"The worst of all that a target is about is judged: medians at {JUDGED_RATE} messages a "
+        f"second, 99th"
+        f" percentiles at {TAIL_RATE}.\n"
+    )
+    yield table(("target", "", "worst measured", ""), rows)
+    if remarks:
+        yield "What is missed, and why:\n"
+        yield "\n".join(remarks) + "\n"
+
+
+def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[str]:
+    if "latency" not in sections:
+        return
+    yield "## Latency\n"
+    yield (
+        "One message at a time, from this end to that. Ratios of medians to the floor, in "
+        "brackets the span over the"
+        " blocks; a variant that cannot keep a rate is measured as fast as it goes (*).\n"
+    )
+    yield _figure("latency", plots)
+    for way in WAYS:
+        rows = []
+        for kind, rates in _by_kind(sections["latency"]):
+            for rate, ways in sorted(rates.items(), key=lambda each: int(each[0])):
+                found = ways[way]
+                floor = found.get(FLOOR, {}).get("median")
+                ratios = (_marked(found.get(each, {})) for each in _BRIDGES)
+                tail = found.get(GENERATED, {}).get("tail_ratio")
+                rows.append((KINDS[kind][1], int(rate), floor, *ratios, tail))
+        yield f"{_WAY_NAMES[way]}:\n"
+        head = ("message", "a second", "floor, us", *_BRIDGES, "generated, p99 against p99")
+        yield table(head, rows)
+
+
+def _marked(figures: Mapping[str, Any]) -> str:
+    return _times(figures) + (" *" if figures.get("too_slow") else "")
+
+
+def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
+    if "connections" not in sections:
+        return
+    yield "## With many connections\n"
+    yield (
+        f"Stamped points at {JUDGED_RATE} a second through a bridge with further connections that "
+        f"carry nothing at the"
+        " moment.\n"
+    )
+    rows = [
+        (
+            int(count),
+            _WAY_NAMES[way],
+            found[way].get(FLOOR, {}).get("median"),
+            *(_marked(found[way].get(each, {})) for each in (GENERATED, GENERIC)),
+            found[way].get(GENERATED, {}).get("tail_ratio"),
+        )
+        for count, found in sorted(sections["connections"].items(), key=lambda each: int(each[0]))
+        for way in WAYS
+    ]
+    head = (
+        "connections each way",
+        "",
+        "floor, us",
+        GENERATED,
+        GENERIC,
+        "generated, p99 against p99",
+    )
+    yield table(head, rows)
+
+
+def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[str]:
+    found = sections.get("throughput")
+    if not found:
+        return
+    yield "## Throughput and processor time\n"
+    yield (
+        "Stamped points, in steps until more than a thousandth is lost. Below the greatest step "
+        "without loss stands the"
+        " processor time of the bridge for each message, all its threads and the kernel included.\n"
+    )
+    yield _figure("throughput", plots)
+    rows = [
+        (_WAY_NAMES[way], *(f"{found[way][each]['rate']:,}/s" for each in VARIANTS))
+        for way in ALL_WAYS
+        if way in found
+    ]
+    yield table(("without loss", *VARIANTS), rows)
+    steps = sorted(
+        {int(rate) for way in found.values() for each in way.values() for rate in each["steps"]}
+    )
+    rows = []
+    for way in (each for each in ALL_WAYS if each in found):
+        for step in steps:
+            cells = [found[way][each]["steps"].get(str(step)) for each in VARIANTS]
+            if any(cells):
+                rows.append((f"{_WAY_NAMES[way]}, {step:,}/s", *map(_step, cells)))
+    yield table(("us a message (lost)", *VARIANTS), rows)
+
+
+def _step(found: Mapping[str, Any] | None) -> str:
+    if not found:
+        return ""
+    lost = f" ({100 * found['lost']:.2g} %)" if found["lost"] else ""
+    return f"{found['processor_us']:g}{lost}"
+
+
+def _load(sections: Mapping[str, Any]) -> Iterator[str]:
+    if "load" in sections:
+        yield "## Under load\n"
+        yield "Single points one way, while 2,000 a second pass the other way through the bridge.\n"
+        yield table(
+            (
+                "",
+                "variant",
+                "median, us",
+                "99.9 %, us",
+                "median against floor",
+                "99.9 % against floor",
+            ),
+            _load_rows(sections["load"], VARIANTS),
+        )
+    if "grids" in sections:
+        found = sections["grids"]
+        carried = ", ".join(
+            f"{each} {100 * share:.0f} %" for each, share in found["carried"].items()
+        )
+        yield (
+            "Single twists while grids of 40 kB, 1 MB a second, pass down through the same "
+            "bridge, against the same"
+            f" without grids. Grids that came through: {carried}.\n"
+        )
+        yield table(
+            ("", "variant", "median, us", "99 %, us", "median against alone", "99 % against alone"),
+            _load_rows(found, (GENERATED, TYPED)),
+        )
+
+
+def _load_rows(found: Mapping[str, Any], variants: Sequence[str]) -> Iterator[Sequence[object]]:
+    for way in WAYS:
+        for each in variants:
+            figures = found[way].get(each)
+            if figures:
+                shown = (figures.get("median"), figures.get("tail"), _times(figures))
+                yield (_WAY_NAMES[way], each, *shown, figures.get("tail_ratio"))
+
+
+def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[str]:
+    found = sections.get("translations")
+    if not found:
+        return
+    yield "## Translations\n"
+    yield (
+        "From bytes to bytes in one process and warm, microseconds of processor time: flat code, "
+        "the readable method on"
+        " light classes, the same on the message classes of ROS, and interpreted.\n"
+    )
+    yield _figure("translations", plots)
+    rows = []
+    for kind, ways in _by_kind(found):
+        for way in WAYS:
+            forms = ways[way]
+            best = min(each["median"] for form, each in forms.items() if form != GENERIC)
+            less = rounded(forms[GENERIC]["median"] / best)
+            medians = (forms.get(form, {}).get("median") for form in FORMS)
+            rows.append((KINDS[kind][1], _WAY_NAMES[way], *medians, f"{less:g} x"))
+    yield table(("message", "", *FORMS, "best against generic"), rows)
+
+
+def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
+    if "footprint" in sections:
+        yield "## Start, memory, code\n"
+        yield (
+            "From the start of the process, imports included, until a bridge answers on JAUS, "
+            "when its topics are there too,"
+            "and until the first message is through to a subscriber on ROS: that DDS finds it "
+            "takes between some"
+            "milliseconds and three seconds, whatever the program is. Medians; processor time is "
+            "that until then.\n"
+        )
+        rows = []
+        for count, variants in _counted(sections["footprint"]):
+            for each in (FLOOR, GENERATED, GENERIC):
+                rows.append((count, each, *_rest(variants[each])))
+        yield table(("connections", "variant", *_REST), rows)
+        rows = [
+            (count, found[GENERATED]["lines"], rounded(found[GENERATED]["bytes"] / count / 1e3))
+            for count, found in _counted(sections["footprint"])
+        ]
+        yield table(("connections", "lines of generated code", "kB each connection"), rows)
+    if "hosts" in sections:
+        yield "JAUS components of one process, until the last one answers:\n"
+        rows = [(count, *_rest(found)) for count, found in _counted(sections["hosts"])]
+        yield table(("components", *_REST), rows)
+
+
+def _counted(found: Mapping[str, Any]) -> list[tuple[int, Any]]:
+    return sorted((int(count), each) for count, each in found.items())
+
+
+def _rest(found: Mapping[str, Any]) -> tuple[object, ...]:
+    span = " to ".join(f"{each:g}" for each in found.get("span_s", ()))
+    ready = f"{found['ready_s']:g} ({span})" if span else ""
+    shown = (found.get("through_s"), found["processor_s"], found["memory_mib"])
+    return ready, *shown, rounded(100 * found["idle"])
+
+
+def _components(sections: Mapping[str, Any]) -> Iterator[str]:
+    found = sections.get("components")
+    if not found:
+        return
+    yield "## Between two JAUS components\n"
+    yield (
+        "Round trips between two processes: a raw datagram, a message that the handler of the "
+        "other component sends"
+        " back, and a query that the runtime answers.\n"
+    )
+    rows = [
+        (name, figures["median"], figures["tail"], _times(figures), figures.get("tail_ratio"))
+        for name, figures in sorted(found.items())
+    ]
+    yield table(("", "median, us", "99 %, us", "against datagrams", "99 % against 99 %"), rows)
+
+
+def _codecs(sections: Mapping[str, Any]) -> Iterator[str]:
+    found = sections.get("codecs")
+    if not found:
+        return
+    yield "## Message codecs\n"
+    rows = [
+        (name, each["bytes"], each["encode"], each["decode"], each["lines"])
+        for name, each in sorted(found["messages"].items())
+    ]
+    yield table(
+        ("message", "bytes", "encode, a second", "decode, a second", "generated lines"), rows
+    )
+    yield (
+        f"Bare `struct.pack` of six numbers does {found['bare']:,.0f} a second there: the rest "
+        f"buys range checks, optional"
+        " fields and typed objects. Lines are those of the message's class, docstrings included.\n"
+    )
+
+
+def _toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
+    found = sections.get("toolchain")
+    if not found:
+        return
+    yield "## The toolchain\n"
+    sizes = sorted({int(size) for each in found["generate"].values() for size in each})
+    rows = [
+        (f"generate, connections of {shape}", *(each.get(str(size)) for size in sizes))
+        for shape, each in sorted(found["generate"].items())
+    ]
+    yield table(("processor time, s", *(f"{size:,}" for size in sizes)), rows)
+    elements = _counted(found["validate"])
+    yield table(
+        ("processor time, s", *(f"{count:,} elements" for count, _ in elements)),
+        [("validate", *(seconds for _, seconds in elements))],
+    )
+    rows = [
+        (f"`{name}`", each["median"], _times(each))
+        for name, each in sorted(found["verbs"].items(), key=lambda each: each[1]["median"])
+    ]
+    yield table(("whole process", "s", "against an empty Python"), rows)
+    editor = found["editor"]
+    yield (
+        f"In the editor, in a text of a thousand lines, a letter takes {editor['letter_ms']:g} ms "
+        f"of a processor while"
+        f" typing goes on, and the check when it pauses {editor['pause_ms']:g} ms more.\n"
+    )
+
+
+def _failed(failed: Mapping[str, str]) -> Iterator[str]:
+    if failed:
+        yield "## Not measured\n"
+        yield "\n".join(f"- {name}: {why}" for name, why in sorted(failed.items())) + "\n"
+
+
+# ------------------------------------------------------------------ plots
+
+
+def _figure(name: str, plots: Mapping[str, str]) -> str:
+    file_name = f"performance-{name}.svg"
+    return f"![{name}]({file_name})\n" if file_name in plots else ""
+
+
+def _plots(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    if sections.get("latency"):
+        panels = [
+            Panel(
+                _WAY_NAMES[way],
+                {
+                    KINDS[kind][1]: {
+                        each: rates[JUDGED_RATE][way].get(each, {}).get("ratio")
+                        for each in _BRIDGES
+                    }
+                    for kind, rates in _by_kind(sections["latency"])
+                },
+            )
+            for way in WAYS
+        ]
+        title = f"Latency against the floor, {JUDGED_RATE} messages a second"
+        yield "performance-latency.svg", bars(title, "times the floor", _BRIDGES, panels, mark=1.0)
+    if sections.get("throughput"):
+        rows = {
+            _WAY_NAMES[way]: {each: found[each]["rate"] or None for each in VARIANTS}
+            for way in ALL_WAYS
+            if (found := sections["throughput"].get(way))
+        }
+        title = "Messages a second without loss"
+        panels = [Panel("stamped points", rows)]
+        yield "performance-throughput.svg", bars(title, "a second", VARIANTS, panels, mark=10_000)
+    if sections.get("translations"):
+        panels = [
+            Panel(
+                _WAY_NAMES[way],
+                {
+                    KINDS[kind][1]: {form: ways[way].get(form, {}).get("median") for form in FORMS}
+                    for kind, ways in _by_kind(sections["translations"])
+                },
+            )
+            for way in WAYS
+        ]
+        title = "Processor time of a translation, bytes to bytes"
+        yield "performance-translations.svg", bars(title, "microseconds", FORMS, panels)
+
+
+def main() -> None:
+    """Writes the page from the data that is stored."""
+    data = json.loads((HERE / "results.json").read_text(encoding="utf-8"))
+    for name, text in files(data).items():
+        (HERE.parent / "docs" / name).write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+"""The systems that are measured: bridges on the maps of measured.ros2jaus, generated."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ends import FIRST_BRIDGE, PEER, SINK
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGES
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.model import Model
+
+HERE = Path(__file__).resolve().parent
+MAPS = ("point", "twist", "odometry", "scan", "grid", "path")
+"""The maps of measured.ros2jaus."""
+
+_CONNECTION = """    connection {name} {{
+        map: {map}
+        direction: {direction}
+        exchange: message
+        {control}peers: {peer}
+        topic {name} {{ qos: {{ reliability: reliable  depth: 100 }} }}
+    }}
+"""
+# Own messages, so that a message finds the one connection that is meant.
+_IDLE_MAP = """idle_{n} {{
+    JAUS SetIdle{n} ( float64 x  float64 y  float64 z ) {{ code: 0x{code:04X} }}
+    ROS geometry_msgs/PointStamped
+    JAUS->ROS (
+        clock -> header.stamp
+        "odom" -> header.frame_id
+        x -> point.x
+        y -> point.y
+        z -> point.z
+    )
+    ROS->JAUS ( point.x -> x  point.y -> y  point.z -> z )
+}}
+"""
+_FIRST_IDLE_CODE = 0xD200
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A bridge of the measured system.
+
+    Attributes:
+        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down.
+        idle: Further connections that carry nothing, by turns in each direction.
+        load: Whether it carries grids to the sink as well, from the topic load_down.
+        ways: The ways of the maps.
+    """
+
+    maps: tuple[str, ...]
+    idle: int = 0
+    load: bool = False
+    ways: tuple[str, ...] = ("up", "down")
+
+    @property
+    def connections(self) -> int:
+        """How many connections it has."""
+        return len(self.ways) * len(self.maps) + self.idle + self.load
+
+
+def system_text(bridges: Mapping[str, Measured]) -> str:
+    """Returns the model of a system of bridges by name."""
+    idle = range(max(each.idle for each in bridges.values()))
+    parts = [(HERE / "measured.ros2jaus").read_text(encoding="utf-8")]
+    parts += [_IDLE_MAP.format(n=n, code=_FIRST_IDLE_CODE + n) for n in idle]
+    parts.append("system all_measured {")
+    for name, address in (("peer", PEER), ("sink", SINK)):
+        written = ".".join(map(str, address))
+        parts.append(f"    component {name} {{ address: {written}  provides: Measured }}")
+    for number, (name, bridge) in enumerate(bridges.items(), FIRST_BRIDGE):
+        connections = "".join(_connections(bridge))
+        parts.append(
+            f"bridge {name} {{\n    address: 1.1.{number}\n    provides: Measured\n{connections}}}"
+        )
+    return "\n".join([*parts, "}\n"])
+
+
+def _connections(bridge: Measured) -> list[str]:
+    ways = ("up", "down")
+    found = [_connection(f"{each}_{way}", each, way) for each in bridge.maps for way in bridge.ways]
+    found += [
+        _connection(f"idle_{n}_{ways[n % 2]}", f"idle_{n}", ways[n % 2]) for n in range(bridge.idle)
+    ]
+    if bridge.load:
+        found.append(_connection("load_down", "grid", "down", "sink"))
+    return found
+
+
+def _connection(name: str, map_name: str, way: str, peer: str = "peer") -> str:
+    return _CONNECTION.format(
+        name=name,
+        map=map_name,
+        direction="jausToRos" if way == "up" else "rosToJaus",
+        control="" if way == "up" else "control: false\n        ",
+        peer=peer,
+    )
+
+
+@dataclass(frozen=True)
+class System:
+    """Bridges that were generated.
+
+    Attributes:
+        model_file: The text of the model.
+        model: The model.
+        path: Folders with the packages.
+        bridges: The bridges by name.
+    """
+
+    model_file: Path
+    model: Model
+    path: tuple[str, ...]
+    bridges: Mapping[str, Measured]
+
+    def address(self, bridge: str) -> tuple[int, int, int]:
+        """Returns the JAUS address of a bridge."""
+        return (1, 1, FIRST_BRIDGE + list(self.bridges).index(bridge))
+
+    def environment(self) -> dict[str, str]:
+        """Returns the environment of processes that import the packages and these modules."""
+        path = os.pathsep.join([*self.path, str(HERE)])
+        return {**os.environ, "PYTHONPATH": path}
+
+    def importable(self) -> None:
+        """Makes the packages importable here."""
+        sys.path[:0] = [each for each in self.path if each not in sys.path]
+
+    def lines(self, bridge: str) -> tuple[int, int]:
+        """Returns how many lines and bytes of Python the package of a bridge has."""
+        folder = next(Path(each) for each in self.path if Path(each).name == bridge) / bridge
+        texts = [each.read_bytes() for each in sorted(folder.glob("*.py"))]
+        return sum(each.count(b"\n") for each in texts), sum(map(len, texts))
+
+
+def read_system(model_file: Path) -> Model:
+    """Reads the model of a system.
+
+    Raises:
+        ValueError: It has errors.
+    """
+    result = read_models([model_file], project_root=model_file.parent, notations=NOTATIONS)
+    if result.has_errors:
+        raise ValueError("\n".join(map(str, result.diagnostics)))
+    return result.model
+
+
+def generate(folder: Path, bridges: Mapping[str, Measured]) -> System:
+    """Generates bridges.
+
+    Args:
+        folder: Where to.
+        bridges: The bridges by name.
+
+    Raises:
+        ValueError: The model has errors.
+    """
+    model_file = folder / "measured.ros2jaus"
+    model_file.write_text(system_text(bridges), encoding="utf-8")
+    model = read_system(model_file)
+    for artifact in render(model, [BRIDGES, MESSAGES, RUNTIME]):
+        path = folder / "src" / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    path = tuple(str(each) for each in sorted((folder / "src").iterdir()))
+    return System(model_file, model, path, bridges)

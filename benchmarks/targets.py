@@ -1,0 +1,207 @@
+"""What was aimed at, what a run found of it, and what is to be said where it was missed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from names import FLOOR, GENERATED, GENERIC, KINDS, SMALL, WAYS
+
+JUDGED_RATE = "100"
+"""Messages a second at which medians are judged."""
+
+TAIL_RATE = "1000"
+"""Messages a second at which 99th percentiles are judged: the most samples."""
+
+LARGE = tuple(kind for kind in KINDS if kind not in SMALL)
+
+Sections = Mapping[str, Any]
+Finding = tuple[str, float]
+"""Where, and how much."""
+
+REMARKS: Mapping[str, str] = {}
+"""Why a target is missed, by its key; written by hand after a run."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A figure that was aimed at.
+
+    Attributes:
+        key: Under which `REMARKS` speak of it.
+        text: What is meant.
+        limit: The figure.
+        unit: Behind the figure: ` s`, ` x`.
+        find: Yields what a run found; nothing where it was not measured.
+        at_least: Whether figures shall be at least the limit, not at most.
+    """
+
+    key: str
+    text: str
+    limit: float
+    unit: str
+    find: Callable[[Sections], Iterator[Finding]]
+    at_least: bool = False
+
+    def worst(self, sections: Sections) -> Finding | None:
+        """Returns the finding that is furthest from the target, None where nothing was measured."""
+        found = list(self.find(sections))
+        if not found:
+            return None
+        return (min if self.at_least else max)(found, key=lambda each: each[1])
+
+    def is_met(self, value: float) -> bool:
+        """Tells whether a figure meets it."""
+        return value >= self.limit if self.at_least else value <= self.limit
+
+
+def _medians(kinds: tuple[str, ...]) -> Callable[[Sections], Iterator[Finding]]:
+    return lambda sections: _latency(sections, kinds, JUDGED_RATE, "ratio")
+
+
+def _tails(sections: Sections) -> Iterator[Finding]:
+    return _latency(sections, tuple(KINDS), TAIL_RATE, "tail_ratio")
+
+
+def _latency(
+    sections: Sections, kinds: tuple[str, ...], rate: str, figure: str
+) -> Iterator[Finding]:
+    for kind in kinds:
+        for way in WAYS:
+            ways = sections.get("latency", {}).get(kind, {}).get(rate, {})
+            value = ways.get(way, {}).get(GENERATED, {}).get(figure)
+            if value is not None:
+                yield f"{KINDS[kind][1]}, {way}", value
+
+
+def _connections(sections: Sections) -> Iterator[Finding]:
+    for count, ways in sections.get("connections", {}).items():
+        for way in WAYS:
+            value = ways[way].get(GENERATED, {}).get("ratio")
+            if value is not None:
+                yield f"{count} each way, {way}", value
+
+
+def _one_way_rates(sections: Sections) -> Iterator[Finding]:
+    for way in WAYS:
+        found = sections.get("throughput", {}).get(way, {}).get(GENERATED)
+        if found:
+            yield way, found["rate"]
+
+
+def _both_ways_share(sections: Sections) -> Iterator[Finding]:
+    found = sections.get("throughput", {}).get("both", {})
+    if found.get(FLOOR, {}).get("rate"):
+        yield "both ways", round(found[GENERATED]["rate"] / found[FLOOR]["rate"], 2)
+
+
+def _less_than_generic(sections: Sections) -> Iterator[Finding]:
+    for kind, ways in sections.get("translations", {}).items():
+        for way, forms in ways.items():
+            if GENERIC in forms:
+                best = min(each["median"] for form, each in forms.items() if form != GENERIC)
+                yield f"{KINDS[kind][1]}, {way}", round(forms[GENERIC]["median"] / best, 1)
+
+
+def _beside_grids(sections: Sections) -> Iterator[Finding]:
+    for way in WAYS:
+        value = sections.get("grids", {}).get(way, {}).get(GENERATED, {}).get("tail_ratio")
+        if value is not None:
+            yield way, value
+
+
+def _start(sections: Sections) -> Iterator[Finding]:
+    found = sections.get("footprint", {}).get("300", {}).get(GENERATED)
+    if found:
+        yield "300 connections", found["ready_s"]
+
+
+def _round_trip(sections: Sections) -> Iterator[Finding]:
+    found = sections.get("components", {}).get("messages", {}).get("ratio")
+    if found is not None:
+        yield "messages", found
+
+
+def _generate(sections: Sections) -> Iterator[Finding]:
+    for shape, sizes in sections.get("toolchain", {}).get("generate", {}).items():
+        if "3000" in sizes:
+            yield f"3000 connections, {shape}", sizes["3000"]
+
+
+def _validate(sections: Sections) -> Iterator[Finding]:
+    found = sections.get("toolchain", {}).get("validate", {}).get("100000")
+    if found is not None:
+        yield "100,000 elements", found
+
+
+def _verbs(sections: Sections) -> Iterator[Finding]:
+    for verb in ("jausml --version", "jausml explain"):
+        found = sections.get("toolchain", {}).get("verbs", {}).get(verb)
+        if found:
+            yield verb, found["median"]
+
+
+def _letter(sections: Sections) -> Iterator[Finding]:
+    found = sections.get("toolchain", {}).get("editor")
+    if found:
+        yield "a letter while typing", found["letter_ms"]
+
+
+TARGETS = (
+    Target(
+        "small",
+        "latency of small messages against the floor, median",
+        1.15,
+        " x",
+        _medians(SMALL),
+    ),
+    Target("connections", "the same with up to 300 connections each way", 1.15, " x", _connections),
+    Target(
+        "large", "scans, grids and paths against the floor, median", 1.25, " x", _medians(LARGE)
+    ),
+    Target("tail", "99th percentile against that of the floor", 1.5, " x", _tails),
+    Target(
+        "throughput",
+        "messages a second without loss, one way",
+        10_000,
+        "",
+        _one_way_rates,
+        at_least=True,
+    ),
+    Target(
+        "both",
+        "both ways at once, of what the floor carries",
+        1.0,
+        " x",
+        _both_ways_share,
+        at_least=True,
+    ),
+    Target(
+        "translation",
+        "processor time of a translation, times less than interpreted",
+        10,
+        " x",
+        _less_than_generic,
+        at_least=True,
+    ),
+    Target(
+        "grids",
+        "99th percentile beside 1 MB/s of grids, against without",
+        1.5,
+        " x",
+        _beside_grids,
+    ),
+    Target("start", "start with 300 connections, until the bridge answers", 0.5, " s", _start),
+    Target(
+        "round_trip",
+        "round trip of two components against raw datagrams",
+        2.0,
+        " x",
+        _round_trip,
+    ),
+    Target("generate", "`jausml generate` of 3000 connections", 10, " s", _generate),
+    Target("validate", "`jausml validate` of 100,000 elements", 4, " s", _validate),
+    Target("verbs", "start of verbs that need no model", 0.1, " s", _verbs),
+    Target("letter", "a letter in the editor, 1,000 lines, processor time", 50, " ms", _letter),
+)

@@ -1,0 +1,176 @@
+"""The bridges that stand side by side, and the ways through each of them."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ends import PEER, JausEnd, free_port, wait_until
+from names import FLOOR, GENERIC, TYPED, WAYS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ends import RosEnd
+    from processes import Child, Children
+    from samples import Sample
+    from systems import System
+
+HERE = Path(__file__).resolve().parent
+PATIENCE = 30.0
+"""Seconds in which the first message must be through."""
+
+
+class UnreachableError(RuntimeError):
+    """Nothing comes through a bridge."""
+
+
+class Route:
+    """A bridge, and a socket of this process that is the JAUS component which it speaks with.
+
+    Attributes:
+        variant: Which bridge.
+        end: The socket.
+        processes: Those of the bridge: two for the floor.
+    """
+
+    def __init__(self, variant: str, system: System, bridge: str, sample: Sample) -> None:
+        """Opens the socket; nothing is started.
+
+        Args:
+            variant: Which bridge.
+            system: The system that was generated.
+            bridge: The bridge of the system.
+            sample: What is sent.
+        """
+        self.variant = variant
+        self.processes: list[Child] = []
+        self.port = free_port()
+        self.end = JausEnd(PEER, self.port)
+        self.sample = sample
+        self._system, self._bridge = system, bridge
+        self._parts = self.end.outgoing(sample.jaus, system.address(bridge))
+
+    def topic(self, way: str) -> str:
+        """Returns the topic of a way."""
+        return f"/{self.variant}/{self.sample.map}_{way}"
+
+    def start(self, children: Children, folder: Path) -> None:
+        """Starts the bridge.
+
+        Args:
+            children: Who starts processes.
+            folder: Where files may be written.
+        """
+        if self.variant == FLOOR:
+            self.processes = [self._floor(children, folder, way) for way in WAYS]
+            return
+        options = ["--jaus-port", str(self.port)]
+        namespace = ["--ros-args", "-r", f"__ns:=/{self.variant}"]
+        if self.variant == GENERIC:
+            line = [HERE / "generic_bridge.py", self._system.model_file, self._bridge, *options]
+        elif self.variant == TYPED:
+            line = [HERE / "typed_bridge.py", self._bridge, *options, "--log-level", "warning"]
+        else:
+            line = ["-m", f"{self._bridge}.main", *options, "--log-level", "warning"]
+        self.processes = [children.start(*line, *namespace)]
+
+    def _floor(self, children: Children, folder: Path, way: str) -> Child:
+        out = folder / f"{self.sample.kind}_{way}"
+        out.write_bytes(self.sample.ros if way == "up" else self.sample.jaus)
+        port = self.port if way == "up" else self.end.sock.getsockname()[1]
+        options = ["--type", self.sample.type, "--topic", self.topic(way), "--port", str(port)]
+        return children.start(HERE / "floor.py", way, out, *options)
+
+    def send(self) -> None:
+        """Sends a message towards ROS."""
+        self.end.send(self._parts)
+
+    def processor_time(self) -> float:
+        """Returns the seconds of processor time that the bridge has taken."""
+        return sum(each.processor_time() for each in self.processes)
+
+    def until(self, came: Callable[[], bool]) -> None:
+        """Waits until something has come through.
+
+        Raises:
+            UnreachableError: It did not, or the bridge has ended.
+        """
+
+        def done() -> bool:
+            if not all(each.is_alive for each in self.processes):
+                raise UnreachableError(f"{self.variant} of {self._bridge} has ended")
+            return came()
+
+        if not wait_until(done, PATIENCE, pause=0.0):
+            raise UnreachableError(f"nothing comes through {self.variant} of {self._bridge}")
+
+    def close(self) -> None:
+        """Closes the socket."""
+        self.end.close()
+
+
+class Loop(Route):
+    """Both ways of one kind of message through one bridge, from this process to this process."""
+
+    def __init__(
+        self, variant: str, ros: RosEnd, system: System, bridge: str, sample: Sample
+    ) -> None:
+        """Opens the ends; nothing is started.
+
+        Args:
+            variant: Which bridge.
+            ros: The node of this process.
+            system: The system that was generated.
+            bridge: The bridge of the system.
+            sample: What is sent.
+        """
+        super().__init__(variant, system, bridge, sample)
+        self._code = sample.jaus[:2]
+        self.subscription = ros.subscription(sample.ros_class, self.topic("up"))
+        self.publisher = ros.publisher(sample.ros_class, self.topic("down"))
+
+    def up(self, timeout: float = 1.0) -> float | None:
+        """Sends a message and waits for it on the topic; microseconds, None when it was lost."""
+        started = time.perf_counter_ns()
+        self.end.send(self._parts)
+        taken = self.subscription.take(timeout)
+        arrived = time.perf_counter_ns()
+        return (arrived - started) / 1e3 if taken is not None else None
+
+    def down(self) -> float | None:
+        """Publishes a message and waits for it at the socket; microseconds, None if it was lost."""
+        started = time.perf_counter_ns()
+        self.publisher.publish(self.sample.ros)
+        came = self.end.receive(self._code)
+        arrived = time.perf_counter_ns()
+        return (arrived - started) / 1e3 if came else None
+
+    def exchange(self, way: str) -> float | None:
+        """Sends one message and waits for it; what comes late is thrown away."""
+        taken = self.up() if way == "up" else self.down()
+        if taken is None:
+            self.discard()
+        return taken
+
+    def discard(self) -> None:
+        """Throws away what waits at the ends."""
+        self.subscription.discard()
+        self.end.discard()
+
+    def reach(self) -> float:
+        """Waits until messages come through both ways.
+
+        Returns:
+            When the first one was there, by the monotonic clock.
+
+        Raises:
+            UnreachableError: None came, or the bridge has ended.
+        """
+        self.until(lambda: self.up(0.01) is not None)
+        first = time.monotonic()
+        self.until(lambda: self.down() is not None)
+        time.sleep(0.1)
+        self.discard()
+        return first
