@@ -19,6 +19,7 @@ from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
+from .bridge.connection import AnyConnection
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.forms import differing_forms
@@ -31,7 +32,7 @@ from .bridge.to_jaus import TopicsToMessage
 from .bridge.to_reports import TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
 from .bridge.topics import Qos, Topic
-from .bridge.transcoding import ros_classes, transcoded
+from .bridge.transcoding import Transcode, ros_classes, transcoded
 from .bridge.values import by_name, set_quaternion, set_time
 from .clients.command_client import PendingCommand
 from .clients.control_session import ControlSession
@@ -67,6 +68,7 @@ __all__ = [
     "API_VERSION",
     "AbsentFieldError",
     "Action",
+    "AnyConnection",
     "ApiVersionError",
     "AttributeParameter",
     "Bridge",
@@ -116,6 +118,7 @@ __all__ = [
     "Topic",
     "TopicsToMessage",
     "TopicsToReport",
+    "Transcode",
     "Transport",
     "TransportKind",
     "TransportSettings",

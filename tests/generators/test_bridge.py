@@ -65,6 +65,7 @@ def test_files(loop_files):
         "loop_bridge/loop_bridge/loop_bridge.py",
         "loop_bridge/loop_bridge/loop_bridge_base.py",
         "loop_bridge/loop_bridge/main.py",
+        "loop_bridge/loop_bridge/transcoders.py",
         "loop_bridge/loop_bridge/messages.py",
         "loop_bridge/loop_bridge/py.typed",
         "loop_bridge/loop_bridge/ros_types.py",

@@ -36,6 +36,7 @@ PUBLIC = {
     public.MESSAGES,
     public.CONVERSIONS,
     public.ARITHMETIC,
+    public.STAMPS,
     public.WIRE,
     public.LIGHT,
 }

@@ -40,11 +40,11 @@ def system(path, tmp_path_factory):
 class System:
     """The bridge, the vehicle, the trailer and a node of the test."""
 
-    def __init__(self, path, logs):
+    def __init__(self, path, logs, bridge=("-m", "loop_bridge.main")):
         self.path, self.logs, self.port = path, logs, free_port()
         self.processes = []
         self.ros = RosPeer()
-        self.bridge = self.start("-m", "loop_bridge.main")
+        self.bridge = self.start(*bridge)
         self.vehicle = self.start(VEHICLE, "--address", "10.1.1")
         self.trailer = self.start(VEHICLE, "--address", "10.1.2")
 
@@ -333,3 +333,40 @@ def test_killed_vehicle_recovers(system):
 def test_clean_shutdown(system):
     """Last: the bridge ends."""
     assert system.bridge.stop() == 0
+
+
+def test_overrides_choose_their_classes(path, tmp_path, monkeypatch):
+    """A bridge of mixed forms: what is not overridden stays as generated."""
+    from diagnostic_msgs.msg import DiagnosticArray
+    from geometry_msgs.msg import PoseStamped, Twist
+    from nav_msgs.msg import Odometry
+    from std_msgs.msg import Float64
+
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(100 + os.getpid() % 90))
+    mixed = System(path, tmp_path, (str(FOLDER / "mixed_bridge.py"),))
+    try:
+        odometry = mixed.ros.listen(Odometry, "odometry_copy")
+        speed, pose = mixed.ros.listen(Float64, "speed"), mixed.ros.listen(PoseStamped, "pose")
+        arrays = mixed.ros.listen(DiagnosticArray, "/diagnostics")
+        wait_for(lambda: odometry and speed and pose, "messages")
+        assert (odometry[-1].child_frame_id, odometry[-1].header.frame_id) == ("mixed", "odom")
+        assert odometry[-1].twist.twist.linear.x == pytest.approx(102.0, abs=1e-6)
+        assert speed[-1].data == pytest.approx(102.0, abs=1e-6)
+        assert pose[-1].pose.position.x == pytest.approx(1.0, abs=1e-4)
+        publisher = mixed.ros.publisher(Twist, "cmd_vel", 1)
+        with Repeater(publisher, twist(3.0, 0.25)):
+            command = wait_for(lambda: commands(mixed.vehicle), "command")[-1]
+        assert command["linear"] == pytest.approx(-30.0, abs=0.01)
+        wait_for(lambda: arrays, "diagnostics")
+        forms = {
+            status.name.rpartition(": ")[2]: value.value
+            for status in arrays[-1].status
+            for value in status.values
+            if value.key == "translation"
+        }
+        assert forms.pop("odometry") == forms.pop("drive") == "ROS classes"
+        assert forms.pop("speed") == "light classes"
+        assert set(forms) == {"pose", "cruise", "estimate"}
+        assert "ROS classes" not in forms.values()
+    finally:
+        mixed.close()

@@ -9,6 +9,8 @@ from jausml.generation import docstrings as docs
 from jausml.generation.literals import printable, python_literal, python_string
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from jausml.generators.bridge.translation import Surroundings
     from jausml.generators.bridge.translation.surroundings import (
         Constant,
@@ -58,6 +60,15 @@ class BaseModule:
     def constants(self) -> tuple[str, ...]:
         """Statements of the constants of the module."""
         return tuple(map(_constant, self.uses.constants.values()))
+
+    def constants_named(self, names: Collection[str]) -> tuple[str, ...]:
+        """Returns the statements of some of these constants.
+
+        Args:
+            names: Their names.
+        """
+        found = self.uses.constants.values()
+        return tuple(_constant(each) for each in found if each.name in names)
 
     @property
     def quantities(self) -> tuple[QuantityView, ...]:

@@ -154,15 +154,20 @@ class ConnectionView:
         return "TopicsToMessage" if self.exchange == "message" else "TopicsToReport"
 
     @property
-    def documentation(self) -> str:
-        """What the connection carries, and what the model says about it."""
+    def summary(self) -> str:
+        """What it takes and makes, e.g. `ReportLocalPose (0x4403) to nav_msgs/Odometry`."""
         ends = (
             f"{self.message.jaus_name} ({self.message.code_text})",
             f"{self.ros_type.package}/{self.ros_type.name}",
         )
         source, target = ends if self.to_ros else ends[::-1]
+        return f"{source} to {target}"
+
+    @property
+    def documentation(self) -> str:
+        """What the connection carries, and what the model says about it."""
         about = self.connection.documentation or ""
-        return "\n\n".join(filter(None, [f"{source} to {target}.", about, self._about_map]))
+        return "\n\n".join(filter(None, [f"{self.summary}.", about, self._about_map]))
 
     @property
     def _about_map(self) -> str:

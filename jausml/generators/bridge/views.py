@@ -13,6 +13,7 @@ from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
+from jausml.generators.bridge.flat.transcoders import TranscodersModule
 from jausml.generators.bridge.light.module import LightModule
 from jausml.generators.bridge.translation import AssignmentError, Translations, translate, used_maps
 from jausml.generators.bridge.translation.ros_fields import PathError
@@ -177,6 +178,7 @@ class BridgeView:
                 **runtime.names(),
                 **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
+                **offered(".", "transcoders"),
             }
         )
 
@@ -189,6 +191,11 @@ class BridgeView:
     def module(self) -> BaseModule:
         """What stands in the module of the base besides the connections."""
         return BaseModule(self.translations.uses)
+
+    @functools.cached_property
+    def transcoders(self) -> TranscodersModule:
+        """The flat forms of the translations."""
+        return TranscodersModule(self)
 
     @property
     def dependencies(self) -> tuple[str, ...]:

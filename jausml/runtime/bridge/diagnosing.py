@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .connection import AnyConnection
     from .diagnostics import ConnectionStatus
 
-SLICE = 16
+SLICE = 4
 """Connections that are looked at in one turn: messages must not wait for all of them."""
 
 

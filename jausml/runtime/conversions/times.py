@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from datetime import date
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from .types import ConversionError, Time, TimeStamp
@@ -16,7 +17,8 @@ __all__ = [
     "timestamp_to_time",
 ]
 
-_DAY_NS = 86_400 * 10**9
+_DAY = 86_400
+_DAY_NS = _DAY * 10**9
 _EPOCH = date(1970, 1, 1).toordinal()
 
 
@@ -29,18 +31,9 @@ def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
     Raises:
         ConversionError: hour, minutes, seconds or milliseconds are no time of day.
     """
-    if not (
-        0 <= stamp.hour < 24
-        and 0 <= stamp.minutes < 60
-        and 0 <= stamp.seconds < 60
-        and 0 <= stamp.milliseconds < 1000
-    ):
-        raise ConversionError("TimeStamp is no time of day")
-    minutes = stamp.hour * 60 + stamp.minutes
-    of_day = ((minutes * 60 + stamp.seconds) * 1000 + stamp.milliseconds) * 10**6
-    reference = near.sec * 10**9 + near.nanosec
-    instants = [day * _DAY_NS + of_day for day in _days_near(stamp.day, near.sec)]
-    return Time(*divmod(min(instants, key=lambda instant: abs(instant - reference)), 10**9))
+    return instant_near(
+        stamp.day, stamp.hour, stamp.minutes, stamp.seconds, stamp.milliseconds, near
+    )
 
 
 def time_to_timestamp(instant: TimeLike) -> TimeStamp:
@@ -50,14 +43,43 @@ def time_to_timestamp(instant: TimeLike) -> TimeStamp:
     return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
 
 
-def _days_near(day_of_month: int, seconds: int) -> list[int]:
-    """Days since 1970 around an instant that are the given day of their month."""
-    utc = time.gmtime(seconds)
+def instant_near(
+    day: int, hour: int, minutes: int, seconds: int, milliseconds: int, near: TimeLike
+) -> Time:
+    """The instant nearest to `near` that has a day of the month and a time of day, UTC.
+
+    Raises:
+        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
+    """
+    if not (
+        0 <= hour < 24 and 0 <= minutes < 60 and 0 <= seconds < 60 and 0 <= milliseconds < 1000
+    ):
+        raise ConversionError("TimeStamp is no time of day")
+    of_day = (((hour * 60 + minutes) * 60 + seconds) * 1000 + milliseconds) * 10**6
+    reference = near.sec * 10**9 + near.nanosec
+    first, *others = _days_near(day, near.sec // _DAY)
+    nearest = first * _DAY_NS + of_day
+    for each in others:
+        instant = each * _DAY_NS + of_day
+        if abs(instant - reference) < abs(nearest - reference):
+            nearest = instant
+    return Time(*divmod(nearest, 10**9))
+
+
+@lru_cache(maxsize=64)
+def day_of_month(days: int) -> int:
+    """The day of the month, UTC, of a number of days since 1970."""
+    return time.gmtime(days * _DAY).tm_mday
+
+
+@lru_cache(maxsize=64)
+def _days_near(day_of_month: int, today: int) -> tuple[int, ...]:
+    """Days since 1970 around one of them that are the given day of their month."""
     if not 1 <= day_of_month <= 31:
         # JAUS-DEVIATION: AS6009 has days 1..31, but known peers leave the day at 0. The nearest
         # day serves them better than the loss of every report.
-        today = date(utc.tm_year, utc.tm_mon, utc.tm_mday).toordinal() - _EPOCH
-        return [today - 1, today, today + 1]
+        return today - 1, today, today + 1
+    utc = time.gmtime(today * _DAY)
     days = []
     for offset in (-1, 0, 1):
         year, month = divmod(utc.tm_year * 12 + utc.tm_mon - 1 + offset, 12)
@@ -65,4 +87,4 @@ def _days_near(day_of_month: int, seconds: int) -> list[int]:
             days.append(date(year, month + 1, day_of_month).toordinal() - _EPOCH)
         except ValueError:  # this month is shorter
             continue
-    return days
+    return tuple(days)

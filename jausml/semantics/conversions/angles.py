@@ -29,6 +29,7 @@ class DegreesToRadians(Conversion):
     """Degrees to radians."""
 
     name = "degrees_to_radians"
+    formula = "math.radians({0})"
     units = (DEGREE, RADIAN)
     inverse = "radians_to_degrees"
     keeps_sign = keeps_quantity = True
@@ -46,6 +47,7 @@ class RadiansToDegrees(Conversion):
     """Radians to degrees."""
 
     name = "radians_to_degrees"
+    formula = "math.degrees({0})"
     units = (RADIAN, DEGREE)
     inverse = "degrees_to_radians"
     keeps_sign = keeps_quantity = True

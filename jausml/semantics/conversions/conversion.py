@@ -110,9 +110,12 @@ class Conversion(ABC):
         is_in_place: Whether generated code has something else than a call of the runtime for it.
         needs_clock: Whether the function of the runtime is told the present time, as `near`.
         may_be_truth: Whether a bool takes its result, as 1 or 0.
+        formula: The arithmetic of the runtime's function, as Python text with `{0}` for the first
+            of its parameters; empty where that is more than an expression.
     """
 
     name: ClassVar[str]
+    formula: ClassVar[str] = ""
     inputs: ClassVar[tuple[str, ...]] = (NUMBER,)
     outputs: ClassVar[tuple[str, ...]] = (NUMBER,)
     arguments: ClassVar[tuple[Argument, ...]] = ()

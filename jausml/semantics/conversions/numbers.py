@@ -27,6 +27,7 @@ class Negate(Conversion):
     """
 
     name = "negate"
+    formula = "-{0}"
     units = UnitEffect.SAME
     inverse = "negate"
     keeps_integers = keeps_quantity = True
@@ -48,6 +49,7 @@ class Scale(Conversion):
     """The value times a factor."""
 
     name = "scale"
+    formula = "{0} * {1}"
     arguments = (Argument("factor"),)
     keeps_quantity = True
 
@@ -76,6 +78,7 @@ class Linear(Conversion):
     """The value times a factor plus an offset."""
 
     name = "linear"
+    formula = "{0} * {1} + {2}"
     arguments = (Argument("factor"), Argument("offset"))
     keeps_quantity = True
 
@@ -185,6 +188,7 @@ class Square(Conversion):
     """The value squared: root mean square to variance."""
 
     name = "square"
+    formula = "{0} * {0}"
     units = UnitEffect.SQUARE
     keeps_integers = True
     keeps_size = False
@@ -274,6 +278,7 @@ class PercentToValue(Conversion):
     """Percent of a maximum to the value."""
 
     name = "percent_to_value"
+    formula = "{0} / 100.0 * {1}"
     arguments = (MAXIMUM,)
     units = (PERCENT, OWN)
     inverse = "value_to_percent"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.flat.cdr_chunks import SIZES, Chunk, Start
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.pieces import bytes_literal
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 from jausml.metamodel.classes import ros
@@ -209,6 +210,10 @@ class _Values:
             raise NotFlatError(f"{self.name} has no {path} that a flat form writes")
         self.values[own] = _Given(expression, conditional)
 
+    def make(self, path: str, class_name: str) -> None:
+        """Refuses: ROS messages are complete as they are made."""
+        raise NotFlatError(f"{path} is made as {class_name}")
+
     def sequence(self, path: str) -> CdrSequenceWriting:
         """Tells that a sequence is given elements.
 
@@ -393,7 +398,7 @@ class _Walk:
         given = values.values.get(leaf.path)
         literal = leaf.default if given is None else _literal(given.code)
         if isinstance(literal, str):
-            self.chunk.add_text(repr(literal.encode()), len(literal.encode()))
+            self.chunk.add_text(bytes_literal(literal.encode()), len(literal.encode()))
             return
         assert given is not None  # noqa: S101 - what has no value is a literal
         local = self._scope.claim(f"{snake_case(leaf.path.rpartition('.')[2]) or 'text'}_text")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
+from jausml.generators.bridge.flat.pieces import sliced
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
@@ -419,7 +420,8 @@ class _Walk:
         key = block.presence
         if block.vector is not None:
             size = block.slots[block.vector].size
-            key = f"{data}[{self._behind(block.before)} : {self._behind(block.before + size)}]"
+            begin, end = self._behind(block.before), self._behind(block.before + size)
+            key = sliced(data, begin, end)
         else:
             key = f"{key} & 0x{block.bits:X}"
         if is_whole:
@@ -573,7 +575,7 @@ class _Walk:
         self._room(f"{end}", label, f"length {{{size}}} is more than what follows")
         if wanted.local:
             decoded = '.decode("latin-1")' if value.is_text else ""
-            self.lines.append(f"{wanted.local} = {data}[{begin} : {end}]{decoded}")
+            self.lines.append(f"{wanted.local} = {sliced(data, begin, end)}{decoded}")
         self._move(size)
 
     def _count(self, struct_format: str, name: str, local: str = "") -> str:

@@ -21,7 +21,8 @@ class Reading(Protocol):
     def value(self, path: str) -> str:
         """Asks for a value; returns the name of the local variable that has it after `lines`.
 
-        It is None where an optional JAUS field is absent.
+        It is None where an optional JAUS field is absent. An element of a list that is a value
+        itself has the path `.`.
 
         Raises:
             NotFlatError: The path leads to no single value.
@@ -39,29 +40,30 @@ class Reading(Protocol):
 
 
 class SequenceReading(Protocol):
-    """Reads a list.
+    """Reads a list."""
 
-    Attributes:
-        count: Python expression of the number of elements, after the lines of the message.
-        element: Reads one element; its values are there in the body of the loop.
-    """
+    @property
+    def count(self) -> str:
+        """Python expression of the number of elements, after the lines of the message."""
 
-    count: str
-    element: Reading
+    @property
+    def element(self) -> Reading:
+        """Reads one element; its values are there in the body of the loop."""
 
-    def loop(self, body: Sequence[str]) -> Sequence[str]:
+    def loop(self, body: Sequence[str], index: str = "") -> Sequence[str]:
         """Returns the loop over the elements.
 
         Args:
             body: What is done with each.
+            index: A variable that gets the position of the element; empty for none.
         """
 
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
 
-class Writing(Protocol):
-    """Writes a message, or an element of a list, with the given values as bytes.
+class Values(Protocol):
+    """Takes the values of a message, or of an element of a list.
 
     Paths are those of the readable translation, without its `target.`. What is given no value has
     the one of a message as it is made.
@@ -89,22 +91,23 @@ class Writing(Protocol):
     def sequence(self, path: str) -> SequenceWriting:
         """Tells that a list is given elements."""
 
+
+class Writing(Values, Protocol):
+    """Writes a message with the given values as bytes."""
+
     def lines(self) -> Sequence[str]:
         """Returns the statements that make the bytes, with the return at their end.
 
-        Values that have no place in them raise EncodeError. Those of an element end in an
-        assignment of the bytes that `append` takes.
+        Values that have no place in them raise EncodeError.
         """
 
 
 class SequenceWriting(Protocol):
-    """Writes a list.
+    """Writes a list."""
 
-    Attributes:
-        element: Writes one element.
-    """
-
-    element: Writing
+    @property
+    def element(self) -> Values:
+        """Takes the values of one element."""
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""

@@ -1,0 +1,291 @@
+"""Expressions of readable translations on local variables instead of objects."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import io
+import tokenize
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from jausml.generation.literals import python_string
+from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.semantics.attributes import TIME_STAMP
+from jausml.semantics.conversions import CONVERSIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
+_MODULES = frozenset({"arithmetic", "conversions", "math", "stamps"})
+_ERRORS = frozenset({"AbsentFieldError", "ConversionError"})
+
+
+class SourceValues(Protocol):
+    """The values of the source message as expressions ask for them."""
+
+    def expression(self, path: str) -> ast.expr:
+        """Returns the expression of a value that stands alone or is an argument.
+
+        Raises:
+            NotFlatError: The path leads to an object that has none.
+        """
+
+    def presence(self, path: str) -> ast.expr:
+        """Returns an expression that is None where a value is absent."""
+
+    def stamp_bits(self, path: str) -> ast.expr:
+        """Returns the expression of the bits of a TimeStamp of JAUS."""
+
+    def parts(self, path: str, names: tuple[str, ...]) -> list[ast.expr]:
+        """Returns the expressions of the fields of an object."""
+
+
+@dataclass
+class Names:
+    """Names that expressions know.
+
+    Attributes:
+        owner: Attribute of the bridge that is the connection.
+        attributes: Names of attributes of the bridge, in the order in which they are asked for.
+        variables: Names of local variables, parameters and constants of the module.
+        constants: Those constants of the module that were used.
+        roots: What stands for each object whose values are read, by its name.
+        limits: The limits of the connection that are asked, each a key.
+    """
+
+    owner: str
+    attributes: list[str]
+    variables: set[str]
+    module: frozenset[str] = frozenset()
+    constants: list[str] = field(default_factory=list)
+    roots: dict[str, SourceValues] = field(default_factory=dict)
+    limits: dict[str, None] = field(default_factory=dict)
+
+    def attribute(self, name: str) -> ast.expr:
+        """Returns what stands for an attribute of the bridge until its name is known."""
+        return _named(placeholder(self.attributes.index(name)))
+
+
+def limit_variable(policy: str) -> str:
+    """Returns the local variable of a limit of the connection.
+
+    Args:
+        policy: Attribute of the connection that it is.
+    """
+    return f"{policy}_limit"
+
+
+def placeholder(index: int) -> str:
+    """Returns what stands for an attribute of the bridge until its name is known."""
+    return f"attribute_{index}__"
+
+
+def lowered(expression: ast.expr, names: Names) -> ast.expr:
+    """Returns an expression on local variables.
+
+    Args:
+        expression: One of a readable translation; it is not changed.
+        names: The names that it may use.
+
+    Raises:
+        NotFlatError: It needs objects.
+    """
+    found = _Lowering(names).visit(copy.deepcopy(expression))
+    if not isinstance(found, ast.expr):
+        raise NotFlatError("an expression has no value")
+    return found
+
+
+def text_of(expression: ast.AST) -> str:
+    """Returns an expression as Python text, with strings as generated code has them."""
+    text = ast.unparse(expression)
+    if "'" not in text and "e+" not in text:
+        return text
+    for token in reversed(list(tokenize.generate_tokens(io.StringIO(text).readline))):
+        (_, begin), (_, end) = token.start, token.end
+        if token.type == tokenize.STRING:
+            text = text[:begin] + python_string(ast.literal_eval(token.string)) + text[end:]
+        elif token.type == tokenize.NUMBER:
+            text = text[:begin] + token.string.replace("e+", "e") + text[end:]
+    return text
+
+
+def chain_of(node: ast.expr) -> tuple[str, str]:
+    """Returns root and path of `root.a.b[2].c`; an empty root for other expressions."""
+    steps: list[str] = []
+    while True:
+        if isinstance(node, ast.Attribute):
+            steps.append(f".{node.attr}")
+            node = node.value
+        elif isinstance(node, ast.Subscript) and _index(node.slice) is not None:
+            steps.append(f"[{_index(node.slice)}]")
+            node = node.value
+        elif isinstance(node, ast.Name):
+            return node.id, "".join(reversed(steps)).removeprefix(".")
+        else:
+            return "", ""
+
+
+def _index(node: ast.expr) -> int | None:
+    if isinstance(node, ast.Constant) and type(node.value) is int:
+        return node.value
+    return None
+
+
+def _named(name: str) -> ast.expr:
+    return ast.Name(name, ast.Load())
+
+
+def _call(function: str, *arguments: ast.expr) -> ast.expr:
+    module, _, name = function.rpartition(".")
+    callee = ast.Attribute(_named(module), name, ast.Load()) if module else _named(name)
+    return ast.Call(callee, list(arguments), [])
+
+
+class _Lowering(ast.NodeTransformer):
+    """Puts local variables in the place of the values of objects."""
+
+    def __init__(self, names: Names) -> None:
+        self._names = names
+
+    def visit_Compare(self, node: ast.Compare) -> ast.AST:
+        """Tests whether a value is there."""
+        root, path = chain_of(node.left)
+        is_none = isinstance(node.ops[0], (ast.Is, ast.IsNot)) and len(node.ops) == 1
+        if is_none and root in self._names.roots:
+            node.left = self._names.roots[root].presence(path)
+            return node
+        return self.generic_visit(node)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        """Values of the source, and attributes of the bridge."""
+        return self._chain(node)
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        """Elements of arrays of the source."""
+        return self._chain(node)
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        """Local variables, and what a module may know."""
+        names = self._names
+        if node.id in names.roots:
+            return names.roots[node.id].expression("")
+        if node.id in names.module and node.id not in names.constants:
+            names.constants.append(node.id)
+        known = names.variables | names.module | _BUILTINS | _ERRORS | _MODULES
+        if node.id not in known:
+            raise NotFlatError(f"{node.id} is an object")
+        return node
+
+    def _chain(self, node: ast.Attribute | ast.Subscript) -> ast.AST:
+        root, path = chain_of(node)
+        if root in self._names.roots:
+            return self._names.roots[root].expression(path)
+        if root == "self":
+            return self._of_bridge(node, path)
+        return self.generic_visit(node)
+
+    def _of_bridge(self, node: ast.expr, path: str) -> ast.expr:
+        first, _, rest = path.partition(".")
+        if first == self._names.owner:
+            # A limit within an expression: it is called whatever the value is.
+            policy, dot, method = rest.partition(".")
+            self._names.limits.setdefault(policy)
+            return ast.parse(f"{limit_variable(policy)}{dot}{method}", mode="eval").body
+        if rest:
+            raise NotFlatError(f"self.{path} is an object of the bridge")
+        if not isinstance(node, ast.Attribute):
+            raise NotFlatError(f"self.{path} is an object of the bridge")
+        return self._names.attribute(first)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Calls: conversions without objects, and those that are no more than arithmetic."""
+        module, function = chain_of(node.func)
+        if module == "conversions":
+            known = CONVERSIONS.get(function)
+            if known is not None and known.inputs == (TIME_STAMP,):
+                return self._time_of_stamp(node)
+            node.args = [self._visited(each) for each in node.args]
+            for keyword in node.keywords:
+                keyword.value = self._visited(keyword.value)
+            return _inlined(function, node)
+        if module == "arithmetic":
+            node.args = [self._visited(each) for each in node.args]
+            return _inlined_arithmetic(function, node)
+        return self.generic_visit(node)
+
+    def _visited(self, node: ast.expr) -> ast.expr:
+        found = self.visit(node)
+        if not isinstance(found, ast.expr):
+            raise NotFlatError("an argument has no value")
+        return found
+
+    def _time_of_stamp(self, node: ast.Call) -> ast.expr:
+        root, path = chain_of(node.args[0])
+        if root not in self._names.roots:
+            return self._visited_call(node)
+        (near,) = node.keywords
+        bits = self._names.roots[root].stamp_bits(path)
+        return _call("stamps.time_of", bits, self._visited(near.value))
+
+    def _visited_call(self, node: ast.Call) -> ast.expr:
+        node.args = [self._visited(each) for each in node.args]
+        for keyword in node.keywords:
+            keyword.value = self._visited(keyword.value)
+        return node
+
+
+def stamp_of_time(instant: ast.expr, names: Names) -> ast.expr:
+    """Returns the expression of the bits of a TimeStamp of JAUS.
+
+    Args:
+        instant: The expression of the instant.
+        names: The names that it may use.
+    """
+    root, path = chain_of(instant)
+    if root in names.roots:
+        return _call("stamps.bits_of", *names.roots[root].parts(path, ("sec", "nanosec")))
+    found = lowered(instant, names)
+    if chain_of(found)[0]:
+        parts = (ast.Attribute(found, each, ast.Load()) for each in ("sec", "nanosec"))
+        return _call("stamps.bits_of", *parts)
+    return _call("stamps.bits_of", ast.Starred(found, ast.Load()))
+
+
+def _inlined(function: str, node: ast.Call) -> ast.expr:
+    """A conversion as the arithmetic that it consists of, or as it is."""
+    formula = CONVERSIONS[function].formula if function in CONVERSIONS else ""
+    twice = any(formula.count(f"{{{index}}}") > 1 for index in range(len(node.args)))
+    if not formula or (twice and not all(isinstance(each, ast.Name) for each in node.args)):
+        return node
+    names = [f"argument_{index}" for index in range(len(node.args))]
+    expression = ast.parse(formula.format(*names), mode="eval").body
+    found = _Arguments(dict(zip(names, node.args, strict=True))).visit(expression)
+    return found if isinstance(found, ast.expr) else node
+
+
+class _Arguments(ast.NodeTransformer):
+    """Puts arguments in the place of names."""
+
+    def __init__(self, arguments: Mapping[str, ast.expr]) -> None:
+        self._arguments = arguments
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        """The argument that a name stands for."""
+        return self._arguments.get(node.id, node)
+
+
+def _inlined_arithmetic(function: str, node: ast.Call) -> ast.expr:
+    """A function of expressions as the arithmetic that it consists of, or as it is."""
+    match function, node.args:
+        case "divide", [dividend, ast.Constant(value=float() as divisor)] if divisor:
+            return ast.BinOp(dividend, ast.Div(), ast.Constant(divisor))
+        case "direction", [y, x]:
+            return _call("math.atan2", y, x)
+        case "length", [x, y]:
+            return _call("math.hypot", x, y)
+        case "magnitude", [value]:
+            return _call("abs", value)
+    return node
