@@ -36,6 +36,7 @@ PUBLIC = {
     public.MESSAGES,
     public.CONVERSIONS,
     public.ARITHMETIC,
+    public.ROTATIONS,
     public.STAMPS,
     public.WIRE,
     public.LIGHT,

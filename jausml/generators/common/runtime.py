@@ -26,6 +26,8 @@ ARITHMETIC = f"{CONVERSIONS}.arithmetic"
 """Functions of expressions."""
 LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
+ROTATIONS = f"{CONVERSIONS}.rotations"
+"""Conversions of orientations on their parts."""
 STAMPS = f"{CONVERSIONS}.stamps"
 """Time stamps as the integers of their bits."""
 WIRE = f"{FACE}.wire"
@@ -48,5 +50,6 @@ def names() -> Mapping[str, Origin]:
         **offered(FACE, *ast.literal_eval(lists[0])),
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
+        "rotations": Origin(CONVERSIONS, "rotations"),
         "stamps": Origin(CONVERSIONS, "stamps"),
     }

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .numbers import clamp
+from . import rotations
 from .types import Angles, Quaternion
 
 if TYPE_CHECKING:
@@ -32,9 +32,6 @@ __all__ = [
     "orientation_if_known",
     "wrap_angle",
 ]
-
-# Closer to vertical than this, roll and yaw turn about the same axis.
-_VERTICAL = 1.0 - 1e-12
 
 
 def wrap_angle(value: float) -> float:
@@ -64,12 +61,12 @@ def orientation_if_known(orientation: QuaternionLike, variance: float) -> Quater
 
 def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Roll, pitch and yaw about forward-right-down axes to the orientation in forward-left-up."""
-    return _from_angles(roll, -pitch, -yaw)
+    return Quaternion(*rotations.frd_angles_to_flu_quaternion(roll, pitch, yaw))
 
 
 def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
     """Yaw about the down axis alone to the orientation in forward-left-up."""
-    return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
+    return Quaternion(*rotations.frd_yaw_to_flu_quaternion(yaw))
 
 
 def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
@@ -77,13 +74,9 @@ def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
-    sine = _sine_of_pitch(x, y, z, w)
-    if math.isnan(sine):
-        return math.nan
-    if abs(sine) > _VERTICAL:
-        return 0.0
-    return math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
+    return rotations.flu_quaternion_to_frd_roll(
+        orientation.x, orientation.y, orientation.z, orientation.w
+    )
 
 
 def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
@@ -91,8 +84,9 @@ def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    sine = _sine_of_pitch(orientation.x, -orientation.y, -orientation.z, orientation.w)
-    return math.asin(clamp(sine, -1.0, 1.0))
+    return rotations.flu_quaternion_to_frd_pitch(
+        orientation.x, orientation.y, orientation.z, orientation.w
+    )
 
 
 def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
@@ -100,14 +94,9 @@ def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
-    sine = _sine_of_pitch(x, y, z, w)
-    if math.isnan(sine):
-        return math.nan
-    if abs(sine) > _VERTICAL:
-        # Roll is taken as zero there, so that the three angles still give the orientation.
-        return math.atan2(-2 * (x * y - w * z), w * w - x * x + y * y - z * z)
-    return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    return rotations.flu_quaternion_to_frd_yaw(
+        orientation.x, orientation.y, orientation.z, orientation.w
+    )
 
 
 def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
@@ -115,11 +104,10 @@ def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
 
     A quaternion of length zero is no orientation: the results are not numbers.
     """
-    return Angles(
-        flu_quaternion_to_frd_roll(orientation),
-        flu_quaternion_to_frd_pitch(orientation),
-        flu_quaternion_to_frd_yaw(orientation),
+    parts = rotations.flu_quaternion_to_frd_angles(
+        orientation.x, orientation.y, orientation.z, orientation.w
     )
+    return Angles(*parts)
 
 
 def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Quaternion:
@@ -128,13 +116,12 @@ def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Q
     The angles are those of a forward-right-down body in north-east-down, the orientation that of
     the same body, as forward-left-up, in east-north-up.
     """
-    return _from_angles(roll, -pitch, math.pi / 2 - heading)
+    return Quaternion(*rotations.ned_angles_to_enu_quaternion(roll, pitch, heading))
 
 
 def ned_heading_to_enu_quaternion(heading: float) -> Quaternion:
     """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
-    half_yaw = (math.pi / 2 - heading) / 2
-    return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
+    return Quaternion(*rotations.ned_heading_to_enu_quaternion(heading))
 
 
 def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
@@ -143,11 +130,10 @@ def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
     The orientation is that of a forward-left-up body, the angles those of the same body, as
     forward-right-down. A quaternion of length zero gives what are no numbers.
     """
-    return Angles(
-        flu_quaternion_to_frd_roll(orientation),
-        flu_quaternion_to_frd_pitch(orientation),
-        enu_quaternion_to_ned_heading(orientation),
+    parts = rotations.enu_quaternion_to_ned_angles(
+        orientation.x, orientation.y, orientation.z, orientation.w
     )
+    return Angles(*parts)
 
 
 def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
@@ -155,25 +141,6 @@ def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
 
     A quaternion of length zero is no orientation: the result is not a number.
     """
-    # A yaw of zero points east there, which is a heading of a quarter turn.
-    return wrap_angle(math.pi / 2 + flu_quaternion_to_frd_yaw(orientation))
-
-
-def _from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """The rotation about x by roll, then about y by pitch, then about z by yaw."""
-    sr, cr = math.sin(roll / 2), math.cos(roll / 2)
-    sp, cp = math.sin(pitch / 2), math.cos(pitch / 2)
-    sy, cy = math.sin(yaw / 2), math.cos(yaw / 2)
-    return Quaternion(
-        x=sr * cp * cy - cr * sp * sy,
-        y=cr * sp * cy + sr * cp * sy,
-        z=cr * cp * sy - sr * sp * cy,
-        w=cr * cp * cy + sr * sp * sy,
+    return rotations.enu_quaternion_to_ned_heading(
+        orientation.x, orientation.y, orientation.z, orientation.w
     )
-
-
-def _sine_of_pitch(x: float, y: float, z: float, w: float) -> float:
-    squared_length = x * x + y * y + z * z + w * w
-    if squared_length == 0.0:
-        return math.nan
-    return 2 * (w * y - z * x) / squared_length

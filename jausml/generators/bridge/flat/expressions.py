@@ -13,12 +13,13 @@ from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
+from jausml.semantics.conversions.conversion import QUATERNION
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
-_MODULES = frozenset({"arithmetic", "conversions", "math", "stamps"})
+_MODULES = frozenset({"arithmetic", "conversions", "math", "rotations", "stamps"})
 _ERRORS = frozenset({"AbsentFieldError", "ConversionError"})
 
 
@@ -237,6 +238,20 @@ class _Lowering(ast.NodeTransformer):
         return node
 
 
+def parts_of(expression: ast.expr) -> ast.expr:
+    """Returns an expression of an object as one of its parts, where they need no object.
+
+    Args:
+        expression: What is lowered already.
+    """
+    if isinstance(expression, ast.Call):
+        module, function = chain_of(expression.func)
+        known = CONVERSIONS.get(function) if module == "conversions" else None
+        if known is not None and known.outputs == (QUATERNION,) and QUATERNION not in known.inputs:
+            return _call(f"rotations.{function}", *expression.args)
+    return expression
+
+
 def stamp_of_time(instant: ast.expr, names: Names) -> ast.expr:
     """Returns the expression of the bits of a TimeStamp of JAUS.
 
@@ -256,7 +271,15 @@ def stamp_of_time(instant: ast.expr, names: Names) -> ast.expr:
 
 def _inlined(function: str, node: ast.Call) -> ast.expr:
     """A conversion as the arithmetic that it consists of, or as it is."""
-    formula = CONVERSIONS[function].formula if function in CONVERSIONS else ""
+    known = CONVERSIONS.get(function)
+    if known is None:
+        return node
+    match node.args:
+        case [ast.Call(func=callee, args=parts)] if known.inputs == (QUATERNION,) and (
+            chain_of(callee) == ("conversions", "Quaternion")
+        ):
+            return _call(f"rotations.{function}", *parts)
+    formula = known.formula
     twice = any(formula.count(f"{{{index}}}") > 1 for index in range(len(node.args)))
     if not formula or (twice and not all(isinstance(each, ast.Name) for each in node.args)):
         return node

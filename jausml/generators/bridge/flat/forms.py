@@ -33,7 +33,7 @@ _ATTRIBUTE = re.compile(r"\bself\.(\w+)")
 _TAKEN = names_in(
     """
     arithmetic bridge connection conversions count data each error math offset order position
-    self size source stamps struct target transcode
+    rotations self size source stamps struct target transcode
     """
 )
 

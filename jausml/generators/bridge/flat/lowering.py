@@ -11,6 +11,7 @@ from jausml.generators.bridge.flat.expressions import (
     Names,
     chain_of,
     lowered,
+    parts_of,
     stamp_of_time,
     text_of,
 )
@@ -135,7 +136,8 @@ class Lowering:
             raise NotFlatError(f"{ast.unparse(place)} is no part of the target")
         places = [f"{path}.{part}" for part in _SETTERS[function]]
         variables = [self._variable(each) for each in places]
-        self._add(f"{', '.join(variables)} = {self._text(value)}")
+        parts = text_of(parts_of(lowered(value, self._names)))
+        self._add(f"{', '.join(variables)} = {parts}")
 
     # -- assignments -----------------------------------------------------------------------------
 
