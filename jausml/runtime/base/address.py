@@ -115,18 +115,18 @@ class JausAddress(int):
     def is_wildcard(self) -> bool:
         """Whether any part means "all"."""
         return (
-            self.subsystem == WILDCARD_SUBSYSTEM
-            or self.node == WILDCARD_NODE
-            or self.component == WILDCARD_COMPONENT
+            self >> 16 == WILDCARD_SUBSYSTEM
+            or self >> 8 & 0xFF == WILDCARD_NODE
+            or self & 0xFF == WILDCARD_COMPONENT
         )
 
     @property
     def is_concrete(self) -> bool:
         """Whether the address names one component: no wildcard and no reserved zero."""
         return (
-            0 < self.subsystem < WILDCARD_SUBSYSTEM
-            and 0 < self.node < WILDCARD_NODE
-            and 0 < self.component < WILDCARD_COMPONENT
+            0 < self >> 16 < WILDCARD_SUBSYSTEM
+            and 0 < self >> 8 & 0xFF < WILDCARD_NODE
+            and 0 < self & 0xFF < WILDCARD_COMPONENT
         )
 
     def matches(self, other: JausAddress) -> bool:

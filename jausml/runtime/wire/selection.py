@@ -24,9 +24,12 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
     if wanted is None:
         return report
     message_class: type = type(report)
+    names = optional_fields(message_class)
+    if not ~wanted & (1 << len(names)) - 1:
+        return report
     left_out = {
         name: None
-        for bit, name in enumerate(optional_fields(message_class))
+        for bit, name in enumerate(names)
         if not wanted >> bit & 1 and getattr(report, name) is not None
     }
     return replace(report, **left_out) if left_out else report  # type: ignore[type-var]

@@ -24,11 +24,23 @@ class Message:
         window: How many of its packets may be under way at once.
         latest: Time until which it is worth to begin with it.
         size: Bytes of its payload.
+        is_large: Whether it has several packets.
+        is_urgent: Whether it is sent at once, however much is under way.
         sent: How many of its packets were sent at least once.
         under_way: How many of these are not acknowledged yet.
     """
 
-    __slots__ = ("latest", "on_result", "packets", "sent", "size", "under_way", "window")
+    __slots__ = (
+        "is_large",
+        "is_urgent",
+        "latest",
+        "on_result",
+        "packets",
+        "sent",
+        "size",
+        "under_way",
+        "window",
+    )
 
     def __init__(self, packets: list[Packet], on_result: OnResult | None, window: int) -> None:
         self.packets = packets
@@ -36,18 +48,10 @@ class Message:
         self.window = window
         self.latest = math.inf
         self.size = sum([len(packet.payload) for packet in packets])
+        self.is_large = len(packets) > 1
+        self.is_urgent = packets[0].priority > Priority.STANDARD
         self.sent = 0
         self.under_way = 0
-
-    @property
-    def is_large(self) -> bool:
-        """Whether it has several packets."""
-        return len(self.packets) > 1
-
-    @property
-    def is_urgent(self) -> bool:
-        """Whether it is sent at once, however much is under way."""
-        return self.packets[0].priority > Priority.STANDARD
 
     @property
     def is_done(self) -> bool:
@@ -80,6 +84,11 @@ class Lane:
     def is_empty(self) -> bool:
         """Whether nothing waits and nothing is under way."""
         return not (self._large or self._singles or self._singles_under_way)
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is something whose turn may come."""
+        return bool(self._large or self._singles)
 
     @property
     def has_large(self) -> bool:

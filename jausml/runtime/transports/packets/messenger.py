@@ -12,7 +12,7 @@ from .bursts import Bursts
 from .carrier import Carrier, Origin, ReliableCarrier
 from .inbox import Inbox
 from .outbox import Outbox
-from .packet import AckNak, Packet, Priority
+from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .packetizer import Packetizer
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ class Messenger(Generic[Origin]):
         self._loop = loop
         self._transmit = carrier.transmit
         self.packetizer = Packetizer(settings.fragment_size)
+        self._longest = settings.fragment_size
         self._bursts = Bursts()
         self._outbox = Outbox(settings, loop, carrier)
         self._has_warned = False
@@ -84,6 +85,14 @@ class Messenger(Generic[Origin]):
         if len(payload) < MESSAGE_CODE_SIZE:
             raise ValueError("a payload begins with a message code of two bytes")
         payload = bytes(payload)
+        if (
+            len(payload) <= self._longest
+            and destination.is_concrete
+            and destination not in self.inbox.receivers
+        ):
+            asks = acknowledge and not self._is_reliable
+            self._send_one(source, destination, payload, priority, asks, on_result)
+            return
         refusal = self.packetizer.refusal(destination, len(payload))
         if refusal:
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
@@ -109,6 +118,26 @@ class Messenger(Generic[Origin]):
             self._send_all(packets, on_result)
         if count > _HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
+
+    def _send_one(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        priority: Priority,
+        asks: bool,  # noqa: FBT001 - one caller
+        on_result: OnResult | None,
+    ) -> None:
+        """Send what most messages are: one packet to one component of another process."""
+        number = next(self.packetizer.numbers(source)) & 0xFFFF
+        wanted = AckNak.REQUESTED if asks else AckNak.NONE
+        packet = Packet(
+            destination, source, payload, number, priority, Broadcast.NONE, wanted, DataFlags.SINGLE
+        )
+        if asks:
+            self._outbox.send([packet], on_result)
+        else:
+            self._send_all([packet], on_result)
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
         """Deliver to components of this process, in the next round of the loop."""

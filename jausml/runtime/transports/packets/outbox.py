@@ -128,10 +128,11 @@ class Outbox:
             is_done = message.is_done
             if is_done:
                 self._forget(message, lane)
-            ready = [] if lane.is_empty else self._take_off(lane, destination)
-        if is_done:
+            ready = self._take_off(lane, destination) if lane.waits else ()
+        if is_done and message.on_result is not None:
             self._report(message, acknowledged=True)
-        self._transmit(ready)
+        for packet in ready:
+            self._carrier.transmit(packet)
         return True
 
     def close(self) -> None:
@@ -194,7 +195,8 @@ class Outbox:
 
     def _forget(self, message: Message, lane: Lane) -> None:
         lane.remove(message)
-        self._drop(message)
+        self._messages.discard(message)
+        self._size -= message.size
 
     def _drop(self, message: Message) -> None:
         self._messages.discard(message)

@@ -53,6 +53,9 @@ class Sender(Carrier[Endpoint]):
     def transmit(self, packet: Packet) -> bool:
         """Put a packet on the network, where its destination is or may be."""
         destination = packet.destination
+        entry = self._book.learnt.get(destination)
+        if entry is not None and self._loop.now() - entry.heard < self._book.lifetime:
+            return self.put(packet.encode(), entry.endpoint)
         if destination.is_wildcard:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
             return self.put(packet.encode(), self._port.group)
