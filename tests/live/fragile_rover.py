@@ -7,7 +7,7 @@ from rover.rover import Rover
 
 
 class FragileRover(Rover):
-    """Dies of a top speed of 20 m/s, and shuts ROS down at 30 m/s."""
+    """Dies of a top speed of 20 m/s, leaves at the next command at 25, shuts ROS down at 30."""
 
     @property
     def max_speed(self) -> float:
@@ -20,6 +20,11 @@ class FragileRover(Rover):
         if value == 30.0:
             self.ros._context.shutdown()
         self._max_speed = value
+
+    def translate_drive(self, source):
+        if self.max_speed == 25.0:
+            raise SystemExit("the owner has left")
+        return super().translate_drive(source)
 
 
 if __name__ == "__main__":

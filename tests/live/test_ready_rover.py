@@ -284,6 +284,17 @@ def test_error_on_the_thread_of_ros_ends_the_bridge(fragile):
     assert "RuntimeError: so fast no rover is" in log
 
 
+def test_exit_in_a_translation_ends_the_bridge(fragile):
+    """Translations run on the loop, without which nothing goes on."""
+    process = fragile.process
+    fragile.limit(25.0)
+    assert fragile.ended() == 1
+    fragile.stops()
+    log = process.log.read_text()
+    assert "the bridge ends: drive: the stop is sent" in log
+    assert "the owner has left" in log
+
+
 def test_end_of_ros_ends_the_bridge(fragile):
     """What publishes is gone too, so that the stop cannot reach ROS; JAUS learns of the end."""
     process = fragile.process

@@ -3,6 +3,7 @@ from __future__ import annotations
 import gc
 import socket
 import threading
+from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
 import pytest
@@ -233,6 +234,33 @@ def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop: Loop, clock, p
     loop.run_once(5)
     assert sorted(ran) == ["soon", "timer"]
     assert loop.counters.snapshot() == {"loop.callback_failed": 3}
+
+
+def test_what_would_end_the_thread_is_told_and_the_loop_goes_on(running: Loop) -> None:
+    """User code may raise SystemExit; a process whose loop is gone would be half alive."""
+    told: SimpleQueue[object] = SimpleQueue()
+    running.on_failure = told.put
+
+    def leave() -> None:
+        raise SystemExit(3)
+
+    running.call_soon(leave)
+    error = told.get(timeout=5)
+    assert isinstance(error, SystemExit)
+    running.call_soon(lambda: told.put("goes on"))
+    assert told.get(timeout=5) == "goes on"
+
+
+def test_what_would_end_the_thread_is_counted_unless_somebody_is_told(running: Loop) -> None:
+    done = threading.Event()
+
+    def leave() -> None:
+        raise SystemExit(3)
+
+    running.call_soon(leave)
+    running.call_later(0.01, done.set)
+    assert done.wait(5)
+    assert running.counters.drops() == {"loop.callback_failed": 1}
 
 
 @pytest.mark.parametrize("how", ["call_soon", "call_later", "register"])

@@ -55,6 +55,8 @@ class Loop:
         lock: Held while callbacks run; taken once for all callbacks of a turn.
         counters: Where failures are counted.
         now: Returns the time of the loop's clock in seconds.
+        on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
+            of user code; the loop goes on. Unless it is set, that is counted as what fails is.
     """
 
     def __init__(self, clock: Clock = time.monotonic, counters: Counters | None = None) -> None:
@@ -67,6 +69,7 @@ class Loop:
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
         self.now = clock
+        self.on_failure: Callable[[BaseException], object] = self._failed
         self._epoll = select.epoll()
         self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._epoll.register(self._wake_up, select.EPOLLIN)
@@ -203,7 +206,10 @@ class Loop:
 
     def _run(self) -> None:
         while not self._stopping:
-            self.run_once()
+            try:
+                self.run_once()
+            except BaseException as error:  # SystemExit of overridden methods too
+                self.on_failure(error)
         self._close()
 
     def _close(self) -> None:
@@ -252,7 +258,7 @@ class Loop:
             self._failed(error)
         return 1
 
-    def _failed(self, error: Exception) -> None:
+    def _failed(self, error: BaseException) -> None:
         self.counters.count("loop.callback_failed", repr(error), error=error)
 
     def _timer_cancelled(self) -> None:

@@ -147,6 +147,7 @@ def _configure(
 
 def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:
     with running_transport(transport) as network:
+        network.loop.on_failure = stop.fail
         try:
             bridge.open(node, network)
             bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))

@@ -47,6 +47,8 @@ def ros_classes(method: MethodT) -> MethodT:
 
 def transcoder_of(translate: Callable[..., Any]) -> TranscoderFactory | None:
     """Returns what makes the flat form of a translation; None when it has none."""
+    if hasattr(translate, "__wrapped__"):
+        return None  # the mark is that of the method which it wraps, and takes the attributes of
     factory: TranscoderFactory | None = getattr(translate, "transcoder", None)
     return factory
 

@@ -90,6 +90,7 @@ def run_component(
     stop = StopRequest()
     try:
         with stop.on_signals(), running_transport(transport_settings) as network:
+            network.loop.on_failure = stop.fail
             component = factory(network, arguments.jaus_id, behaviour)
             component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
             component.start()
