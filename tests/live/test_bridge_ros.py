@@ -95,7 +95,7 @@ def test_messages_come_with_the_lock_of_the_loop(node, peer, loop, waiting):
     publisher = peer.publisher(Float64, "heard")
     tested.start(pytest.fail)
     wait_for(lambda: publisher.publish(Float64(data=3.0)) or found, "message")
-    thread = {"listener": "jausml-loop", "wait-set": "ros-wait-set"}[waiting]
+    thread = {"listener": "jausml-loop", "wait-set": "ros-topics"}[waiting]
     assert found[0] == (3.0, True, thread)
 
 

@@ -80,8 +80,9 @@ class Rival(JausComponent):
 class System:
     """Both bridges, the node that drives, and what the topics of the vehicle carried."""
 
-    def __init__(self, path, logs):
+    def __init__(self, path, logs, waiting):
         self.path, self.logs, self.port = path, logs, free_port()
+        self.waiting = waiting
         self.running: dict[str, Process] = {}
         self.started = 0
         self.ros = RosPeer()
@@ -89,7 +90,7 @@ class System:
 
     def start(self, name):
         self.started += 1
-        line = ["-m", f"{name}.main", "--jaus-port", str(self.port)]
+        line = ["-m", f"{name}.main", "--jaus-port", str(self.port), "--ros-waiting", self.waiting]
         if name == "driver":
             line = [str(FOLDER / "stop_publisher.py"), *(f"in/{each}" for each in MAPS)]
         log = self.logs / f"{name}-{self.started}.log"
@@ -147,7 +148,7 @@ def moves(message):
 
 
 @pytest.fixture(scope="module")
-def system(tmp_path_factory):
+def system(tmp_path_factory, request):
     workspace = tmp_path_factory.mktemp("workspace")
     result = read_models([FOLDER / "stops.ros2jaus"], notations=NOTATIONS)
     for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
@@ -157,7 +158,8 @@ def system(tmp_path_factory):
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
-        started = System(packages_of(workspace), tmp_path_factory.mktemp("logs"))
+        waiting = getattr(request, "param", "automatic")
+        started = System(packages_of(workspace), tmp_path_factory.mktemp("logs"), waiting)
         yield started
         started.close()
 
@@ -290,3 +292,12 @@ def test_shutdown_of_the_vehicle(driven, rival):
     process.close()
     driven.stops()
     rival.leave()
+
+
+@pytest.mark.parametrize("system", ["wait-set"], indirect=True)
+@pytest.mark.parametrize(
+    ("name", "maps"), [("driver", STREAMED), ("station", MAPS)], ids=["driver", "station"]
+)
+def test_bridges_that_wait_with_a_wait_set_stop_too(driven, name, maps):
+    driven.end(name, signal.SIGKILL)
+    driven.stops(maps)

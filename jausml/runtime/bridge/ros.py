@@ -37,7 +37,7 @@ from .ros_listener import Listener, NoListenerError
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
 from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
 from .ros_taking import Subscription
-from .ros_wait_set import WaitSet
+from .ros_wait_set import WaitSets
 from .topics import Qos, TopicCounts
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ class RosNode:
             ParameterError: Only a listener would do, and there is none.
         """
         if self._waiting_name == "wait-set":
-            self._waiting = WaitSet(loop, self._context)
+            self._waiting = WaitSets(loop, self._context)
             return
         try:
             self._waiting = self._listener(loop)
@@ -204,7 +204,7 @@ class RosNode:
             if self._waiting_name == "listener":
                 raise parameters.ParameterError(f"--ros-waiting listener: {error}") from error
             LOGGER.warning("waiting for ROS with a wait set, which is slower: %s", error)
-            self._waiting = WaitSet(loop, self._context)
+            self._waiting = WaitSets(loop, self._context)
 
     def publisher(
         self,

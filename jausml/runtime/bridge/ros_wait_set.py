@@ -1,4 +1,9 @@
-"""Waits for ROS on a thread with a wait set of its own, where the middleware has no listeners."""
+"""Waits for ROS with wait sets on threads of their own, where the middleware has no listeners.
+
+Whoever waits with a wait set names all that it holds again in each round, so a round costs more
+with each topic. Events have a set of their own for that reason: they are as many as topics, and
+nothing is lost when one is late.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +14,16 @@ from .ros_internals import internals
 from .ros_taking import AT_ONCE, reader
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from ..base.loop import Loop
     from .ros_taking import Subscription
 
-    _Served = tuple[tuple[Any, Callable[[], object]], ...]
+    Read = Callable[[], object]
 
 
-class WaitSet:
-    """Serves topics and events on a thread, with the lock of the loop."""
+class WaitSets:
+    """Serves topics and events on threads, with the lock of the loop."""
 
     def __init__(self, loop: Loop, context: Any) -> None:
         """Waits for nothing yet.
@@ -27,93 +32,137 @@ class WaitSet:
             loop: The loop whose lock is held while something is served.
             context: The context of rclpy.
         """
-        self._loop = loop
-        self._context = context
-        with context.handle:
-            self._wake_up = internals.GuardCondition(context.handle)
-        self._subscriptions: list[tuple[Any, Callable[[], object]]] = []
-        self._events: list[tuple[Any, Callable[[], object]]] = []
-        self._thread: threading.Thread | None = None
-        self._is_closing = False
+        self._topics = _TopicSet(loop, context)
+        self._events = _EventSet(loop, context)
 
     def subscription(self, subscription: Subscription) -> None:
         """Takes the messages of a subscription, what waits already included."""
-        self._subscriptions.append((subscription.handle, reader(subscription, lambda: AT_ONCE)))
-        self._wake_up.trigger_guard_condition()
+        self._topics.add(subscription.handle, reader(subscription, lambda: AT_ONCE))
 
-    def event(self, event: Any, read: Callable[[], object]) -> None:
+    def event(self, event: Any, read: Read) -> None:
         """Runs `read` when an event has something to tell."""
-        self._events.append((event, read))
-        self._wake_up.trigger_guard_condition()
+        self._events.add(event, read)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
         """Begins to wait.
 
         Args:
-            fail: Told on the thread why nobody waits any more, unless this was closed.
+            fail: Told on a thread why nobody waits any more, unless this was closed.
         """
-        self._thread = threading.Thread(
-            target=self._run, args=[fail], name="ros-wait-set", daemon=True
-        )
+        self._topics.start(fail)
+        self._events.start(fail)
+
+    def close(self) -> None:
+        """Ends the threads; the handles may be destroyed then."""
+        self._topics.close()
+        self._events.close()
+
+
+class _ServedSet:
+    """A wait set, built once for what it holds, and the thread that waits with it."""
+
+    name: str
+
+    def __init__(self, loop: Loop, context: Any) -> None:
+        self._loop = loop
+        self._context = context
+        with context.handle:
+            self._wake_up = internals.GuardCondition(context.handle)
+        self._served: list[tuple[Any, Read]] = []
+        self._thread: threading.Thread | None = None
+        self._is_closing = False
+
+    def add(self, handle: Any, read: Read) -> None:
+        """Waits for one more, which is a subscription or an event."""
+        self._served.append((handle, read))
+        self._wake_up.trigger_guard_condition()
+
+    def start(self, fail: Callable[[BaseException], None]) -> None:
+        self._thread = threading.Thread(target=self._run, args=[fail], name=self.name, daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the thread; the handles may be destroyed then."""
         self._is_closing = True
         self._wake_up.trigger_guard_condition()
         if self._thread is not None:
             self._thread.join()
         self._wake_up.destroy_when_not_in_use()
-        self._subscriptions.clear()
-        self._events.clear()
+        self._served.clear()
 
     def _run(self, fail: Callable[[BaseException], None]) -> None:
         try:
             while not self._is_closing:
-                self._wait_for_changes()
+                self._wait_until_more(tuple(self._served))
         except BaseException as error:
             if not self._is_closing:
                 fail(error)
 
-    def _wait_for_changes(self) -> None:
-        """Waits with one wait set until something is added to it."""
-        subscriptions, events = tuple(self._subscriptions), tuple(self._events)
-        with self._context.handle:
-            wait_set = internals.WaitSet(
-                len(subscriptions), 1, 0, 0, 0, len(events), self._context.handle
-            )
+    def _wait_until_more(self, served: tuple[tuple[Any, Read], ...]) -> None:
+        """Serves with one wait set until there is more to wait for."""
+        wait_set = self._build(len(served))
+        handles = [handle for handle, _ in served]
+        reads = [read for _, read in served]
+        by_pointer = {handle.pointer: read for handle, read in served}
         try:
-            self._serve_all(wait_set, subscriptions, events)
+            while not self._is_closing and len(served) == len(self._served):
+                # rcl forgets what was not ready: all has to be named again.
+                wait_set.clear_entities()
+                wait_set.add_guard_condition(self._wake_up)
+                self._fill(wait_set, handles)
+                wait_set.wait(-1)
+                self._serve(self._ready(wait_set, reads, by_pointer))
         finally:
             wait_set.destroy_when_not_in_use()
 
-    def _serve_all(self, wait_set: Any, subscriptions: _Served, events: _Served) -> None:
-        readers = {handle.pointer: read for handle, read in subscriptions}
-        while (
-            not self._is_closing
-            and len(subscriptions) == len(self._subscriptions)
-            and len(events) == len(self._events)
-        ):
-            # rcl forgets what was not ready: all has to be named again.
-            wait_set.clear_entities()
-            wait_set.add_guard_condition(self._wake_up)
-            for handle, _ in subscriptions:
-                wait_set.add_subscription(handle)
-            for handle, _ in events:
-                wait_set.add_event(handle)
-            wait_set.wait(-1)
-            ready = [readers[each] for each in wait_set.get_ready_entities("subscription")]
-            ready += [
-                read for index, (_, read) in enumerate(events) if wait_set.is_ready("event", index)
-            ]
-            self._serve(ready)
-
-    def _serve(self, ready: list[Callable[[], object]]) -> None:
+    def _serve(self, ready: list[Read]) -> None:
         with self._loop.lock:
-            if self._is_closing:
-                return
-            for read in ready:
+            for read in ready if not self._is_closing else ():
                 try:
                     read()
                 except Exception as error:
                     self._loop.counters.count("loop.callback_failed", repr(error), error=error)
+
+    def _build(self, count: int) -> Any:
+        """Returns a wait set for so many, and for what wakes up."""
+        raise NotImplementedError
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        """Names what to wait for."""
+        raise NotImplementedError
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        """Returns what is to be served, after the wait."""
+        raise NotImplementedError
+
+
+class _TopicSet(_ServedSet):
+    name = "ros-topics"
+
+    def _build(self, count: int) -> Any:
+        with self._context.handle:
+            return internals.WaitSet(count, 1, 0, 0, 0, 0, self._context.handle)
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        add = wait_set.add_subscription
+        for handle in handles:
+            add(handle)
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        del reads
+        return [by_pointer[each] for each in wait_set.get_ready_entities("subscription")]
+
+
+class _EventSet(_ServedSet):
+    name = "ros-events"
+
+    def _build(self, count: int) -> Any:
+        with self._context.handle:
+            return internals.WaitSet(0, 1, 0, 0, 0, count, self._context.handle)
+
+    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
+        for handle in handles:
+            wait_set.add_event(handle)
+
+    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
+        del by_pointer
+        return [read for index, read in enumerate(reads) if wait_set.is_ready("event", index)]
