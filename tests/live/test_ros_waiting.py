@@ -257,6 +257,33 @@ def test_subscribers_of_a_publisher_are_counted_and_greeted(node, peer, topic):
     assert greeted == [1, 2]
 
 
+def test_many_endpoints_and_one_that_fails_do_not_hide_what_others_are_told(node, peer, topic):
+    """Events share descriptors: all of a group are read when one has something to tell."""
+    from std_msgs.msg import Float64
+
+    def fail():
+        raise RuntimeError("no greeting")
+
+    tested = node()
+    made = [
+        tested.publisher(Float64, Topic(f"{topic}_{number}"), fail if number == 0 else None)
+        for number in range(40)
+    ]
+    misfit = Topic(f"{topic}_misfit")
+    tested.subscribe(Float64, misfit, lambda *_: None)
+    tested.start(pytest.fail)
+    heard = [
+        peer.node.create_subscription(Float64, f"{topic}_{number}", lambda _: None, 10)
+        for number in range(0, 40, 2)
+    ]
+    expected = [1 - number % 2 for number in range(40)]
+    wait_for(lambda: [each.matched for each in made] == expected, "matches")
+    assert tested.faults(misfit, publishes=False) == []
+    for each in heard:
+        peer.node.destroy_subscription(each)
+    wait_for(lambda: not any(each.matched for each in made), "end of the matches")
+
+
 def test_bytes_and_objects_are_published_alike(node, peer, topic):
     from std_msgs.msg import Float32, Float64
 

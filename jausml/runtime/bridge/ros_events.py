@@ -47,10 +47,10 @@ def publisher_events(
     yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, _incompatible(health))
     # ROS waits for each event apart, so only for those that may come.
     if health.qos.deadline > 0:
-        missed = lambda _: health.note_missed_deadline()  # noqa: E731
+        missed = _more(health.note_missed_deadline)
         yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, missed)
     if health.qos.lease_duration > 0:
-        lost = lambda _: health.note_lost_liveliness()  # noqa: E731
+        lost = _more(health.note_lost_liveliness)
         yield from _event(handle, kinds.RCL_PUBLISHER_LIVELINESS_LOST, lost)
 
 
@@ -65,6 +65,8 @@ def subscription_events(
     """
 
     def liveliness(state: Any) -> None:
+        if not (state.alive_count_change or state.not_alive_count_change):
+            return
         if state.alive_count > 0:
             health.note_liveliness()
         elif state.not_alive_count > 0:
@@ -74,7 +76,7 @@ def subscription_events(
     found = _incompatible(health)
     yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, found)
     if health.qos.deadline > 0:
-        missed = lambda _: health.note_missed_deadline()  # noqa: E731
+        missed = _more(health.note_missed_deadline)
         yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, missed)
     if health.qos.lease_duration > 0:
         yield from _event(handle, kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, liveliness)
@@ -96,7 +98,19 @@ def _event(handle: Any, kind: Any, tell: Told) -> Iterator[tuple[Any, Callable[[
     yield event, read
 
 
+def _more(note: Callable[[], None]) -> Told:
+    """Notes what happened since the last time; an event may be read when nothing did."""
+
+    def tell(state: Any) -> None:
+        if state.total_count_change > 0:
+            note()
+
+    return tell
+
+
 def _incompatible(health: EndpointHealth) -> Told:
-    return lambda state: health.note_incompatible(
-        str(qos_policy_name_from_kind(state.last_policy_kind))
-    )
+    def tell(state: Any) -> None:
+        if state.total_count_change > 0:
+            health.note_incompatible(str(qos_policy_name_from_kind(state.last_policy_kind)))
+
+    return tell

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 ON_MESSAGE = "rcl_subscription_set_on_new_message_callback"
 ON_EVENT = "rcl_event_set_callback"
 
+EVENTS_TOGETHER = 16
+"""Events that share an eventfd; all of them are read when one has something to tell."""
+
 _MACHINES = ("x86_64", "aarch64")
 
 
@@ -49,6 +52,8 @@ class Listener:
         self._loop = loop
         self._callback, self._on_message, self._on_event = _functions()
         self._unset: list[Callable[[], int]] = []
+        self._events: list[Callable[[], object]] = []
+        self._events_number = -1
         self._ready: dict[int, Callable[[], object]] = {}
         self._is_started = False
 
@@ -62,28 +67,35 @@ class Listener:
         Raises:
             NoListenerError: It does not, or rclpy gives no pointers.
         """
-        for function, handle in ((self._on_message, subscription), (self._on_event, event)):
-            number = self._listen(function, handle)
-            function(handle.pointer, None, None)
+        number = _eventfd()
+        try:
+            for function, handle in ((self._on_message, subscription), (self._on_event, event)):
+                self._listen(function, handle, number)
+        finally:
+            self._unset_all()
             os.close(number)
 
     def subscription(self, subscription: Subscription) -> None:
         """Takes the messages of a subscription on the loop, what waits already included."""
-        number = self._listen(self._on_message, subscription.handle)
+        number = _eventfd()
         read = reader(
             subscription, partial(os.eventfd_read, number), partial(os.eventfd_write, number)
         )
-        self._keep(number, read, partial(self._on_message, subscription.handle.pointer, None, None))
+        self._keep(number, read)
+        self._listen(self._on_message, subscription.handle, number)
 
     def event(self, event: Any, read: Callable[[], object]) -> None:
-        """Runs `read` on the loop when an event has something to tell."""
-        number = self._listen(self._on_event, event)
+        """Runs `read` on the loop when an event has something to tell, and now and then besides.
 
-        def on_readable() -> None:
-            os.eventfd_read(number)
-            read()
-
-        self._keep(number, on_readable, partial(self._on_event, event.pointer, None, None))
+        Some events share an eventfd: they are rare, and a process may have 1024 descriptors.
+        """
+        if len(self._events) % EVENTS_TOGETHER == 0:
+            self._events = []
+            self._events_number = _eventfd()
+            read_all = partial(self._read_events, self._events_number, self._events)
+            self._keep(self._events_number, read_all)
+        self._events.append(read)
+        self._listen(self._on_event, event, self._events_number)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
         """Begins to serve what was registered so far.
@@ -103,26 +115,39 @@ class Listener:
             for number in self._ready:
                 self._loop.unregister(number)
         # First the callbacks: a number that is closed may soon be that of something else.
-        for unset in self._unset:
-            unset()
+        self._unset_all()
         for number in self._ready:
             os.close(number)
         self._ready.clear()
+
+    def _unset_all(self) -> None:
+        for unset in self._unset:
+            unset()
         self._unset.clear()
 
-    def _listen(self, function: Any, handle: Any) -> int:
-        number = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+    def _listen(self, function: Any, handle: Any, number: int) -> None:
+        """Makes the middleware write to an eventfd."""
         code = function(handle.pointer, self._callback, number)
         if code != 0:
-            os.close(number)
             raise NoListenerError(f"{function.__name__} gives {code}")
-        return number
+        self._unset.append(partial(function, handle.pointer, None, None))
 
-    def _keep(self, number: int, read: Callable[[], object], unset: Callable[[], int]) -> None:
+    def _keep(self, number: int, read: Callable[[], object]) -> None:
         self._ready[number] = read
-        self._unset.append(unset)
         if self._is_started:
             self._loop.register(number, read)
+
+    def _read_events(self, number: int, events: list[Callable[[], object]]) -> None:
+        os.eventfd_read(number)
+        for read in events:
+            try:
+                read()
+            except Exception as error:
+                self._loop.counters.count("loop.callback_failed", repr(error), error=error)
+
+
+def _eventfd() -> int:
+    return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
 
 def _functions() -> tuple[ctypes.c_void_p, Any, Any]:
