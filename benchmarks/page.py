@@ -292,12 +292,10 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
     if "footprint" in sections:
         yield "## Start, memory, code\n"
         yield (
-            "From the start of the process, imports included, until a bridge answers on JAUS, "
-            "when its topics are there too,"
-            "and until the first message is through to a subscriber on ROS: that DDS finds it "
-            "takes between some"
-            "milliseconds and three seconds, whatever the program is. Medians; processor time is "
-            "that until then.\n"
+            "From the start of the process, imports included, until a bridge answers on JAUS, when "
+            "its topics are there too, and until the first message is through to a subscriber on "
+            "ROS: that DDS finds it takes between some milliseconds and three seconds, whatever "
+            "the program is. Medians; processor time is that until then.\n"
         )
         rows = []
         for count, variants in _counted(sections["footprint"]):

@@ -10,7 +10,14 @@ from xml.sax.saxutils import escape
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-_COLOURS = ("#2b5f8f", "#a9730f", "#8a8a8a", "#3f7a2a")
+_COLOURS = {
+    "floor": "#3f7a2a",
+    "generated": "#2b5f8f",
+    "flat": "#2b5f8f",
+    "light": "#7fb0dd",
+    "typed": "#a9730f",
+    "generic": "#8a8a8a",
+}
 _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 760, 170, 60, 64, 34
 _BAR, _GAP, _PANEL_GAP = 11, 10, 28
 _PLAIN = (1, 2, 5)
@@ -65,7 +72,7 @@ def bars(
             for number, each in enumerate(series):
                 value = row.get(each)
                 if value is not None:
-                    parts += plot.bar(y + number * _BAR, value, _COLOURS[number])
+                    parts += plot.bar(y + number * _BAR, value, _COLOURS[each])
             y += row_height
     if mark is not None:
         x = plot.x(mark)
@@ -116,8 +123,8 @@ def _head(title: str, series: Sequence[str], height: float) -> list[str]:
         f'<text class="h" x="12" y="20" font-size="14">{escape(title)}</text>',
     ]
     x = 12.0
-    for number, each in enumerate(series):
-        parts.append(f'<rect x="{x:g}" y="34" width="10" height="10" fill="{_COLOURS[number]}"/>')
+    for each in series:
+        parts.append(f'<rect x="{x:g}" y="34" width="10" height="10" fill="{_COLOURS[each]}"/>')
         parts.append(f'<text x="{x + 15:g}" y="43">{escape(each)}</text>')
         x += 40 + 7 * len(each)
     return parts

@@ -37,6 +37,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 DATA = HERE / "results.json"
 PAGE = ROOT / "docs" / "performance.md"
+FORMAT = 1
+"""Version of the data; figures of another one are not kept."""
+
 LOOKS = ROOT / "build" / "benchmarks"
 """Where runs go that are not full."""
 
@@ -112,9 +115,10 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def _measured(names: Sequence[str], scale: Scale, data_file: Path) -> dict[str, Any]:
     """Runs sections one after the other; the data is stored after each."""
-    data: dict[str, Any] = {"sections": {}, "failed": {}}
+    data: dict[str, Any] = {"format": FORMAT, "sections": {}, "failed": {}}
     if len(names) < len(NAMES) and data_file.exists():
-        data = json.loads(data_file.read_text(encoding="utf-8"))
+        stored = json.loads(data_file.read_text(encoding="utf-8"))
+        data = stored if stored.get("format") == FORMAT else data
     data.update(scale=scale.name, machine=machine())
     data_file.parent.mkdir(parents=True, exist_ok=True)
     for section in (each for each in SECTIONS if each.name in names):
