@@ -8,7 +8,7 @@ from jausml.runtime.bridge.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime
 from jausml.runtime.transports.packets.packet import Priority
 
-from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, minutes
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, minutes, safe
 
 
 def test_one_translation_serves_every_peer(world, setting):
@@ -129,3 +129,55 @@ def test_connections_may_feed_one_report(world, setting):
         setting.ros.deliver[topic](Number(value))
         (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
         assert report.time_stamp.minutes == value
+
+
+# ------------------------------------------------------------------ who gets what, and when
+
+
+def obeying_peer(world, address, received):
+    """A component that obeys in Ready, and keeps what it is told."""
+    tested = world.component(str(address), services=CORE)
+    take = lambda message, _: received.append((address, message.time_stamp.minutes))  # noqa: E731
+    tested.handle(SetTime, take, when=Guard.READY)
+    tested.start()
+    return tested
+
+
+def test_peers_get_messages_while_they_obey(world, setting):
+    """One that does not obey costs the others nothing, and has its messages again afterwards."""
+    received = []
+    other = obeying_peer(world, OTHER, received)
+    connection = setting.open(command(control=Guard.READY, peers=[PEER, OTHER]))
+    world.run(5.0)
+    setting.ros.deliver["numbers"](Number(1.0))
+    world.settle()
+    assert received == [(OTHER, 1)]
+    assert setting.drops(connection) == {"not_ready": 1}
+    peer = obeying_peer(world, PEER, received)
+    world.run(10.0)
+    setting.ros.deliver["numbers"](Number(2.0))
+    world.settle()
+    assert sorted(received[1:]) == [(PEER, 2), (OTHER, 2)]
+    other.stop()
+    world.run(1.0)
+    setting.ros.deliver["numbers"](Number(3.0))
+    world.settle()
+    assert received[3:] == [(PEER, 3)]
+    assert setting.drops(connection) == {"not_ready": 2}
+    assert connection.statistics.passed == 3
+    peer.stop()
+
+
+def test_a_translation_that_halts_the_bridge_has_the_stop_as_its_last_word(world, setting):
+    peer = world.probe(str(PEER))
+
+    def translate(source):
+        if source.data == 9.0:
+            setting.bridge.component.fail("the translation says so")
+        return minutes(int(source.data))
+
+    connection = setting.open(command(translate=translate, is_command=True, safe_value=safe))
+    for value in (5.0, 6.0, 9.0, 7.0):
+        setting.ros.deliver["numbers"](Number(value))
+    assert peer.take() == [minutes(0), minutes(5), minutes(6), minutes(0)]
+    assert setting.drops(connection) == {"not_ready": 2}
