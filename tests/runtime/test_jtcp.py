@@ -21,6 +21,7 @@ from jausml.runtime.transports.packets.packet import (
     Broadcast,
     DataFlags,
     Packet,
+    Priority,
     parse_datagram,
 )
 from jausml.runtime.transports.tcp import jtcp
@@ -144,6 +145,17 @@ class TestStream:
         assert packets == [
             Packet(PEER, DRIVER, STATUS, first + count & 0xFFFF) for count in range(3)
         ]
+
+    def test_a_prepared_sender_sends_the_same(self, tcp, host):
+        here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
+        send = here.transport.sender(DRIVER, PEER, Priority.HIGH)
+        for number in range(3):
+            send(STATUS + bytes([number]))
+        stream = host.accept()
+        assert stream.read(1) == b"\x02"
+        packets = [stream.receive() for _ in range(3)]
+        assert [packet.payload[-1] for packet in packets] == [0, 1, 2]
+        assert {packet.priority for packet in packets} == {Priority.HIGH}
 
     def test_a_peer_that_connects_is_answered_over_its_connection(self, tcp, host, wait_until):
         here = tcp().attach(DRIVER, SENSOR)

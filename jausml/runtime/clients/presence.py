@@ -24,7 +24,7 @@ class Presence:
     """When each component that is waited for has sent its last message, of whatever kind.
 
     Attributes:
-        heard: By component when that was.
+        heard: By component when that was; kept by who takes the messages.
     """
 
     def __init__(self, loop: Loop) -> None:
@@ -52,15 +52,10 @@ class Presence:
             self._on_return.pop(address, None)
             self.heard.pop(address, None)
 
-    def note(self, address: JausAddress) -> None:
-        """Note that a component has sent a message; without effect if it is not waited for."""
-        last = self.heard.get(address)
-        if last is None:
-            return
-        now = self.heard[address] = self._loop.now()
-        if now - last > SILENCE:
-            for action in self._on_return[address]:
-                self._loop.call_soon(action)  # what the message says comes first
+    def returned(self, address: JausAddress) -> None:
+        """Tell who waits for a component that it speaks again, after what its message says."""
+        for action in self._on_return[address]:
+            self._loop.call_soon(action)
 
     def heard_since(self, address: JausAddress, when: float) -> bool:
         """Tell whether a component that is waited for has sent a message since a time."""

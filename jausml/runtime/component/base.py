@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.clients import Clients
+from ..clients.presence import SILENCE
 from ..services.core import CoreServices
 from ..services.definitions import (
     CORE,
@@ -418,11 +419,15 @@ class ComponentBase(ComponentHooks):
     def _jaus_dispatcher(self) -> Take:
         """Return what takes every message for the component, payload and sender."""
         takers, unknown = self._jaus_router.takers, self._jaus_router.unknown
-        heard, note = self._jaus_clients.presence.heard, self._jaus_clients.presence.note
+        heard, returned = self._jaus_clients.presence.heard, self._jaus_clients.presence.returned
+        clock = self.loop.now
 
         def take(payload: bytes, sender: JausAddress) -> None:
-            if sender in heard:
-                note(sender)
+            last = heard.get(sender)
+            if last is not None:
+                now = heard[sender] = clock()
+                if now - last > SILENCE:
+                    returned(sender)
             code = payload[0] | payload[1] << 8
             for act in takers.get(code, unknown):
                 act(payload, sender)

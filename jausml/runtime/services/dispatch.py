@@ -231,7 +231,7 @@ class Router:
                 self._count_failure(action, error)
             elapsed = clock() - started
             if elapsed > LONGEST_CALL:
-                self._watch_duration(action, elapsed)
+                self._count_blocked(action, elapsed)
 
         return take
 
@@ -256,7 +256,7 @@ class Router:
                 self._count_failure(function, error)
             elapsed = clock() - started
             if elapsed > LONGEST_CALL:
-                self._watch_duration(function, elapsed)
+                self._count_blocked(function, elapsed)
 
         return take
 
@@ -275,7 +275,9 @@ class Router:
             self._count_failure(function, error)
             return False, None
         finally:
-            self._watch_duration(function, time.monotonic() - started)
+            elapsed = time.monotonic() - started
+            if elapsed > LONGEST_CALL:
+                self._count_blocked(function, elapsed)
 
     def _deliver(
         self,
@@ -318,9 +320,8 @@ class Router:
         name = _name_of(function)
         self._counters.count("component.handler_failed", f"{name}: {error!r}", error=error)
 
-    def _watch_duration(self, function: Callable[..., Any], seconds: float) -> None:
-        if seconds > LONGEST_CALL:
-            self._counters.count(
-                "component.handler_blocked",
-                f"{_name_of(function)} took {seconds:.1f} s; nothing was received meanwhile",
-            )
+    def _count_blocked(self, function: Callable[..., Any], seconds: float) -> None:
+        self._counters.count(
+            "component.handler_blocked",
+            f"{_name_of(function)} took {seconds:.1f} s; nothing was received meanwhile",
+        )

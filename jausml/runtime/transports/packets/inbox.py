@@ -171,11 +171,20 @@ class Inbox(Generic[Origin]):
 
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
         """Hand a whole message to components."""
-        message = ReceivedMessage(
-            packet.source, packet.destination, packet.payload, packet.priority, packet.sequence
-        )
+        message = None
         for address, receive in receivers:
+            take = self.takers.get(address)
             try:
+                if take is not None:
+                    take(packet.payload, packet.source)
+                    continue
+                message = message or ReceivedMessage(
+                    packet.source,
+                    packet.destination,
+                    packet.payload,
+                    packet.priority,
+                    packet.sequence,
+                )
                 receive(message)
             except Exception as error:  # one component must not silence the others
                 self.count_failure(address, error)
