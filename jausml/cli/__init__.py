@@ -30,6 +30,8 @@ VERBS = {
     "decode": "Show JAUS messages: from hex, from captures, or live.",
     "encode": "Turn messages in JSON into hex.",
     "ocu": "Operate running JAUS components of any make.",
+    "ping": "Measure round trips to a running component.",
+    "latency": "Measure rate, age and round trip of the reports of a running system.",
     "conformance": "Check the conformance of a running component.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",

@@ -18,7 +18,7 @@ from jausml.runtime.services.definitions import Status
 from jausml.runtime.wire.message import EncodeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.peers.heard import Heard
@@ -144,6 +144,62 @@ class Asker:
             retries=attempts - 1,
         )
         return _Question(pending, answers)
+
+    def first_answered(
+        self, target: JausAddress, questions: Sequence[tuple[Message, type[Message]]]
+    ) -> int | None:
+        """Asks several questions at once and returns the index of the first that is answered.
+
+        After one answer those of the questions before it are waited for only briefly.
+
+        Args:
+            target: The component.
+            questions: Queries with the classes of their reports.
+
+        Returns:
+            The index; None when none of them is answered.
+        """
+        asked = [self._begin(target, *each) for each in questions]
+        while not any(each.is_over for each in asked):
+            time.sleep(POLL)
+        found = (i for i, each in enumerate(asked) if each.within(_SHORT_GRACE) is not None)
+        first = next(found, None)
+        for each in asked:
+            each.cancel()
+        return first
+
+    def round_trip(
+        self, target: JausAddress, query: Message, report_class: type[Message]
+    ) -> float | None:
+        """Asks once and returns the seconds until the answer; None when none comes in time.
+
+        JAUS queries have no number: an answer that comes too late counts for the next question.
+
+        Args:
+            target: The component.
+            query: The query.
+            report_class: Class of its report.
+
+        Raises:
+            EncodeError: The query's fields are wrong.
+        """
+        ends: SimpleQueue[float | None] = SimpleQueue()
+        begin = time.perf_counter()
+        pending = self._component.query(
+            target,
+            query,
+            report_class,
+            lambda _report, _sender: ends.put(time.perf_counter()),
+            on_failure=lambda: ends.put(None),
+            timeout=self.timeout,
+            retries=0,
+            payloads=True,
+        )
+        try:
+            end = ends.get()
+        finally:
+            pending.cancel()
+        return None if end is None else end - begin
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
         """Returns what a component, or the Discovery service of its subsystem, says it provides.
@@ -274,6 +330,10 @@ class _Question:
     def is_over(self) -> bool:
         """Whether the answer is there, or none came in time."""
         return not self._answers.empty()
+
+    def cancel(self) -> None:
+        """Asks no more."""
+        self._pending.cancel()
 
     def within(self, seconds: float | None) -> Any:
         """Returns the answer, or None when none comes in time; then it is asked no more."""

@@ -91,6 +91,39 @@ class Operator(Asker):
             lambda message, _: on_report(report, message.fields),
             rate=rate,
         )
+        return self._confirmed(target, subscription)
+
+    def watch_encoded(
+        self,
+        target: JausAddress,
+        exchange: tuple[MessageEntry, MessageEntry],
+        rate: float | None,
+        on_report: Callable[[bytes], None],
+    ) -> EventSubscription:
+        """Subscribes to a report by an event, to take it as it arrives, undecoded.
+
+        Args:
+            target: The component.
+            exchange: The query and the report.
+            rate: Reports each second; None means every change.
+            on_report: Takes the encoded report, on another thread.
+
+        Raises:
+            NoAnswer: The component does not confirm the event.
+        """
+        query, report = exchange
+        subscription = self._component.subscribe(
+            target,
+            self.message(query, full_query(query, report)),
+            message_class(report),
+            lambda payload, _: on_report(payload),
+            rate=rate,
+            payloads=True,
+        )
+        return self._confirmed(target, subscription)
+
+    def _confirmed(self, target: JausAddress, subscription: EventSubscription) -> EventSubscription:
+        """Returns a subscription once its event is confirmed."""
         end = time.monotonic() + self.timeout
         while not subscription.active:
             if time.monotonic() > end:

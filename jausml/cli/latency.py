@@ -1,0 +1,164 @@
+"""`jausml latency`: rate, age and round trip of the reports of a running system."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.messages import ModelFault, to_json
+from jausml.cli.operating import Settings, operator_options, remark, until_interrupted
+from jausml.live.peers.measuring import Stream, measure, offered_reports
+from jausml.live.peers.modelled import reports_of
+from jausml.live.peers.network import component_address
+from jausml.model import Severity, read_models
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.peers.spread import Spread
+    from jausml.runtime.base.address import JausAddress
+
+_HEAD = ("component", "report", "reports", "Hz", "jitter", "", "age", "", "query", "", "lost")
+_UNDER_HEAD = ("", "", "", "", "median", "p99", "median", "p99", "median", "p99", "")
+
+
+@click.command("latency")
+@click.argument("source", metavar="ID|MODEL")
+@click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
+@click.option(
+    "--duration",
+    type=click.FloatRange(0.1, 3600),
+    default=10.0,
+    show_default=True,
+    help="Seconds to measure.",
+)
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0, max=1092, min_open=True),
+    metavar="HZ",
+    help="Ask for so many reports each second; by default for one at every change.",
+)
+@click.option(
+    "--interval",
+    type=click.FloatRange(0.01, 3600),
+    default=0.5,
+    show_default=True,
+    help="Seconds from one query for a report to the next.",
+)
+@operator_options
+def command(
+    settings: Settings,
+    source: str,
+    messages: tuple[str, ...],
+    duration: float,
+    rate: float | None,
+    interval: float,
+) -> None:
+    """Measure the reports of the component ID, or those of all connections of a MODEL.
+
+    Each report is subscribed to and asked for. Shown are how many come each second, how far the
+    times between them are from their median (jitter), how old they are by their TimeStamp when
+    they come, which needs clocks that agree, and how long an answer to the query takes. Times are
+    in milliseconds.
+
+    MESSAGE is a report, its query, or what their names share: VelocityState. Without one it is
+    every report of the component that its services have, the core services apart.
+
+    Exit status: 0 measured, 1 a report did not come at all or a model has errors, 2 nobody answers
+    or an option is wrong, 3 internal error.
+    """
+    model, target = _meant(source)
+    if model and messages:
+        raise click.UsageError("MESSAGE goes with an ID; a MODEL says by itself what it carries")
+    if model:
+        settings = replace(settings, models=(*settings.models, source))
+    streams: list[Stream] = []
+    with settings.operator() as operator, until_interrupted():
+        if target is not None:
+            names = messages or offered_reports(operator, target)
+            wanted = [(target, each) for each in names]
+        else:
+            wanted = model
+        if not wanted:
+            raise click.UsageError(f"{source} has no report that could be measured")
+        streams = measure(operator, wanted, duration=duration, rate=rate, interval=interval)
+    _show(streams, as_json=settings.as_json)
+    if any(not each.arrivals and each.answers is None for each in streams) or not streams:
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
+    """Returns what the model carries, or the component that is meant."""
+    if not Path(source).is_file():
+        try:
+            return [], component_address(source)
+        except ValueError as error:
+            raise click.UsageError(f"{source} is no file, and no JAUS id: {error}") from error
+    try:
+        result = read_models([source], notations=NOTATIONS)
+    except OSError as error:
+        raise EnvironmentFault(f"{source}: {error.strerror or error}") from error
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if errors:
+        raise ModelFault(f"{source} has {len(errors)} errors; jausml validate shows them")
+    return reports_of(result.model), None
+
+
+def _show(streams: Sequence[Stream], *, as_json: bool) -> None:
+    for each in streams:
+        if each.fault:
+            remark(f"{each.component} {each.report.name}: no event: {each.fault}")
+    if as_json:
+        click.echo(to_json({"reports": [_as_json(each) for each in streams]}))
+        return
+    rows = [_HEAD, _UNDER_HEAD, *map(_row, streams)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = [
+            word.ljust(width) if index < 2 else word.rjust(width)
+            for index, (word, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        click.echo("  ".join(cells).rstrip())
+
+
+def _row(stream: Stream) -> tuple[str, ...]:
+    rate = "-" if stream.rate is None else f"{stream.rate:.2f}"
+    lost = sum(each is None for each in stream.round_trips)
+    return (
+        str(stream.component),
+        stream.report.name,
+        str(len(stream.arrivals)),
+        rate,
+        *_cells(stream.jitter),
+        *_cells(stream.ages),
+        *_cells(stream.answers),
+        f"{lost}/{len(stream.round_trips)}",
+    )
+
+
+def _cells(spread: Spread | None) -> tuple[str, str]:
+    if spread is None:
+        return "-", "-"
+    return f"{spread.median * 1e3:.3f}", f"{spread.p99 * 1e3:.3f}"
+
+
+def _as_json(stream: Stream) -> dict[str, Any]:
+    spreads = {"jitter": stream.jitter, "age": stream.ages, "query": stream.answers}
+    return {
+        "component": str(stream.component),
+        "report": stream.report.name,
+        "reports": len(stream.arrivals),
+        "rate": None if stream.rate is None else round(stream.rate, 4),
+        "queries": len(stream.round_trips),
+        "unanswered": sum(each is None for each in stream.round_trips),
+        "milliseconds": {
+            name: None if spread is None else spread.milliseconds()
+            for name, spread in spreads.items()
+        },
+        "fault": stream.fault or None,
+    }
