@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.counters import Counters
     from jausml.runtime.services.definitions import ServiceIdentity
-    from jausml.runtime.transports.delivery import ReceivedMessage
 
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64
@@ -51,17 +50,22 @@ class Heard:
         self._counters = counters
         self._last: dict[JausAddress, dict[int, bytes]] = {}
 
-    def note(self, message: ReceivedMessage) -> None:
-        """Remembers a message."""
-        if message.source not in self._last and len(self._last) >= _MOST_COMPONENTS:
+    def note(self, payload: bytes, source: JausAddress) -> None:
+        """Remembers a message.
+
+        Args:
+            payload: Message code and body.
+            source: Who sent it.
+        """
+        if source not in self._last and len(self._last) >= _MOST_COMPONENTS:
             return
-        known = self._last.setdefault(message.source, {})
+        known = self._last.setdefault(source, {})
         try:
-            code = read_code(message.payload)
+            code = read_code(payload)
         except DecodeError:
             return
         if code in known or len(known) < _MOST_MESSAGES:
-            known[code] = message.payload
+            known[code] = payload
 
     def of(self, source: JausAddress) -> bool:
         """Whether anything came from a component."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.network import Network
     from jausml.runtime import EventSubscription
     from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.transports.delivery import ReceivedMessage
+    from jausml.runtime.transports.delivery import Take
     from jausml.runtime.transports.transport import Transport
     from jausml.runtime.wire.message import Message
 
@@ -293,9 +293,14 @@ class _Listening(JausComponent):
     """A component that notes all that comes, also what no service of it takes."""
 
     def __init__(self, heard: Heard, transport: Transport, *arguments: Any, **others: Any) -> None:
-        super().__init__(transport, *arguments, **others)
         self._heard = heard
+        super().__init__(transport, *arguments, **others)
 
-    def _jaus_receive(self, received: ReceivedMessage) -> None:
-        self._heard.note(received)
-        super()._jaus_receive(received)
+    def _jaus_dispatcher(self) -> Take:
+        take, note = super()._jaus_dispatcher(), self._heard.note
+
+        def noting(payload: bytes, sender: JausAddress) -> None:
+            note(payload, sender)
+            take(payload, sender)
+
+        return noting
