@@ -154,13 +154,14 @@ def reader(
     names = {path: reading.value(path) for path in values}
     sequences = {path: reading.sequence(path) for path in lists}
     rows = {path: [sequences[path].element.value(inner) for inner in lists[path]] for path in lists}
-    lines = [*reading.lines(), "found = {}"]
+    lines = ["found = {}"]
     lines += [f"found[{path!r}] = {name}" for path, name in names.items()]
     for path, sequence in sequences.items():
         row = f"rows.append(({''.join(name + ', ' for name in rows[path])}))"
         inner = ["rows = []", *sequence.loop([row]), f"found[{path!r}] = rows"]
         lines += [f"if {sequence.count} is None:", f"    found[{path!r}] = None", "else:"]
         lines += ["    " + line for line in inner]
+    lines = [*reading.lines(), *lines]
     text = "\n".join(
         [
             *constants.lines,
@@ -281,7 +282,7 @@ def test_one_unpack_for_a_message_of_fields_of_fixed_size() -> None:
     assert reading.value("velocity_x") == "velocity_x"
     assert reading.lines()[:2] == [
         "try:",
-        "    presence, velocity_x = _LAYOUTS_1[data[2 : 4]].unpack(data)",
+        "    presence, velocity_x = _LAYOUTS_1[data[2:4]].unpack(data)",
     ]
     assert len(constants.lines) == 1
 

@@ -17,6 +17,7 @@ from jausml.generators.bridge.flat.cdr_layout import (
     leaves,
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 
@@ -82,6 +83,7 @@ class CdrSequenceReading:
     """
 
     def __init__(self, leaf: Many, scope: Scope) -> None:
+        self._scope = scope
         self.leaf = leaf
         self.items = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.count = f"len({self.items})"
@@ -89,14 +91,16 @@ class CdrSequenceReading:
         values: dict[str, Leaf] = {each.path: each for each in leaves if not isinstance(each, Many)}
         self.element = _Wanted(scope, values)
 
-    def loop(self, body: Sequence[str], index: str = "") -> Sequence[str]:
+    def loop(self, body: Sequence[str], index: str = "", most: str = "") -> Sequence[str]:
         """Returns the loop over the elements."""
-        targets = self.element.targets
-        head = f"for {targets} in {self.items}:"
-        if index:
-            row = targets if targets.startswith("(") else f"({targets})"
-            head = f"for {index}, {row} in enumerate({self.items}):"
-        return [head, *(f"{_STEP}{line}" for line in body)]
+        items = f"{self.items}[:{most}]" if most else self.items
+        lines = loop_over(items, self.element.targets, index, self._scope)
+        return [*lines, *(f"{_STEP}{line}" for line in body)]
+
+    def values(self) -> str:
+        """Returns the expression of a list of all elements."""
+        self.element.value("")
+        return f"[each[0] for each in {self.items}]"
 
     def vector(self) -> str:
         """Refuses what no end reads at once."""
@@ -332,7 +336,8 @@ class _Walk:
                 self._add(f"{items}.append({targets if targets[:1] == '(' else f'({targets})'})")
             return
         start = self._scope.claim("start")
-        self._add(f"{start} = {self._first(even)}")
+        first = self._first(even)
+        self._add(f"{start} = {first[1:-1] if first.startswith('((') else first}")
         tail = f" - ({even.tail} if count else 0)" if even.tail else ""
         self._place = _Place(start, 0, 1, 0)
         self._go_to(f"{start} + count * {even.stride}{tail}")

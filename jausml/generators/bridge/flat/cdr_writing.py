@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.flat.cdr_chunks import SIZES, Chunk, Start
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import bytes_literal
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
@@ -446,7 +447,7 @@ class _Walk:
         size, rows = SIZES[letter], sequence.rows
         if size > 4:
             self.lines += [
-                f"if len({rows}):",
+                f"if len({rows}) > 0:",
                 f"{INDENT}{self._out} += bytes(4 - len({self._out}) & 7)",
             ]
         packed = f"memoryview({rows})"
@@ -475,8 +476,8 @@ class _Walk:
         if not inner.chunk.ends_at(start):
             inner = self._elements(values, Start(1, 0))
         inner.flush()
-        targets = ", ".join(names[path] for path, _ in row) or "_"
-        self.lines.append(f"for {targets} in {sequence.rows}:")
+        targets = ", ".join(names[path] for path, _ in row)
+        self.lines += loop_over(sequence.rows, targets, "", self._scope)
         self.lines += [INDENT + line for line in inner.lines]
         self.chunk = Chunk(start if inner.chunk.ends_at(start) else Start(1, 0))
         if start.modulus == 8:

@@ -18,7 +18,10 @@ from jausml.semantics.conversions.conversion import QUATERNION
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.generators.bridge.flat.protocols import SequenceReading
+
 _BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
+_FUNCTIONS = frozenset({"by_name"})
 _MODULES = frozenset({"arithmetic", "conversions", "math", "rotations", "stamps"})
 _ERRORS = frozenset({"AbsentFieldError", "ConversionError"})
 
@@ -42,6 +45,18 @@ class SourceValues(Protocol):
     def parts(self, path: str, names: tuple[str, ...]) -> list[ast.expr]:
         """Returns the expressions of the fields of an object."""
 
+    def chosen(self, path: str, class_name: str) -> ast.expr:
+        """Returns the condition that an option of a variant was sent."""
+
+    def count(self, path: str) -> ast.expr:
+        """Returns the expression of the number of elements of a list."""
+
+    def elements(self, path: str) -> tuple[SequenceReading, SourceValues]:
+        """Returns what reads a list, and the values of an element."""
+
+    def inside(self, path: str) -> SourceValues:
+        """Returns the values of a part or of an element of a list."""
+
 
 @dataclass
 class Names:
@@ -54,6 +69,7 @@ class Names:
         constants: Those constants of the module that were used.
         roots: What stands for each object whose values are read, by its name.
         limits: The limits of the connection that are asked, each a key.
+        slices: The first elements of lists, by name: the list, and the variable of their number.
     """
 
     owner: str
@@ -63,6 +79,7 @@ class Names:
     constants: list[str] = field(default_factory=list)
     roots: dict[str, SourceValues] = field(default_factory=dict)
     limits: dict[str, None] = field(default_factory=dict)
+    slices: dict[str, tuple[ast.expr, str]] = field(default_factory=dict)
 
     def attribute(self, name: str) -> ast.expr:
         """Returns what stands for an attribute of the bridge until its name is known."""
@@ -175,7 +192,7 @@ class _Lowering(ast.NodeTransformer):
             return names.roots[node.id].expression("")
         if node.id in names.module and node.id not in names.constants:
             names.constants.append(node.id)
-        known = names.variables | names.module | _BUILTINS | _ERRORS | _MODULES
+        known = names.variables | names.module | _BUILTINS | _ERRORS | _MODULES | _FUNCTIONS
         if node.id not in known:
             raise NotFlatError(f"{node.id} is an object")
         return node
@@ -204,6 +221,13 @@ class _Lowering(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.AST:
         """Calls: conversions without objects, and those that are no more than arithmetic."""
         module, function = chain_of(node.func)
+        root, path = chain_of(node.args[0]) if node.args else ("", "")
+        if root in self._names.roots and module == "isinstance":
+            return self._names.roots[root].chosen(path, ast.unparse(node.args[1]))
+        if root in self._names.slices and module == "len":
+            return _named(self._names.slices[root][1])
+        if root in self._names.roots and module == "len":
+            return self._names.roots[root].count(path)
         if module == "conversions":
             known = CONVERSIONS.get(function)
             if known is not None and known.inputs == (TIME_STAMP,):

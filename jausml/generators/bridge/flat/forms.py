@@ -149,7 +149,7 @@ def _ends(
     if connection.direction.name == "jausToRos":
         taken = JausReading(message, constants, scope)
         made = CdrWriting(used.type, constants, scope)
-        return taken, made, JausValues(message, None, taken)
+        return taken, made, JausValues(taken)
     reading = CdrReading(used.type, constants, scope)
     writing = JausWriting(message, constants, scope)
     return reading, writing, RosValues(used.type, RosStart("source", used.type), reading)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
+from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import sliced
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
@@ -84,7 +85,7 @@ class _Surroundings:
     bits: dict[str, BitFieldClass]
 
 
-class _Reading:
+class PartReading:
     """What a message and an element of a list have in common.
 
     Args:
@@ -119,6 +120,10 @@ class _Reading:
         if not wanted.local:
             wanted.local = self._around.scope.claim(self._word(path))
         return wanted.local
+
+    def is_bit_field(self, path: str) -> bool:
+        """Tells whether a path leads to a whole bit field."""
+        return any(isinstance(each, Bits) for each in self._at(path))
 
     def sequence(self, path: str) -> JausSequence:
         """Asks for a list or array.
@@ -164,14 +169,14 @@ class _Reading:
         if not self._at(path):
             raise NotFlatError(f"{self._around.message.jaus_name} has no {path}")
         wanted = self._wanted
-        for step in [] if path == "." else _STEP.findall(path):
+        for step in [] if path in {"", "."} else _STEP.findall(path):
             wanted = wanted.inner.setdefault(step, _Wanted())
         return wanted
 
     def _at(self, path: str) -> list[object]:
         """Returns the values that a path leads to: one in each option that has it."""
         found: list[object] = [self._value or self._around.message.body]
-        for step in [] if path == "." else _STEP.findall(path):
+        for step in [] if path in {"", "."} else _STEP.findall(path):
             found = [inner for each in found for inner in self._inside(each, step)]
         return found
 
@@ -195,7 +200,7 @@ class _Reading:
         return []
 
 
-class JausReading(_Reading):
+class JausReading(PartReading):
     """Reads a JAUS message.
 
     Args:
@@ -248,6 +253,8 @@ class JausSequence:
         value: The list.
         begin: The variable of where the first element stands.
         end: The variable of where the last element ends.
+        uses_begin: Whether the first of these was used.
+        uses_end: Whether the second was.
     """
 
     def __init__(self, around: _Surroundings, value: ListValue | ArrayValue, name: str) -> None:
@@ -256,35 +263,52 @@ class JausSequence:
         self.count = around.scope.claim(f"{name}_count")
         self.begin = around.scope.claim(f"{name}_begin")
         self.end = around.scope.claim(f"{name}_end")
+        self.uses_begin = False
+        self.uses_end = False
         self.element = _Element(around, value.element, name)
 
-    def loop(self, body: Sequence[str], index: str = "") -> list[str]:
-        """Returns the loop over the elements.
+    def loop(self, body: Sequence[str], index: str = "", most: str = "") -> list[str]:
+        """Returns the loop over the elements; asked for before the lines of the message.
 
         Args:
             body: What is done with each.
             index: A variable that gets the position of the element; empty for none.
+            most: Variable of the number of elements that are gone through; empty for all.
         """
         around = self._around
         element = self.element.wanted
         position = index or "_"
         block = fixed_block(around, self.value.element, element)
         if block is not None and block.targets:
+            self.uses_begin, self.uses_end = True, self.uses_end or not most
             layout = block.layout(around.constants)
-            rows = f"{layout}.iter_unpack({around.data}[{self.begin}:{self.end}])"
-            targets = block.targets.strip("()")
-            head = f"for {targets} in {rows}:"
-            if index:
-                head = f"for {index}, ({targets}) in enumerate({rows}):"
-            return [head, *indented([*block.values(), *body])]
+            end = f"{self.begin} + {block.size} * {most}" if most else self.end
+            rows = f"{layout}.iter_unpack({around.data}[{self.begin} : {end}])"
+            lines = loop_over(rows, block.targets, index, around.scope)
+            return [*lines, *indented([*block.values(), *body])]
         offset = around.scope.claim("offset")
         walk = _Walk(around, offset, 0, is_checked=True)
         walk.value(self.value.element, element, self.element.name)
         walk.settle()
         reads = walk.lines if element.locals() else []
+        self.uses_begin = self.uses_begin or bool(reads)
         start = [f"{offset} = {self.begin}"] if reads else []
-        loop = f"for {position} in range({self.count}):"
+        loop = f"for {position} in range({most or self.count}):"
         return [*start, loop, *indented([*reads, *body])]
+
+    def values(self) -> str:
+        """Returns the expression of a list of all elements.
+
+        Raises:
+            NotFlatError: The elements are no numbers.
+        """
+        element = self.value.element
+        if not isinstance(element, Fixed) or isinstance(element, Bits):
+            raise NotFlatError("elements are no numbers")
+        self.uses_begin = self.uses_end = True
+        layout = self._around.constants.struct(f"<{element.format}")
+        items = f"{layout}.iter_unpack({self._around.data}[{self.begin} : {self.end}])"
+        return f"[{unpacked(element, 'each[0]')} for each in {items}]"
 
     def vector(self) -> str:
         """Returns the expression of all elements as they stand on the wire, at once.
@@ -297,6 +321,8 @@ class JausSequence:
         element = self.value.element
         if not isinstance(element, Fixed) or element.format.endswith("s"):
             raise NotFlatError("elements are no numbers")
+        self.uses_begin = True
+        self.uses_end = self.uses_end or element.format == "B"
         if element.format == "B":
             return f"{self._around.data}[{self.begin}:{self.end}]"
         kind = {"b": "i", "h": "i", "i": "i", "q": "i", "f": "f", "d": "f"}.get(element.format, "u")
@@ -304,7 +330,7 @@ class JausSequence:
         return f"numpy.frombuffer({self._around.data}, {dtype}, {self.count}, {self.begin})"
 
 
-class _Element(_Reading):
+class _Element(PartReading):
     """Reads an element of a list; its statements stand in the loop."""
 
     @property
@@ -505,8 +531,7 @@ class _Walk:
         self._take(inner)
 
     def _absent(self, wanted: _Wanted) -> list[str]:
-        names = wanted.locals()
-        return [" = ".join([*names, "None"])] if names else []
+        return [f"{name} = None" for name in wanted.locals()]
 
     def _deeper(self) -> _Walk:
         """Returns the walk through a block of statements in the present one."""
@@ -605,25 +630,33 @@ class _Walk:
         index = self._count("B", "index", wanted.child("index").local)
         local = wanted.child("value").local
         self.settle()
-        for position, each in enumerate(part.alternatives):
-            word = "elif" if position else "if"
-            self.lines.append(f"{word} {index} == {each.index}:")
+        inners = []
+        for each in part.alternatives:
             inner = self._deeper()
             inner.fixed(each.value, _Wanted(local), "value")
-            self._take(inner)
-        self.lines += [
-            "else:",
-            f"{INDENT}raise DecodeError({python_string(part.path)},"
-            f' f"index {{{index}}} names no type")',
-        ]
+            inners.append((each.index, inner))
+        self._choose(index, inners, part.path, f"index {{{index}}} names no type")
+
+    def _choose(self, choice: str, inners: list[tuple[int, _Walk]], where: str, no: str) -> None:
+        """Writes the statements of the choice that was sent, those that are alike once."""
+        bodies: dict[tuple[str, ...], list[int]] = {}
+        for number, inner in inners:
+            inner.settle()
+            self.may_fail |= inner.may_fail
+            bodies.setdefault(tuple(inner.lines) or ("pass",), []).append(number)
+        word = "if"
+        for body, numbers in bodies.items():
+            test = f"== {numbers[0]}" if len(numbers) == 1 else f"in {tuple(numbers)}"
+            self.lines += [f"{word} {choice} {test}:", *indented(body)]
+            word = "elif"
+        self.lines += ["else:", f'{INDENT}raise DecodeError({python_string(where)}, f"{no}")']
 
     def _variant(self, value: VariantValue, wanted: _Wanted) -> None:
         self.lines += self._absent(_Wanted("", wanted.inner))
         tag = self._count(value.tag_format, "tag", wanted.local)
         self.settle()
+        inners = []
         for position, option in enumerate(value.options):
-            word = "elif" if position else "if"
-            self.lines.append(f"{word} {tag} == {position}:")
             inner = self._deeper()
             of_option = {
                 member.attribute: wanted.inner[member.attribute]
@@ -631,12 +664,8 @@ class _Walk:
                 if member.attribute in wanted.inner
             }
             inner.value(option, _Wanted("", of_option), "")
-            self._take(inner)
-        self.lines += [
-            "else:",
-            f"{INDENT}raise DecodeError({python_string(value.python_type)},"
-            f' f"tag {{{tag}}} names no option")',
-        ]
+            inners.append((position, inner))
+        self._choose(tag, inners, value.python_type, f"tag {{{tag}}} names no option")
 
     # -- lists -----------------------------------------------------------------------------------
 
@@ -663,7 +692,7 @@ class _Walk:
         """Reads the elements that are wanted by themselves, and steps over all."""
         self.settle()
         sequence = wanted.sequence
-        if sequence is not None:
+        if sequence is not None and sequence.uses_begin:
             self.lines.append(f"{sequence.begin} = {self.at}")
         if wanted.indices:
             self._indexed(value, wanted, count)
@@ -676,13 +705,13 @@ class _Walk:
             inner.value(value.element, _Wanted(), "item")
             self.lines.append(f"for _ in range({count}):")
             self._take(inner)
-        if sequence is not None:
+        if sequence is not None and sequence.uses_end:
             self.lines.append(f"{sequence.end} = {self.at}")
 
     def _indexed(self, value: ListValue | ArrayValue, wanted: _Wanted, count: str) -> None:
         """Reads the elements that are wanted by their index, from the first on."""
         names = [name for inner in wanted.inner.values() for name in inner.locals()]
-        self.lines += self._absent(_Wanted("", wanted.inner)) if names else []
+        self.lines += [f"{name} = None" for name in names]
         offset = self._around.scope.claim("offset")
         lines = [f"{offset} = {self.at}"]
         margin = ""

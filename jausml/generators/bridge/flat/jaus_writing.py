@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from jausml.generators.python.names import Scope
 
 _STEP = " " * 4
+_MISFITS = "struct.error, TypeError, AttributeError, OverflowError"
 Value: TypeAlias = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
 _LETTERS = {1: "B", 2: "H", 4: "I", 8: "Q"}
 
@@ -150,7 +151,7 @@ class JausWriting(_Writing):
         return [
             "try:",
             *(f"{_STEP}{line}" for line in inner),
-            "except (struct.error, TypeError, AttributeError, OverflowError) as error:",
+            f"except ({_MISFITS}) as error:",
             f"{_STEP}raise EncodeError({name}, str(error)) from error",
         ]
 
@@ -161,6 +162,8 @@ class JausSequenceWriting:
     Attributes:
         value: Its layout.
         name: Local variable that has the bytes of all elements.
+        error: Local variable of the error of an element that does not fit. It is raised when the
+            message is put together, as a codec would: the elements behind it are translated first.
         element: Writes one element.
     """
 
@@ -174,11 +177,12 @@ class JausSequenceWriting:
     ) -> None:
         self.value = value
         self.name = name
-        self.element = _ElementWriting(message, value.element, name, constants, scope)
+        self.error = scope.claim(f"{name}_error")
+        self.element = _ElementWriting(message, value.element, self, constants, scope)
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""
-        return [f"{self.name} = []"]
+        return [f"{self.name} = []", f"{self.error} = None"]
 
     def append(self) -> Sequence[str]:
         """Returns the statements that add the element whose values are known."""
@@ -193,11 +197,16 @@ class _ElementWriting(_Writing):
     """Writes an element of a list."""
 
     def __init__(
-        self, message: MessageView, value: Value, name: str, constants: Constants, scope: Scope
+        self,
+        message: MessageView,
+        value: Value,
+        sequence: JausSequenceWriting,
+        constants: Constants,
+        scope: Scope,
     ) -> None:
         super().__init__(message, constants, scope)
         self._element = value
-        self._name = name
+        self._sequence = sequence
 
     def _root(self) -> Value:
         return self._element
@@ -205,15 +214,15 @@ class _ElementWriting(_Writing):
     def lines(self) -> Sequence[str]:
         """Returns the statements that add the bytes of the element to those of the list."""
         block = self._block()
-        block.value(self._element, "", self._name)
+        sequence = self._sequence
+        block.value(self._element, "", sequence.name)
         block.check_all_used()
-        inner = [*block.lines, f"{self._name}.append({joined(block.pieces, self._constants)})"]
-        name = python_string(self._message.jaus_name)
+        inner = [*block.lines, f"{sequence.name}.append({joined(block.pieces, self._constants)})"]
         return [
             "try:",
             *(f"{_STEP}{line}" for line in inner),
-            "except (struct.error, TypeError, AttributeError, OverflowError) as error:",
-            f"{_STEP}raise EncodeError({name}, str(error)) from error",
+            f"except (EncodeError, {_MISFITS}) as error:",
+            f"{_STEP}{sequence.error} = error",
         ]
 
 
@@ -406,6 +415,11 @@ class _Block:
         if found is None:
             self.pieces.append(Packed(value.count_format, "0"))
             return
+        text = f"EncodeError({python_string(attribute)}, str({found.error}))"
+        self.lines += [
+            f"if {found.error} is not None:",
+            f"{_STEP}raise {text} from {found.error}",
+        ]
         self.pieces.append(Packed(value.count_format, value.sized(found.name, attribute)))
         self.pieces.append(Bytes(f'b"".join({found.name})'))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.flat.errors import NotFlatError
@@ -21,9 +21,9 @@ from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
-    from jausml.generators.bridge.flat.protocols import Values
+    from jausml.generators.bridge.flat.protocols import SequenceWriting, Values
     from jausml.generators.python.names import Scope
 
 _STEP = " " * 4
@@ -60,6 +60,12 @@ class Lowering:
         self._writing = writing
         self._scope = scope
         self._target = target
+        # Objects that are made before they are put into a list of the target: their classes, and
+        # what writes them once the list is known.
+        self._made: dict[str, str] = {}
+        self._writings: dict[str, Values] = {}
+        self._last: list[Callable[[], Sequence[str]]] = []
+        self._sequences: dict[str, SequenceWriting] = {}
         self._places: dict[str, _Place] = {}
         self._own: set[str] = set()
         self._first: list[str] = []
@@ -78,8 +84,23 @@ class Lowering:
         self._block(statements)
         for path, place in self._places.items():
             conditional = place.can_be_none or not place.is_sure
-            self._writing.put(path, place.variable, conditional=conditional)
-        return [*self._first, *self._lines]
+            writing, inner = self._writing_of(path)
+            writing.put(inner, place.variable, conditional=conditional)
+        # What is in a list stands behind it, and is complete before it.
+        last = [line for lines in reversed(self._last) for line in lines()]
+        return [*self._first, *self._lines, *last]
+
+    def _writing_of(self, path: str) -> tuple[Values, str]:
+        """Returns what writes the object of a path, and the path in it."""
+        root, slash, inner = path.partition("/")
+        return (self._writings[root], inner) if slash else (self._writing, path)
+
+    def _target_path(self, node: ast.expr) -> str | None:
+        """Returns the path of a place in the target; None for other places."""
+        root, path = chain_of(node)
+        if root == self._target:
+            return path
+        return f"{root}/{path}" if root in self._writings else None
 
     # -- statements ------------------------------------------------------------------------------
 
@@ -92,6 +113,8 @@ class Lowering:
                     self._call(call)
                 case ast.If():
                     self._if(each)
+                case ast.For():
+                    self._for(each)
                 case ast.Raise(exc=ast.Call() as error):
                     self._add(f"raise {self._text(error)}")
                 case _:
@@ -112,7 +135,7 @@ class Lowering:
                 values = (body.value, otherwise.value)  # type: ignore[attr-defined]
                 self._assign(first, ast.IfExp(statement.test, *values))
                 return
-        self._add(f"if {self._text(statement.test)}:")
+        self._add(f"if {text_of(lowered(self._truth(statement.test), self._names))}:")
         self._inner(statement.body)
         if statement.orelse:
             self._add("else:")
@@ -128,11 +151,14 @@ class Lowering:
 
     def _call(self, call: ast.Call) -> None:
         function = ast.unparse(call.func)
+        if isinstance(call.func, ast.Attribute) and call.func.attr == "append":
+            self._append(call.func.value, call.args[0])
+            return
         if function not in _SETTERS:
             raise NotFlatError(f"{function} has no flat form")
         place, value = call.args
-        root, path = chain_of(place)
-        if root != self._target:
+        path = self._target_path(place)
+        if path is None:
             raise NotFlatError(f"{ast.unparse(place)} is no part of the target")
         places = [f"{path}.{part}" for part in _SETTERS[function]]
         variables = [self._variable(each) for each in places]
@@ -142,10 +168,17 @@ class Lowering:
     # -- assignments -----------------------------------------------------------------------------
 
     def _assign(self, place: ast.expr, value: ast.expr) -> None:
-        root, path = chain_of(place)
-        if root == self._target:
-            if path:
+        root, _ = chain_of(place)
+        path = self._target_path(place)
+        if path is not None:
+            if isinstance(value, ast.List) and not value.elts and not self._depth:
+                self._first += self._sequence(path).begin()
+            elif isinstance(value, ast.ListComp):
+                self._comprehension(place, value)
+            elif path or not (isinstance(value, ast.Call) and _is_class(value.func)):
                 self._give(path, value)
+        elif isinstance(place, ast.Name) and self._names_object(place.id, value):
+            return
         elif root == "self":
             self._add(f"{self._text(place)} = {self._text(value)}")
         elif isinstance(place, ast.Name):
@@ -187,7 +220,8 @@ class Lowering:
         name = ast.unparse(value.func)
         match value.args:
             case [] if not self._depth:
-                self._writing.make(path, name)
+                writing, inner = self._writing_of(path)
+                writing.make(inner, name)
             case [ast.Starred(value=ast.Call() as stamp)] if _gives_stamp(stamp.func):
                 bits = stamp_of_time(stamp.args[0], self._names)
                 self._add(f"{self._variable(path)} = {text_of(bits)}")
@@ -205,7 +239,7 @@ class Lowering:
         if known is not None and known.variable in self._own:
             known.is_sure = known.is_sure or not self._depth
             return known.variable
-        words = path.replace("[", "_").replace("]", "").split(".")
+        words = path.replace("[", "_").replace("]", "").replace("/", ".").split(".")
         variable = self._scope.claim(snake_case("_".join(words[-2:]) or "value"))
         self._names.variables.add(variable)
         self._own.add(variable)
@@ -236,6 +270,139 @@ class Lowering:
         else:
             self._add(f"{variable} = {fitting} if {test} else {outside}")
         return call.can_be_none
+
+    # -- objects and lists -----------------------------------------------------------------------
+
+    def _truth(self, test: ast.expr) -> ast.expr:
+        """Returns a condition with the number of elements in the place of lists."""
+        match test:
+            case ast.BoolOp():
+                return ast.BoolOp(test.op, [self._truth(each) for each in test.values])
+            case ast.UnaryOp(op=ast.Not()):
+                return ast.UnaryOp(test.op, self._truth(test.operand))
+            case ast.Name() | ast.Attribute() | ast.Subscript():
+                root, _ = chain_of(test)
+                if root in self._names.roots:
+                    return ast.Call(ast.Name("len", ast.Load()), [test], [])
+        return test
+
+    def _names_object(self, name: str, value: ast.expr) -> bool:
+        """Takes note of a name of an object, or of a part of a list; tells whether it is one."""
+        if isinstance(value, ast.Call) and _is_class(value.func) and not value.args:
+            self._made[name] = ast.unparse(value.func)
+            return True
+        root, path = chain_of(value)
+        if root in self._names.roots and path.endswith("]"):
+            self._names.roots[name] = self._names.roots[root].inside(path)
+            return True
+        if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice):
+            root, path = chain_of(value.value)
+            if root in self._names.roots and value.slice.lower is None and value.slice.upper:
+                most = self._text(value.slice.upper)
+                count = text_of(self._names.roots[root].count(path))
+                number = self._scope.claim(f"{name}_count")
+                self._add(f"{number} = min({count}, {most})")
+                self._names.slices[name] = (value.value, number)
+                return True
+        return False
+
+    def _append(self, place: ast.expr, value: ast.expr) -> None:
+        """An object that was made before, as an element of a list."""
+        path = self._target_path(place)
+        if path is None or self._depth or not isinstance(value, ast.Name):
+            raise NotFlatError(f"{ast.unparse(place)} is given elements in turn")
+        made = self._made.pop(value.id, "")
+        if not made:
+            raise NotFlatError(f"{value.id} is no object that was made")
+        writing, inner = self._writing_of(path)
+        sequence = writing.sequence(inner)
+        sequence.element.make("", made)
+        self._writings[value.id] = sequence.element
+        self._first += sequence.begin()
+        self._last.append(sequence.append)
+
+    def _comprehension(self, place: ast.expr, value: ast.ListComp) -> None:
+        """A list of values as the loop that it is short for."""
+        (generator,) = value.generators
+        element = ast.Name(self._scope.claim("element"), ast.Store())
+        append = ast.Call(ast.Attribute(place, "append", ast.Load()), [element], [])
+        body = [ast.Assign([element], value.elt), ast.Expr(append)]
+        self._for(ast.For(generator.target, generator.iter, body, []))
+
+    def _for(self, loop: ast.For) -> None:
+        """A loop whose body makes an element of a list of the target."""
+        *body, last = loop.body
+        match last:
+            case ast.Expr(
+                value=ast.Call(
+                    func=ast.Attribute(value=place, attr="append"), args=[ast.Name() as e]
+                )
+            ):
+                path = self._target_path(place)
+            case _:
+                path = None
+        if path is None:
+            raise NotFlatError("a loop has no flat form")
+        index, item, elements = _iterated(loop)
+        elements = self._sized(elements)
+        is_begun = path in self._sequences
+        sequence = self._sequence(path)
+        if not is_begun:
+            self._first += sequence.begin()
+        names = replace(
+            self._names, roots=dict(self._names.roots), variables={*self._names.variables, index}
+        )
+        most = ""
+        if isinstance(elements, ast.Name) and elements.id in self._names.slices:
+            elements, most = self._names.slices[elements.id]
+        root, source = chain_of(elements)
+        inner = Lowering(names, sequence.element, self._scope, e.id)
+        if root in self._names.roots:
+            reading, names.roots[item] = self._names.roots[root].elements(source)
+            lines = inner.lower(body)
+            lines = [*reading.loop([*lines, *sequence.append()], index, most)]
+        else:
+            names.variables.add(item)
+            head = f"for {item} in {self._text(elements)}:"
+            if index:
+                head = f"for {index}, {item} in enumerate({self._text(elements)}):"
+            lines = inner.lower(body)
+            lines = [head, *(_STEP + line for line in [*lines, *sequence.append()])]
+        for line in lines:
+            self._add(line)
+
+    def _sequence(self, path: str) -> SequenceWriting:
+        """Returns what writes a list of the target."""
+        if path not in self._sequences:
+            writing, inner = self._writing_of(path)
+            self._sequences[path] = writing.sequence(inner)
+        return self._sequences[path]
+
+    def _sized(self, elements: ast.expr) -> ast.expr:
+        """Refuses a wrong number of elements; returns the elements."""
+        call = limit_call(elements, self._names.owner)
+        if call is None:
+            return elements
+        count = self._text(ast.Call(ast.Name("len", ast.Load()), [call.value], []))
+        self._names.limits.setdefault(call.policy)
+        lower, upper = call.limits
+        test = f"{count} <= {upper}" if lower == "0" else f"{lower} <= {count} <= {upper}"
+        self._add(f"if not {test}:" if lower == "0" else f"if not ({test}):")
+        self._add(f"{_STEP}{call.outside(f'range({count})')}")
+        return call.value
+
+
+def _iterated(loop: ast.For) -> tuple[str, str, ast.expr]:
+    """Returns the variables of index and item, and what a loop goes over."""
+    match loop:
+        case ast.For(
+            target=ast.Tuple(elts=[ast.Name() as index, ast.Name() as item]),
+            iter=ast.Call(func=ast.Name(id="enumerate"), args=[elements]),
+        ):
+            return index.id, item.id, elements
+        case ast.For(target=ast.Name() as item):
+            return "", item.id, loop.iter
+    raise NotFlatError("a loop has no flat form")
 
 
 def _gives_stamp(function: ast.expr) -> bool:

@@ -50,13 +50,17 @@ class SequenceReading(Protocol):
     def element(self) -> Reading:
         """Reads one element; its values are there in the body of the loop."""
 
-    def loop(self, body: Sequence[str], index: str = "") -> Sequence[str]:
+    def loop(self, body: Sequence[str], index: str = "", most: str = "") -> Sequence[str]:
         """Returns the loop over the elements.
 
         Args:
             body: What is done with each.
             index: A variable that gets the position of the element; empty for none.
+            most: Variable of the number of elements that are gone through; empty for all.
         """
+
+    def values(self) -> str:
+        """Returns the expression of a list of all elements, which are numbers or texts."""
 
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""

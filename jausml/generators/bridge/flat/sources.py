@@ -8,13 +8,10 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.translation.ros_fields import PathError, RosStart, ros_field
-from jausml.generators.python.codec.classes import ContainerClass
-from jausml.generators.python.codec.compounds import PartValue
-from jausml.generators.python.codec.scalars import Bits
 
 if TYPE_CHECKING:
-    from jausml.generators.bridge.flat.protocols import Reading
-    from jausml.generators.python.codec.messages import MessageView
+    from jausml.generators.bridge.flat.jaus_reading import PartReading
+    from jausml.generators.bridge.flat.protocols import Reading, SequenceReading
     from jausml.metamodel.classes import ros
 
 _OBJECTS = {
@@ -48,7 +45,7 @@ class RosValues:
         except PathError as error:
             raise NotFlatError(str(error)) from error
         if found.is_array:
-            raise NotFlatError(f"{path} is a list")
+            return _name(self._sequence(path).values())
         if found.message_type is None:
             return _name(self.reading.value(path))
         known = _OBJECTS.get(found.type)
@@ -66,6 +63,28 @@ class RosValues:
         """Refuses: ROS has no TimeStamp."""
         raise NotFlatError(f"{path} is no TimeStamp")
 
+    def chosen(self, path: str, class_name: str) -> ast.expr:
+        """Refuses: ROS has no variants."""
+        raise NotFlatError(f"{path} is no {class_name}")
+
+    def count(self, path: str) -> ast.expr:
+        """Returns the expression of the number of elements of an array."""
+        return _name(self._sequence(path).count)
+
+    def elements(self, path: str) -> tuple[SequenceReading, RosValues]:
+        """Returns what reads an array, and the values of an element."""
+        sequence = self._sequence(path)
+        found = ros_field(self.type, path, self.start)
+        start = RosStart("", found.message_type, found.field, found.path)
+        return sequence, RosValues(self.type, start, sequence.element)
+
+    def inside(self, path: str) -> RosValues:
+        """Refuses what no readable translation of ROS has."""
+        raise NotFlatError(f"{path} has no name")
+
+    def _sequence(self, path: str) -> SequenceReading:
+        return self.reading.sequence(path)
+
     def parts(self, path: str, names: tuple[str, ...]) -> list[ast.expr]:
         """Returns the expressions of the fields of an object."""
         prefix = f"{path}." if path else ""
@@ -77,41 +96,47 @@ class JausValues:
     """The values of a JAUS message or element.
 
     Attributes:
-        message: The message.
-        root: What paths start at; None for the whole message.
         reading: What reads them.
+        prefix: Path of what paths start at, with a dot at its end; empty for the whole.
     """
 
-    message: MessageView
-    root: ContainerClass | None
-    reading: Reading
+    reading: PartReading
+    prefix: str = ""
+
+    def _path(self, path: str) -> str:
+        return f"{self.prefix}{path}" if path else self.prefix[:-1] or "."
 
     def expression(self, path: str) -> ast.expr:
         """Returns the expression of a value."""
-        if self._is_bit_field(path):
+        if self.reading.is_bit_field(self._path(path)):
             raise NotFlatError(f"{path} is an object")
-        return _name(self.reading.value(path))
+        return _name(self.reading.value(self._path(path)))
 
     def presence(self, path: str) -> ast.expr:
         """Returns an expression that is None where a value is absent."""
-        return _name(self.reading.value(path))
+        return _name(self.reading.value(self._path(path)))
 
     def stamp_bits(self, path: str) -> ast.expr:
         """Returns the expression of the bits of a TimeStamp."""
-        return _name(self.reading.value(path))
+        return _name(self.reading.value(self._path(path)))
 
     def parts(self, path: str, names: tuple[str, ...]) -> list[ast.expr]:
         """Returns the expressions of the fields of an object."""
-        return [_name(self.reading.value(f"{path}.{name}")) for name in names]
+        return [self.expression(f"{path}.{name}") for name in names]
 
-    def _is_bit_field(self, path: str) -> bool:
-        container = self.root or self.message.body
-        value: object = None
-        for step in path.split("."):
-            found = next((each for each in container.members if each.attribute == step), None)
-            if found is None:
-                return False
-            value = found.value
-            if isinstance(value, PartValue) and isinstance(value.part, ContainerClass):
-                container = value.part
-        return isinstance(value, Bits) and bool(path)
+    def chosen(self, path: str, class_name: str) -> ast.expr:
+        """Returns the condition that an option of a variant was sent."""
+        return _name(self.reading.chosen(self._path(path), class_name))
+
+    def count(self, path: str) -> ast.expr:
+        """Returns the expression of the number of elements of a list."""
+        return _name(self.reading.sequence(self._path(path)).count)
+
+    def elements(self, path: str) -> tuple[SequenceReading, JausValues]:
+        """Returns what reads a list, and the values of an element."""
+        sequence = self.reading.sequence(self._path(path))
+        return sequence, JausValues(sequence.element)
+
+    def inside(self, path: str) -> JausValues:
+        """Returns the values of a part or of an element of a list."""
+        return JausValues(self.reading, f"{self._path(path)}.")
