@@ -1,5 +1,5 @@
 """`python -m jausml`: the command line without the console script."""
 
-from jausml.cli import main
+from jausml.cli import run
 
-main(prog_name="jausml")
+run()

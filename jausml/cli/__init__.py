@@ -6,7 +6,9 @@ Exit status of all verbs: 0 done and no errors, 1 problems of the models or of g
 
 from __future__ import annotations
 
+import atexit
 import errno
+import gc
 import os
 import sys
 import traceback
@@ -38,6 +40,9 @@ VERBS = {
     "language-server": "Serve editors of ros2jaus text.",
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
+
+LASTING = {"run", "decode", "ocu", "conformance", "language-server"}
+"""The verbs that may run for days."""
 
 ENVIRONMENT_FAULT = 2
 INTERNAL_ERROR = 3
@@ -102,3 +107,16 @@ class Verbs(click.Group):
 @click.option("--debug", is_flag=True, help="Show tracebacks of internal errors.")
 def main(debug: bool) -> None:
     """Generates ROS 2 <-> JAUS bridges and JAUS components from models."""
+
+
+def run() -> None:
+    """Runs the command line as a process of its own.
+
+    Models are cycles of objects that live as long as a short process: to look for garbage among
+    them takes as long as the work.
+    """
+    if LASTING.isdisjoint(sys.argv):
+        gc.disable()
+        # Else the collector looks at all of them at the end.
+        atexit.register(gc.freeze)
+    main(prog_name="jausml")

@@ -14,6 +14,7 @@ import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from jausml.languages.cursor import Language, LanguageError, TokenCursor
 
@@ -65,6 +66,7 @@ class Unit:
         return _power(self, Fraction(1, 2))
 
 
+@lru_cache(maxsize=256)
 def parse_unit(text: str) -> Unit:
     """Returns the unit that a text names.
 

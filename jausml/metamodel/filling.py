@@ -19,7 +19,7 @@ from pyecore.valuecontainer import ECollection, EList, EValue
 from jausml.metamodel.tables import ClassTable, FeatureKind, FeatureTable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 
 def new_object(table: ClassTable) -> Any:
@@ -103,6 +103,16 @@ def count(obj: Any, table: FeatureTable) -> int:
     if holder is None:
         return 0
     return len(holder) if table.many else int(holder._value is not None)
+
+
+def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
+    """Returns the values of a feature; unlike asking for it, that leaves no empty value behind."""
+    holder = obj.__dict__.get(table.name)
+    if holder is None:
+        return ()
+    if table.many:
+        return list(holder)
+    return () if holder._value is None else (holder._value,)
 
 
 def is_set(obj: Any, table: FeatureTable) -> bool:

@@ -224,6 +224,7 @@ class _Flattening:
         features = tuple(table.features.values())
         table.id_feature = next((each for each in features if each.is_id), None)
         table.bounded = tuple(each for each in features if each.upper > 1 or each.can_be_missing)
+        table.contained = tuple(each for each in features if each.kind is FeatureKind.CONTAINMENT)
 
     def _feature(self, feature: Any) -> FeatureTable:
         known = self._features.get(feature)
@@ -242,7 +243,7 @@ class _Flattening:
         table = FeatureTable(
             name=feature.name,
             feature=feature,
-            kind=FeatureKind.ATTRIBUTE if is_attribute else FeatureKind.CROSS_REFERENCE,
+            kind=_kind(feature),
             many=bool(feature.many),
             lower=int(feature.lowerBound),
             upper=int(feature.upperBound),
@@ -267,10 +268,6 @@ class _Flattening:
         table.type_name = table.target.qualified_name
         if feature.eOpposite is not None:
             table.opposite = self._features[feature.eOpposite]
-        if feature.containment:
-            table.kind = FeatureKind.CONTAINMENT
-        elif feature.container:
-            table.kind = FeatureKind.CONTAINER
 
     def _data_type(self, etype: EDataType) -> DataTypeTable:
         known = self._data_types.get(etype)
@@ -278,6 +275,14 @@ class _Flattening:
             known = _enumeration(etype) if isinstance(etype, EEnum) else _plain_type(etype)
             self._data_types[etype] = known
         return known
+
+
+def _kind(feature: Any) -> FeatureKind:
+    if isinstance(feature, EAttribute):
+        return FeatureKind.ATTRIBUTE
+    if feature.containment:
+        return FeatureKind.CONTAINMENT
+    return FeatureKind.CONTAINER if feature.container else FeatureKind.CROSS_REFERENCE
 
 
 def _enumeration(etype: EEnum) -> DataTypeTable:

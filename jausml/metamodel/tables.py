@@ -129,6 +129,7 @@ class ClassTable:
         subtypes: The class itself and all classes that specialise it.
         id_feature: The attribute that identifies an element, if the class has one.
         bounded: The features with bounds that a document can break.
+        contained: The features that own elements.
     """
 
     name: str
@@ -141,6 +142,7 @@ class ClassTable:
     subtypes: frozenset[ClassTable] = frozenset()
     id_feature: FeatureTable | None = None
     bounded: tuple[FeatureTable, ...] = ()
+    contained: tuple[FeatureTable, ...] = ()
 
     @property
     def python_class(self) -> type[EObject]:

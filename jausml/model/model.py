@@ -6,12 +6,13 @@ from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from jausml.metamodel import FeatureKind, FeatureTable, Metamodels
+from jausml.metamodel.filling import contents
 from jausml.model.diagnostics import Location
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.metamodel import FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EClass, EObject
     from jausml.model.documents import Document
     from jausml.model.xmi.parsing import Node
@@ -195,12 +196,10 @@ class Model:
 
         pyecore's own `eContents` yields them in the order of a set, which differs between runs.
         """
-        contents: list[EObject] = []
-        for table in self.metamodels.class_of(obj).features.values():
-            if table.kind is FeatureKind.CONTAINMENT:
-                value = getattr(obj, table.name)
-                contents.extend(value if table.many else [] if value is None else [value])
-        return contents
+        found: list[EObject] = []
+        for table in self.metamodels.class_of(obj).contained:
+            found.extend(contents(obj, table))
+        return found
 
 
 def _position(owner: EObject, feature: FeatureTable, obj: EObject) -> int:

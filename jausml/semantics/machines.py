@@ -105,14 +105,22 @@ class Behaviour:
         return found
 
 
-def behaviours(subject: Subject) -> Iterator[Behaviour]:
-    """Yields the machines of services that could be read, those of the core services left out.
+def behaviours(subject: Subject) -> list[Behaviour]:
+    """Returns the machines of services that could be read, those of the core services left out.
 
     Machines whose states lie too deep are left out too: JML506 names them.
 
     Args:
         subject: The model.
     """
+    return subject.once(_behaviours)
+
+
+def _behaviours(subject: Subject) -> list[Behaviour]:
+    return list(_found(subject))
+
+
+def _found(subject: Subject) -> Iterator[Behaviour]:
     for service in subject.instances(jaus.Service):
         if service.urn in SERVED_BY_RUNTIME or not service.machines:
             continue

@@ -137,7 +137,8 @@ def same_code(first: jaus.MessageDef, second: jaus.MessageDef) -> bool:
 
 def code(message: jaus.MessageDef) -> int:
     """Returns the message code as a number, -1 when it has none."""
-    return int(message.code, 16) if message.code else -1
+    text = message.code
+    return int(text, 16) if text else -1
 
 
 def provides_access_control(provider: Provider) -> bool:

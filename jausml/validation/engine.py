@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.model import Diagnostic, ReadResult, Related, read_models
+from jausml.model.collector import without_collector
 from jausml.semantics.subject import Subject
 from jausml.validation.report import Report
 from jausml.validation.rules import all_rules
@@ -73,10 +74,11 @@ def check(result: ReadResult, rules: Sequence[Rule] | None = None) -> Report:
     Raises:
         RuleError: A rule failed.
     """
-    subject = Subject(result.model, result.diagnostics)
     findings = list(result.diagnostics)
-    for rule in all_rules() if rules is None else rules:
-        findings += _run(rule, subject)
+    with without_collector():
+        subject = Subject(result.model, result.diagnostics)
+        for rule in all_rules() if rules is None else rules:
+            findings += _run(rule, subject)
     files = tuple(document.display for document in result.model.documents if document.given)
     return Report(result.model, files, tuple(sorted(set(findings))))
 

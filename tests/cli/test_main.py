@@ -118,3 +118,16 @@ def test_explain_of_an_unknown_rule(jausml):
     result = jausml("explain", "JML331")
     assert result.exit_code == 2
     assert "did you mean JML" in result.stderr
+
+
+@pytest.mark.parametrize(("arguments", "collects"), [("--version", False), ("ocu --help", True)])
+def test_a_short_process_collects_no_garbage(arguments, collects):
+    """Models are cycles of objects; to look for garbage among them takes as long as the work."""
+    code = (
+        "import gc, sys\nfrom jausml import cli\ntry:\n    cli.run()\n"
+        "finally:\n    print('collects', gc.isenabled())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments.split()], capture_output=True, text=True, check=True
+    )
+    assert f"collects {collects}" in done.stdout

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from jausml.metamodel import read_metamodels
-from jausml.metamodel.filling import count, holds, link, new_object, set_value, set_values
+from jausml.metamodel.filling import contents, count, holds, link, new_object, set_value, set_values
 
 ZOO = read_metamodels([Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"])
 CLASSES = ZOO.classes
@@ -105,3 +105,22 @@ def test_counting():
     assert not holds(zoo, features["main"], cage)
     assert not holds(cage, CLASSES["zoo.Cage"].features["partner"], cage)
     assert holds(cage, CLASSES["zoo.Cage"].features["partner"], other)
+
+
+def test_contents_are_told_without_a_trace():
+    zoo, cage, other, *_ = fill_ours()
+    of_zoo, of_cage = CLASSES["zoo.Zoo"].features, CLASSES["zoo.Cage"].features
+    assert list(contents(zoo, of_zoo["cages"])) == [cage, other] == list(zoo.cages)
+    assert list(contents(cage, of_cage["partner"])) == [other]
+
+    empty = new_object(CLASSES["zoo.Zoo"])
+    before = dict(empty.__dict__)
+    assert not any(contents(empty, each) for each in CLASSES["zoo.Zoo"].contained)
+    assert empty.__dict__ == before
+
+
+def test_a_class_knows_the_features_that_own_elements():
+    for table in CLASSES.values():
+        owning = [each.name for each in table.features.values() if each.feature.is_reference]
+        expected = [each for each in owning if table.features[each].feature.containment]
+        assert [each.name for each in table.contained] == expected

@@ -9,6 +9,8 @@ import pytest
 
 from jausml.metamodel.classes import jaus
 from jausml.model import Severity, library_root, read_models
+from jausml.semantics.machines import behaviours
+from jausml.semantics.subject import Subject
 from jausml.validation.engine import RuleError, check, validate
 from jausml.validation.rule import Finding, rule
 
@@ -149,3 +151,23 @@ def test_finding_names_element_and_fragment(tmp_path):
     assert PORTABLE.splitlines()[finding.location.line - 1][
         finding.location.column - 1 :
     ].startswith("rate=")
+
+
+def test_validation_gives_elements_no_empty_values(tmp_path):
+    """An element that is asked for a feature that it has not keeps an empty collection of it."""
+    path = tmp_path / "set.xmi"
+    path.write_text(
+        '<jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+        ' xmlns:jaus="http://www.jausml.org/jaus/1.0" name="Empty"/>',
+        encoding="utf-8",
+    )
+    model = read_models([path]).model
+    (whole,) = model.roots
+    before = set(whole.__dict__)
+    assert Subject(model).instances(jaus.ServiceSet) == [whole]
+    assert set(whole.__dict__) == before
+
+
+def test_machines_are_put_together_once_for_all_rules():
+    subject = Subject(read_models([library_root() / "jaus" / "core-1.1.xmi"]).model)
+    assert behaviours(subject) is behaviours(subject)

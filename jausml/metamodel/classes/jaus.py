@@ -4,4 +4,6 @@ from jausml.metamodel.loading import python_class
 
 
 def __getattr__(name: str) -> type:
-    return python_class("jaus", name)
+    # Kept as an attribute, so that it is asked for once.
+    found = globals()[name] = python_class("jaus", name)
+    return found

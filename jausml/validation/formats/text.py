@@ -51,6 +51,8 @@ def one_line(text: str) -> str:
     Args:
         text: Text that may come from a model.
     """
+    if text.isprintable():
+        return text
     return "".join(char if char.isprintable() else _escape(char) for char in text)
 
 
