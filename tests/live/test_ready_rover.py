@@ -266,6 +266,9 @@ def test_shutdown(rover):
 @pytest.fixture
 def fragile(world):
     """The rover of the owner who overrides too much, in motion."""
+    if world.process is not None:  # the one as generated, of a test before
+        world.process.stop()
+        world.process = None
     world.run(str(FRAGILE))
     world.take()
     with world.efforts():
