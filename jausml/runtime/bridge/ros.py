@@ -357,7 +357,10 @@ class RosNode:
         self._thread.start()
 
     def close(self) -> None:
-        """Stops to wait and leaves ROS, once subscribers have what was published last."""
+        """Stops to wait and leaves ROS, once subscribers have what was published last.
+
+        The caller must not hold the lock of the loop: whoever waits may need it to finish.
+        """
         if self._is_closing:
             return
         self._is_closing = True
