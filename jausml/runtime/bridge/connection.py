@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
 
+BLOCKED = "blocked"
 FILTERED = "filtered"
 FAILED = "translation_failed"
 NOT_READY = "not_ready"
@@ -194,7 +195,7 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             self.form = Form.FLAT
             return factory(self._ends, self)
         self.form = self.readable_form()
-        return readable(self._translate, self.decoder(), self.encode)
+        return readable(self._translate, self.decoder(), self.encode, self._note_blocking)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a message that is not passed on."""
@@ -225,6 +226,11 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
         else:
             level = logging.ERROR if policy == ERROR else logging.WARNING
             self.counters.count(name, reason, level=level, once=policy == CLAMP)
+
+    def _note_blocking(self, seconds: float) -> None:
+        """Counts a translation during which nothing else went on."""
+        detail = f"the translation took {seconds:.1f} s; nothing was received meanwhile"
+        self.counters.count(f"bridge.{self.name}.{BLOCKED}", detail)
 
     def _refuse(self, error: OutOfRangeError) -> None:
         """Counts a message that is not passed on because of one of its values."""

@@ -25,7 +25,7 @@ class Latency:
     """Ages and handling times of the latest messages.
 
     A message's age is the time from the stamp of its source to the bridge, by the clocks of both
-    computers; its handling time is that from its arrival until the target side has it.
+    computers; its handling time is that from when the bridge takes it until the target side has it.
     """
 
     def __init__(self, age: Age) -> None:

@@ -7,10 +7,12 @@ classes of the bridge package, or on those of ROS if `ros_classes` asks for them
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+from ..services.dispatch import LONGEST_CALL
 from .light_message import is_light
 
 if TYPE_CHECKING:
@@ -70,6 +72,7 @@ def readable(
     translate: Callable[..., Any],
     decode: Callable[[bytes], Any],
     encode: Callable[[Any], bytes],
+    on_blocking: Callable[[float], None],
 ) -> Transcode:
     """Returns what runs a translation on objects.
 
@@ -77,10 +80,18 @@ def readable(
         translate: Makes the target object, or None to pass nothing on.
         decode: Makes the source object; raises DecodeError.
         encode: Encodes the target object; raises EncodeError.
+        on_blocking: Told the seconds of a translation that takes long: nothing else goes on then.
     """
+    clock = time.monotonic
 
     def transcode(data: bytes, **joins: Any) -> bytes | None:
-        target = translate(decode(data), **joins)
+        begun = clock()
+        try:
+            target = translate(decode(data), **joins)
+        finally:
+            elapsed = clock() - begun
+            if elapsed > LONGEST_CALL:
+                on_blocking(elapsed)
         return None if target is None else encode(target)
 
     return transcode

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from jausml.runtime.bridge.errors import AbsentFieldError, OutOfRangeError
@@ -42,6 +44,20 @@ def test_every_drop_has_a_name(world, setting, translate, reason):
     assert world.counters.snapshot()[f"bridge.drive.{reason}"] == 1
     assert connection.statistics.passed == 0
     assert world.count(SetTime.CODE) == 0
+
+
+def test_a_translation_that_blocks_is_named(world, setting):
+    """It stops the JAUS side too: both sides have one thread."""
+
+    def dawdle(source):
+        time.sleep(source.data)
+        raise ConversionError("too late")
+
+    connection = setting.open(command(translate=dawdle))
+    for seconds in (0.6, 0.0):
+        setting.ros.deliver["numbers"](Number(seconds))
+    assert setting.drops(connection) == {"no_counterpart": 2}
+    assert world.counters.drops()["bridge.drive.blocked"] == 1
 
 
 def test_middleware_that_refuses_does_not_end_the_loop(world, setting):
