@@ -162,6 +162,14 @@ class Clamp(Limit[NoReturn]):
 class DropField(Limit[None]):
     """Leaves the field out."""
 
+    def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | None:
+        """Returns a real number within minimum .. maximum; None for others."""
+        if math.isnan(value):
+            # ROS marks so what is unknown: it may be so in every message.
+            self._count(DROP_FIELD, field, "not a number")
+            return None
+        return super().__call__(field, value, minimum, maximum)
+
     def _outside(self, field: str, reason: str, nearest: T | None) -> None:
         del nearest
         self._count(DROP_FIELD, field, reason)

@@ -91,10 +91,9 @@ def covariance_to_rms(x: float, y: float, z: float) -> float:
     Three zeros are not a number, and neither are variances of which one is negative: ROS marks
     unknown ones so (sensor_msgs/Imu).
     """
-    variances = (x, y, z)
-    if not any(variances) or not all(variance >= 0.0 for variance in variances):
+    if x == y == z == 0.0 or not (x >= 0.0 and y >= 0.0 and z >= 0.0):
         return math.nan
-    return math.sqrt(sum(variances) / 3)
+    return math.sqrt((x + y + z) / 3)
 
 
 def value_to_percent(value: float, maximum: float) -> float:

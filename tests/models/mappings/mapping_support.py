@@ -60,12 +60,13 @@ def system_text() -> str:
     bridges = [
         line
         for number, (stem, maps) in enumerate(ready_maps().items())
-        for line in _bridge_lines(stem, maps, number)
+        for line in bridge_lines(stem, maps, number)
     ]
     return "\n".join([*imports, *bridges, ""])
 
 
-def _bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
+def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
+    """Returns a bridge that uses maps of a file in all directions, and its peer."""
     given: set[str] = set()
     used: set[str] = set()
     connections = []

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import re
+import struct
 from functools import cache
+from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +15,32 @@ from codec_strategies import messages
 from flat_support import cdr, outcome, ros_value
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from mapping_support import FILES, ready_maps
+from mapping_support import FILES, Translator, bridge_lines, generate, read, ready_maps
 
+from jausml.generators.bridge.views import BridgeView
 from jausml.generators.python.codec.message_builder import build_message_map
+from jausml.metamodel.classes import bridge as bridge_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mapping_support import Translator
-
-NOT_FLAT: dict[str, str] = {}
-
+# Lists, and values in elements of lists.
+MAYBE_NOT_FLAT = {
+    "battery",
+    "cost_map",
+    "cost_map_enu",
+    "historical_global_path",
+    "historical_local_path",
+    "joint_positions",
+    "laser_scan",
+    "planned_global_path",
+    "planned_local_path",
+    "global_waypoint_list",
+    "local_waypoint_list",
+    "visual_sensor_field_of_view",
+    "visual_sensor_power",
+    "visual_sensor_zoom",
+}
 MAPS = [(path.stem, each) for path in FILES for each in ready_maps()[path.stem]]
 TO_ROS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toRos]
 TO_JAUS = [pytest.param(stem, each, id=each.name) for stem, each in MAPS if each.toJaus]
@@ -35,6 +53,78 @@ def transcoder(bridge: Any, name: str) -> Any:
     method = getattr(type(bridge), f"translate_{name}")
     factory = getattr(method, "transcoder", None)
     return factory and factory(bridge, getattr(bridge, name))
+
+
+def test_what_is_not_flat_says_why(system: Any) -> None:
+    bridges = system.model.instances(bridge_classes.Bridge)
+    views = [BridgeView(each, each.eContainer(), "") for each in bridges]
+    refusals = {name: why for view in views for name, why in view.transcoders.refusals.items()}
+    assert all(refusals.values())
+    assert {name.partition("_to_")[0] for name in refusals} <= MAYBE_NOT_FLAT
+
+
+def test_connections_of_one_map_share_a_form(tmp_path: Path) -> None:
+    (each,) = [each for each in ready_maps()["local_pose_sensor"] if each.name == "local_pose"]
+    text = twice(each)
+    (tmp_path / "twins.ros2jaus").write_text(text, encoding="utf-8")
+    generate(read(tmp_path / "twins.ros2jaus"), tmp_path)
+    bridge = Translator(tmp_path / "twins_bridge").bridge
+    module = importlib.import_module("twins_bridge.transcoders")
+    assert "def _local_pose_to_ros(" in Path(str(module.__file__)).read_text()
+    now = importlib.import_module("jausml_runtime.conversions").Time(5, 7)
+    bridge.now = lambda: now
+    report = importlib.import_module("twins_bridge.messages").ReportLocalPose
+    payload = report(1.0, 2.0).encode()
+    bridge.local_pose_to_ros_2_frame_id = "elsewhere"
+    for name in ("local_pose_to_ros", "local_pose_to_ros_2"):
+        made = transcoder(bridge, name)(payload)
+        assert made == getattr(bridge, f"translate_{name}")(report.decode(payload)).to_cdr()
+        assert (b"elsewhere" in made) == name.endswith("2")
+
+
+ODOMETRY = (
+    # Encapsulation, 2001-09-09T01:46:40.5Z, "odom" and "base_link", padded.
+    "00010000 00ca9a3b 0065cd1d 05000000 6f646f6d 00000000"
+    " 0a000000 62617365 5f6c696e 6b000000 00000000"
+    # x 100000 m, y 100000 m, z 0, no rotation, no covariance; no twist.
+    " 00000000006af840 00000000006af840 0000000000000000"
+    " 0000000000000000 0000000000000000 0000000000000000 000000000000f03f"
+) + " 0000000000000000" * (36 + 6 + 36)
+LOCAL_POSE = (
+    # Message code 0x4403, all but the two RMS, X, Y and Z of 4 bytes, three angles of 2.
+    "0344 7701 ffffffff 00000000 00000080 0080 0080 0080"
+    # Day 9, hour 1, 46 minutes, 40 seconds, 500 milliseconds.
+    " f4a16e48"
+)
+EFFORT = (
+    # Message code 0x0405, the six propulsive efforts of 2 bytes each.
+    "0504 3f00 ffff 0000 0080 0080 0080 0080"
+)
+
+
+def test_odometry_as_bytes(translator: Callable[[str], Translator]) -> None:
+    flat = transcoder(translator("local_pose_sensor").bridge, "local_pose_to_jaus")
+    assert flat(bytes.fromhex(ODOMETRY)).hex(" ") == bytes.fromhex(LOCAL_POSE).hex(" ")
+
+
+def test_twist_as_bytes(translator: Callable[[str], Translator]) -> None:
+    bridge = translator("primitive_driver").bridge
+    flat = transcoder(bridge, "wrench_effort_to_jaus")
+    for order in (b"\0\1", b"\0\0"):
+        mark = "<" if order == b"\0\1" else ">"
+        twist = struct.pack(f"{mark}6d", bridge.max_speed, bridge.max_speed, 0.0, 0.0, 0.0, 0.0)
+        assert flat(order + b"\0\0" + twist).hex(" ") == bytes.fromhex(EFFORT).hex(" ")
+
+
+def twice(each: Any) -> str:
+    """A bridge with two connections of a map in each direction."""
+    lines = bridge_lines("twins", [each], 0)
+    text = "\n".join(lines)
+    blocks = re.findall(r"^  connection .*?^  }", text, re.DOTALL | re.MULTILINE)
+    others = [re.sub(r"(connection \w+)", r"\1_2", block) for block in blocks]
+    (first, *_) = blocks
+    text = text.replace(first, "\n".join([*others, first]))
+    return f"import mappings.local_pose_sensor\n{text}\n"
 
 
 def encoded(translate: Any) -> Callable[..., bytes | None]:
