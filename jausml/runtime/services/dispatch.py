@@ -12,6 +12,8 @@ from ..wire.message import DecodeError, Message
 from .definitions import Guard
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..base.address import JausAddress
     from ..base.counters import Counters
 
@@ -211,12 +213,9 @@ class Router:
         else:
             self._count_refused(handler, guard, sender)
 
-    def _delivering(self, message_class: type[Message], actions: list[Action]) -> Take:
+    def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
         """Return what decodes a message and calls who wants it, as ``call`` does."""
-        if len(actions) > 1:
-            return partial(self._deliver, message_class, tuple(actions))
-        (action,) = actions
-        decode, clock = message_class.decode, time.monotonic
+        wanting, decode, clock = tuple(actions), message_class.decode, time.monotonic
 
         def take(payload: bytes, sender: JausAddress) -> None:
             try:
@@ -224,14 +223,15 @@ class Router:
             except DecodeError as error:
                 self._count_bad(message_class, sender, error)
                 return
-            started = clock()
-            try:
-                action(message, sender)
-            except Exception as error:
-                self._count_failure(action, error)
-            elapsed = clock() - started
-            if elapsed > LONGEST_CALL:
-                self._count_blocked(action, elapsed)
+            for action in wanting:
+                started = clock()
+                try:
+                    action(message, sender)
+                except Exception as error:
+                    self._count_failure(action, error)
+                elapsed = clock() - started
+                if elapsed > LONGEST_CALL:
+                    self._count_blocked(action, elapsed)
 
         return take
 
@@ -278,18 +278,6 @@ class Router:
             elapsed = time.monotonic() - started
             if elapsed > LONGEST_CALL:
                 self._count_blocked(function, elapsed)
-
-    def _deliver(
-        self,
-        message_class: type[Message],
-        actions: tuple[Action, ...],
-        payload: bytes,
-        sender: JausAddress,
-    ) -> None:
-        message = self._decode(message_class, payload, sender)
-        if message is not None:
-            for action in actions:
-                self.call(action, message, sender)
 
     def _decode(
         self, message_class: type[Message], payload: bytes, sender: JausAddress
