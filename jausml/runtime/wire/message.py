@@ -104,7 +104,7 @@ class Message:
         Raises:
             DecodeError: The bytes are no such message.
         """
-        if read_code(payload) != cls.CODE:
+        if payload[:2] != _CODE.pack(cls.CODE):
             cls.check_code(payload)
         try:
             message, end = cls.read_from(payload, 2)
