@@ -11,7 +11,6 @@ whenever it wakes up.
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -34,8 +33,10 @@ from .ros_codec import Codec, message_class
 from .ros_events import matched_event, publisher_events, subscription_events
 from .ros_internals import internals, require_internals
 from .ros_listener import Listener, NoListenerError
+from .ros_log import RosLogHandler
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
 from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
+from .ros_publisher import NodePublisher
 from .ros_taking import Subscription
 from .ros_wait_set import WaitSets
 from .topics import Qos, TopicCounts
@@ -71,36 +72,6 @@ class Waiting(Protocol):
         """Ends; the handles may be destroyed then."""
 
 
-class NodePublisher:
-    """A publisher for serialized messages.
-
-    Attributes:
-        publish: Publishes a serialized message, from any thread: the function of rclpy itself.
-        matched: Subscriptions that are there now.
-        unmatched: Messages that found none of them; whoever publishes counts.
-    """
-
-    __slots__ = ("_class", "handle", "matched", "publish", "unmatched")
-
-    def __init__(self, handle: Any, ros_class: type[Any]) -> None:
-        """Wraps a handle of rclpy."""
-        self.handle = handle
-        self.publish: Callable[[bytes], None] = handle.publish_raw
-        self.matched = 0
-        self.unmatched = 0
-        self._class = ros_class
-
-    def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy, from any thread.
-
-        Raises:
-            TypeError: It is of another class.
-        """
-        if not isinstance(message, self._class):
-            raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
-        self.handle.publish(message)
-
-
 class RosNode:
     """One rclpy node, whose topics a loop waits for."""
 
@@ -133,7 +104,7 @@ class RosNode:
         self._executor.add_node(self._node)
         self._thread: threading.Thread | None = None
         self._is_closing = False
-        self._log = _RosLogHandler(self._node)
+        self._log = RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
         self._publishers: list[Any] = []
@@ -393,26 +364,6 @@ class RosNode:
             reason = error
         if not self._is_closing:
             fail(reason)
-
-
-class _RosLogHandler(logging.Handler):
-    """Hands the records of the runtime to the logger of the node, and so to /rosout."""
-
-    def __init__(self, node: Any) -> None:
-        super().__init__()
-        self._logger = node.get_logger()
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Logs one record; rclpy tells severities by the place of the call, hence the branches."""
-        text = self.format(record)
-        if record.levelno >= logging.ERROR:
-            self._logger.error(text)
-        elif record.levelno >= logging.WARNING:
-            self._logger.warning(text)
-        elif record.levelno >= logging.INFO:
-            self._logger.info(text)
-        else:
-            self._logger.debug(text)
 
 
 def _node_name(end: Any) -> str:
