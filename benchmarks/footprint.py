@@ -12,6 +12,7 @@ import socket
 import statistics
 import time
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ from names import FLOOR, GENERATED, GENERIC
 from processes import Children
 from samples import sample
 from systems import Measured, generate
-from variants import PATIENCE, Loop, UnreachableError
+from variants import PATIENCE, Loop, UnreachableError, reached
 
 if TYPE_CHECKING:
     from ends import Numbers
@@ -47,7 +48,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         By number of connections and variant: medians of `ready_s` (bridges that were generated),
         `through_s`, `processor_s`, `memory_mib` and `idle` (share of a processor); `span_s` of
-        `ready_s`; `lines` and `bytes` of generated code.
+        `ready_s`; `code` with `lines` and `bytes` of what was generated.
     """
     counts = scale.cases(CONNECTIONS, 2)
     bridges = {f"has_{n}": Measured(("point",), n - 1, ways=("up",)) for n in counts}
@@ -60,7 +61,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         for count, name in zip(counts, bridges, strict=True):
             found[str(count)] = _of(scale, folder, system, name, message, ros)
             lines, size = system.lines(name)
-            found[str(count)][GENERATED].update(lines=lines, bytes=size)
+            found[str(count)]["code"] = {"lines": lines, "bytes": size}
             print(f"  {count} connections: {found[str(count)]}", flush=True)
     return found
 
@@ -76,9 +77,14 @@ def _of(
             loop = Loop(variant, ros, system, name, message)
             with Children(system.environment(), folder / "processes.log") as children:
                 loop.start(children, folder)
-                samples[variant].append(_started(loop, system.address(name)))
-            loop.close()
-    return {variant: _summary(each) for variant, each in samples.items()}
+                into = partial(_add_start, samples[variant], system.address(name))
+                for each in reached([loop], into):
+                    each.close()
+    return {variant: _summary(each) for variant, each in samples.items() if each}
+
+
+def _add_start(samples: list[dict[str, float]], address: Numbers, loop: Loop) -> None:
+    samples.append(_started(loop, address))
 
 
 def _started(loop: Loop, address: Numbers) -> dict[str, float]:

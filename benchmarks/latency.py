@@ -18,7 +18,7 @@ from names import FLOOR, GENERATED, GENERIC, KINDS, VARIANTS, WAYS
 from processes import Children
 from samples import sample
 from systems import MAPS, Measured, generate
-from variants import Loop
+from variants import Loop, reached
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -107,8 +107,7 @@ def side_by_side(
         routes = [Loop(each, ros, system, bridge, message) for each in variants]
         for route in routes:
             route.start(children, folder)
-        for route in routes:
-            route.reach()
+        routes = reached(routes, Loop.reach)
         paths = [(route, way) for route in routes for way in WAYS]
         usual = {(route, way): _usual(route, way) for route, way in paths}
         found = {}

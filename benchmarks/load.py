@@ -17,7 +17,7 @@ from names import FLOOR, GENERATED, GENERIC, TYPED, WAYS
 from processes import Children
 from samples import sample
 from systems import Measured, generate
-from variants import Loop
+from variants import Loop, reached
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,9 +67,9 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         other = Counterpart(children, folder, message, *options, shared=sockets)
         for loop in loops:
             loop.start(children, folder)
-        for loop in loops:
-            loop.reach()
-        order = [(loop, number, way) for number, loop in enumerate(loops) for way in WAYS]
+        numbers = {loop: number for number, loop in enumerate(loops)}
+        loops = reached(loops, Loop.reach)
+        order = [(loop, numbers[loop], way) for loop in loops for way in WAYS]
         gc.disable()
         for _ in range(scale.count(_BLOCKS, 2)):
             for each in blocks.values():
@@ -119,14 +119,12 @@ def measure_beside_grids(scale: Scale, folder: Path) -> dict[str, Any]:
         other = Counterpart(children, folder, grid, *options)
         for loop in loops:
             loop.start(children, folder)
-        for loop in loops:
-            loop.reach()
+        loops = reached(loops, Loop.reach)
         other.ask("greet", address=system.address("loaded"))
-        for loop, topic in zip(loops, topics, strict=True):
-            loop.until(lambda topic=topic: _grid_came(other, topic))
+        loops = reached(loops, partial(_carries_grids, other))
         order = [
-            (loop, topic, way, beside)
-            for loop, topic in zip(loops, topics, strict=True)
+            (loop, f"/{loop.variant}/load_down", way, beside)
+            for loop in loops
             for way in WAYS
             for beside in (True, False)
         ]
@@ -150,13 +148,25 @@ def measure_beside_grids(scale: Scale, folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = {way: {} for way in WAYS}
     for (way, variant), each in blocks.items():
         found[way].update(each.summary(against=f"{variant} alone"))
-    found["carried"] = {each: round(statistics.median(carried[each]), 3) for each in variants}
+    found["carried"] = {
+        each: round(statistics.median(shares), 3) for each, shares in carried.items() if shares
+    }
     return found
 
 
-def _grid_came(other: Counterpart, topic: str) -> bool:
-    answers = other.ask("publish", topic=topic, rate=1, seconds=0.1), other.ask("take", seconds=0.2)
-    return sum(each["sunk"] for each in answers) > 1  # one is the answer to the greeting
+def _carries_grids(other: Counterpart, loop: Loop) -> None:
+    """Waits until grids come through.
+
+    Raises:
+        UnreachableError: None did.
+    """
+
+    def came() -> bool:
+        published = other.ask("publish", topic=f"/{loop.variant}/load_down", rate=1, seconds=0.1)
+        # One datagram is the answer to the greeting.
+        return published["sunk"] + other.ask("take", seconds=0.2)["sunk"] > 1
+
+    loop.until(came)
 
 
 def _beside_grids(

@@ -202,7 +202,7 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
     )
     yield _figure("throughput", plots)
     rows = [
-        (_WAY_NAMES[way], *(f"{found[way][each]['rate']:,}/s" for each in VARIANTS))
+        (_WAY_NAMES[way], *(_rate(found[way].get(each)) for each in VARIANTS))
         for way in ALL_WAYS
         if way in found
     ]
@@ -213,10 +213,14 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
     rows = []
     for way in (each for each in ALL_WAYS if each in found):
         for step in steps:
-            cells = [found[way][each]["steps"].get(str(step)) for each in VARIANTS]
+            cells = [found[way].get(each, {}).get("steps", {}).get(str(step)) for each in VARIANTS]
             if any(cells):
                 rows.append((f"{_WAY_NAMES[way]}, {step:,}/s", *map(_step, cells)))
     yield table(("us a message (lost)", *VARIANTS), rows)
+
+
+def _rate(found: Mapping[str, Any] | None) -> str:
+    return f"{found['rate']:,}/s" if found else ""
 
 
 def _step(found: Mapping[str, Any] | None) -> str:
@@ -300,10 +304,11 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
         rows = []
         for count, variants in _counted(sections["footprint"]):
             for each in (FLOOR, GENERATED, GENERIC):
-                rows.append((count, each, *_rest(variants[each])))
+                if each in variants:
+                    rows.append((count, each, *_rest(variants[each])))
         yield table(("connections", "variant", *_REST), rows)
         rows = [
-            (count, found[GENERATED]["lines"], rounded(found[GENERATED]["bytes"] / count / 1e3))
+            (count, found["code"]["lines"], rounded(found["code"]["bytes"] / count / 1e3))
             for count, found in _counted(sections["footprint"])
         ]
         yield table(("connections", "lines of generated code", "kB each connection"), rows)
@@ -422,7 +427,9 @@ def _plots(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "performance-latency.svg", bars(title, "times the floor", _BRIDGES, panels, mark=1.0)
     if sections.get("throughput"):
         rows = {
-            _WAY_NAMES[way]: {each: found[each]["rate"] or None for each in VARIANTS}
+            _WAY_NAMES[way]: {
+                each: each_found["rate"] or None for each, each_found in found.items()
+            }
             for way in ALL_WAYS
             if (found := sections["throughput"].get(way))
         }

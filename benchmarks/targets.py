@@ -92,7 +92,7 @@ def _one_way_rates(sections: Sections) -> Iterator[Finding]:
 
 def _both_ways_share(sections: Sections) -> Iterator[Finding]:
     found = sections.get("throughput", {}).get("both", {})
-    if found.get(FLOOR, {}).get("rate"):
+    if found.get(FLOOR, {}).get("rate") and GENERATED in found:
         yield "both ways", round(found[GENERATED]["rate"] / found[FLOOR]["rate"], 2)
 
 

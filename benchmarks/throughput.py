@@ -7,6 +7,7 @@ thousandth. The ends are this process and one other, which take what comes betwe
 from __future__ import annotations
 
 import random
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from counterpart import Counterpart
@@ -16,7 +17,7 @@ from names import VARIANTS
 from processes import Children
 from samples import sample
 from systems import Measured, generate
-from variants import Route
+from variants import Route, reached
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,8 +54,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         other = Counterpart(children, folder, message, *topics)
         for route in routes:
             route.start(children, folder)
-        for route in routes:
-            _reach(route, other)
+        routes = reached(routes, partial(_reach, other))
         found = {way: _climb(routes, other, way, steps, seconds) for way in WAYS}
         for route in routes:
             route.close()
@@ -62,7 +62,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     return found
 
 
-def _reach(route: Route, other: Counterpart) -> None:
+def _reach(other: Counterpart, route: Route) -> None:
     def up() -> bool:
         route.send()
         return other.ask("take", seconds=0)["taken"] > 0

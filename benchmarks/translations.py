@@ -139,15 +139,17 @@ def _by_turns(
 
 def _microseconds(translate: Callable[[bytes], Any], given: bytes) -> float:
     """Returns the processor time of one call."""
-    translate(given)
-    count = 0
+    calls = 1
+    while (used := _seconds(translate, given, calls)) < _BATCH / 2:
+        calls *= max(min(int(_BATCH / max(used, 1e-7)), 16), 2)
+    return 1e6 * used / calls
+
+
+def _seconds(translate: Callable[[bytes], Any], given: bytes, calls: int) -> float:
     start = time.thread_time()
-    while (used := time.thread_time() - start) < _BATCH:
+    for _ in range(calls):
         translate(given)
-        translate(given)
-        translate(given)
-        count += 3
-    return 1e6 * used / count
+    return time.thread_time() - start
 
 
 def _told(figures: dict[str, Any]) -> str:

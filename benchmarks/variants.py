@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ends import PEER, JausEnd, free_port, wait_until
 from names import FLOOR, GENERIC, TYPED, WAYS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ends import RosEnd
     from processes import Child, Children
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from systems import System
 
 HERE = Path(__file__).resolve().parent
-PATIENCE = 30.0
+PATIENCE = 20.0
 """Seconds in which the first message must be through."""
 
 
@@ -111,6 +111,9 @@ class Route:
         self.end.close()
 
 
+RouteT = TypeVar("RouteT", bound=Route)
+
+
 class Loop(Route):
     """Both ways of one kind of message through one bridge, from this process to this process."""
 
@@ -174,3 +177,22 @@ class Loop(Route):
         time.sleep(0.1)
         self.discard()
         return first
+
+
+def reached(routes: Sequence[RouteT], reach: Callable[[RouteT], object]) -> list[RouteT]:
+    """Returns the bridges that messages come through; tells of the others and leaves them out.
+
+    Args:
+        routes: Bridges that were started.
+        reach: Waits until messages come through one.
+    """
+    found = []
+    for each in routes:
+        try:
+            reach(each)
+        except UnreachableError as error:
+            print(f"  left out: {error}", flush=True)
+            each.close()
+        else:
+            found.append(each)
+    return found
