@@ -6,6 +6,7 @@ Forms take turns. Decoding and encoding are part of it, publishing and sending a
 
 from __future__ import annotations
 
+import gc
 import importlib
 import random
 import time
@@ -50,6 +51,9 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     system = generate(folder, {_PACKAGE: Measured(MAPS)})
     system.importable()
     forms = _Forms(system.model)
+    # The model stays; collections must not walk over it, as no bridge has it.
+    gc.collect()
+    gc.freeze()
     found: dict[str, Any] = {}
     for kind in scale.cases(tuple(KINDS), len(KINDS)):
         message = sample(system.model, kind)
