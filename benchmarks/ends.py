@@ -57,7 +57,7 @@ _TURN = 0.001
 _QUIET = 0.3
 """Seconds without a message after which no more are expected."""
 
-_LONGEST_REST = 5.0
+_LONGEST_REST = 20.0
 
 
 @cache
@@ -284,12 +284,21 @@ def paced(
     return sent, taken
 
 
-def drained(drain: Callable[[], int], seconds: float) -> int:
-    """Takes what comes for some seconds, and then until nothing comes; returns how much it was."""
+def drained(drain: Callable[[], int], seconds: float, quiet: float = _QUIET) -> int:
+    """Takes what comes for some seconds, and then until nothing comes.
+
+    Args:
+        drain: Takes what waits; returns how much it was.
+        seconds: How long in any case.
+        quiet: Seconds without anything after which no more is expected.
+
+    Returns:
+        How much it was.
+    """
     taken = 0
     last = time.perf_counter()
     end = last + seconds
-    while (now := time.perf_counter()) < end or now < last + _QUIET:
+    while (now := time.perf_counter()) < end or now < last + quiet:
         found = drain()
         if found:
             taken, last = taken + found, now

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from ends import PEER, JausEnd, free_port, wait_until
+from ends import PEER, JausEnd, drained, free_port, wait_until
 from names import FLOOR, GENERIC, TYPED, WAYS
 
 if TYPE_CHECKING:
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 HERE = Path(__file__).resolve().parent
 PATIENCE = 20.0
 """Seconds in which the first message must be through."""
+
+
+_FIRST_TRY, _LONGER = 0.05, 1.4
+_QUIET = 0.7
+"""Seconds without a message after which none is expected of the slowest bridge."""
 
 
 class UnreachableError(RuntimeError):
@@ -151,32 +156,25 @@ class Loop(Route):
         return (arrived - started) / 1e3 if came else None
 
     def exchange(self, way: str) -> float | None:
-        """Sends one message and waits for it; what comes late is thrown away."""
-        taken = self.up() if way == "up" else self.down()
-        if taken is None:
-            self.discard()
-        return taken
+        """Sends one message and waits for it; what has come late is thrown away before."""
+        self.discard()
+        return self.up() if way == "up" else self.down()
 
-    def discard(self) -> None:
-        """Throws away what waits at the ends."""
-        self.subscription.discard()
-        self.end.discard()
+    def discard(self) -> int:
+        """Throws away what waits at the ends; returns how much it was."""
+        return self.subscription.discard() + self.end.discard()
 
-    def reach(self) -> float:
-        """Waits until messages come through both ways.
-
-        Returns:
-            When the first one was there, by the monotonic clock.
+    def reach(self) -> None:
+        """Waits until messages come through both ways, and nothing more comes.
 
         Raises:
             UnreachableError: None came, or the bridge has ended.
         """
-        self.until(lambda: self.up(0.01) is not None)
-        first = time.monotonic()
+        # Ever more seldom: a slow bridge must work off what was sent while it started.
+        timeouts = iter([_FIRST_TRY * _LONGER**n for n in range(100)])
+        self.until(lambda: self.up(min(next(timeouts), 1.0)) is not None)
         self.until(lambda: self.down() is not None)
-        time.sleep(0.1)
-        self.discard()
-        return first
+        drained(self.discard, 0, quiet=_QUIET)
 
 
 def reached(routes: Sequence[RouteT], reach: Callable[[RouteT], object]) -> list[RouteT]:
