@@ -50,18 +50,20 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         `through_s`, `processor_s`, `memory_mib` and `idle` (share of a processor); `span_s` of
         `ready_s`; `code` with `lines` and `bytes` of what was generated.
     """
-    counts = scale.cases(CONNECTIONS, 2)
-    bridges = {f"has_{n}": Measured(("point",), n - 1, ways=("up",)) for n in counts}
-    started = time.process_time()
-    system = generate(folder, bridges)
-    print(f"  generated in {time.process_time() - started:.1f} s", flush=True)
-    message = sample(system.model, "point")
     found: dict[str, Any] = {}
     with closing(RosEnd("meter")) as ros:
-        for count, name in zip(counts, bridges, strict=True):
-            found[str(count)] = _of(scale, folder, system, name, message, ros)
+        for count in scale.cases(CONNECTIONS, 2):
+            # Systems of their own, since bridges of one system share a package of messages.
+            own = folder / str(count)
+            own.mkdir()
+            name = f"has_{count}"
+            system = generate(own, {name: Measured(("point",), count - 1, ways=("up",))})
+            message = sample(system.model, "point")
             lines, size = system.lines(name)
-            found[str(count)]["code"] = {"lines": lines, "bytes": size}
+            found[str(count)] = {
+                **_of(scale, folder, system, name, message, ros),
+                "code": {"lines": lines, "bytes": size},
+            }
             print(f"  {count} connections: {found[str(count)]}", flush=True)
     return found
 

@@ -26,5 +26,13 @@ KINDS = {
 }
 """Kinds of messages: the map, and how the page calls it."""
 
+READY_MAPS = {
+    "velocity_state": ("odometry", "ReportVelocityState, Odometry"),
+    "laser_scan": ("scan", "ReportRangeSensorData, scan of 360"),
+    "cost_map": ("grid", "ReportCostMap2D, grid of 40 kB"),
+    "planned_local_path": ("path", "ReportPath, path of 100"),
+}
+"""Ready maps of the library: the kind whose ROS message they are given, and what the page says."""
+
 SMALL = ("point", "twist", "odometry")
 """Those that count as small messages."""

@@ -7,7 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from figures import rounded
-from names import ALL_WAYS, FLOOR, FORMS, GENERATED, GENERIC, KINDS, TYPED, VARIANTS, WAYS
+from names import (
+    ALL_WAYS,
+    FLOOR,
+    FORMS,
+    GENERATED,
+    GENERIC,
+    KINDS,
+    READY_MAPS,
+    TYPED,
+    VARIANTS,
+    WAYS,
+)
 from plots import Panel, bars
 from targets import JUDGED_RATE, REMARKS, TAIL_RATE, TARGETS
 
@@ -16,6 +27,7 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 NAME = "performance.md"
+_OWN_FORMS = tuple(form for form in FORMS if form != GENERIC)
 _BRIDGES = (GENERATED, TYPED, GENERIC)
 _WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
 _REST = (
@@ -290,6 +302,19 @@ def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iter
             medians = (forms.get(form, {}).get("median") for form in FORMS)
             rows.append((KINDS[kind][1], _WAY_NAMES[way], *medians, f"{less:g} x"))
     yield table(("message", "", *FORMS, "best against generic"), rows)
+    rows = [
+        (
+            called,
+            _WAY_NAMES[way],
+            *(found[name][way].get(form, {}).get("median") for form in _OWN_FORMS),
+        )
+        for name, (_, called) in READY_MAPS.items()
+        if name in found
+        for way in WAYS
+    ]
+    if rows:
+        yield "The same for ready maps of the library:\n"
+        yield table(("message", "", *_OWN_FORMS), rows)
 
 
 def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:

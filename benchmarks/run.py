@@ -37,7 +37,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 DATA = HERE / "results.json"
 PAGE = ROOT / "docs" / "performance.md"
-FORMAT = 1
+FORMAT = 2
 """Version of the data; figures of another one are not kept."""
 
 LOOKS = ROOT / "build" / "benchmarks"

@@ -26,6 +26,14 @@ HERE = Path(__file__).resolve().parent
 MAPS = ("point", "twist", "odometry", "scan", "grid", "path")
 """The maps of measured.ros2jaus."""
 
+READY = {
+    "velocity_state": "velocity_state_sensor",
+    "laser_scan": "range_sensor",
+    "cost_map": "cost_map_2d",
+    "planned_local_path": "path_reporter",
+}
+"""Ready maps of the library that are measured too, and their files."""
+
 _CONNECTION = """    connection {name} {{
         map: {map}
         direction: {direction}
@@ -56,7 +64,8 @@ class Measured:
     """A bridge of the measured system.
 
     Attributes:
-        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down.
+        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down: of `MAPS` or,
+            where nothing is sent, of `READY`.
         idle: Further connections that carry nothing, by turns in each direction.
         load: Whether it carries grids to the sink as well, from the topic load_down.
         ways: The ways of the maps.
@@ -76,7 +85,9 @@ class Measured:
 def system_text(bridges: Mapping[str, Measured]) -> str:
     """Returns the model of a system of bridges by name."""
     idle = range(max(each.idle for each in bridges.values()))
-    parts = [(HERE / "measured.ros2jaus").read_text(encoding="utf-8")]
+    used = {READY[each] for bridge in bridges.values() for each in bridge.maps if each in READY}
+    parts = [f"import mappings.{each}" for each in sorted(used)]
+    parts.append((HERE / "measured.ros2jaus").read_text(encoding="utf-8"))
     parts += [_IDLE_MAP.format(n=n, code=_FIRST_IDLE_CODE + n) for n in idle]
     parts.append("system all_measured {")
     for name, address in (("peer", PEER), ("sink", SINK)):

@@ -99,7 +99,7 @@ def _both_ways_share(sections: Sections) -> Iterator[Finding]:
 def _less_than_generic(sections: Sections) -> Iterator[Finding]:
     for kind, ways in sections.get("translations", {}).items():
         for way, forms in ways.items():
-            if GENERIC in forms:
+            if kind in KINDS and GENERIC in forms:
                 best = min(each["median"] for form, each in forms.items() if form != GENERIC)
                 yield f"{KINDS[kind][1]}, {way}", round(forms[GENERIC]["median"] / best, 1)
 

@@ -10,15 +10,16 @@ import gc
 import importlib
 import random
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import interpreting
 import typed_bridge
 from figures import Blocks
-from names import FLAT, FORMS, GENERIC, KINDS, LIGHT, TYPED, WAYS
+from names import FLAT, FORMS, GENERIC, KINDS, LIGHT, READY_MAPS, TYPED, WAYS
 from rclpy.serialization import deserialize_message, serialize_message
 from samples import sample
-from systems import MAPS, Measured, generate
+from systems import MAPS, READY, Measured, generate
 
 from jausml.live.messages import Catalogue
 from jausml.metamodel.classes import bridge
@@ -30,7 +31,9 @@ if TYPE_CHECKING:
     from samples import Sample
     from scale import Scale
 
-_PACKAGE = "all_maps"
+_OWN, _READY = "own_maps", "ready_maps"
+"""Packages with the measured maps, and with ready ones."""
+
 _BATCH = 0.004
 """Seconds for which one form runs before the next has its turn."""
 
@@ -46,11 +49,13 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 
     Returns:
         Figures by kind, way and form, in microseconds of processor time; ratios are to the
-        interpreted form.
+        interpreted form. Ready maps of the library stand under their names; the interpreter here
+        does not know what they use.
     """
-    system = generate(folder, {_PACKAGE: Measured(MAPS)})
+    system = generate(folder, {_OWN: Measured(MAPS), _READY: Measured(tuple(READY))})
     system.importable()
-    forms = _Forms(system.model)
+    forms = _Forms(system.model, _OWN)
+    ready = _Forms(system.model, _READY)
     # The model stays; collections must not walk over it, as no bridge has it.
     gc.collect()
     gc.freeze()
@@ -60,31 +65,46 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         found[kind] = {way: _by_turns(scale, forms.of(message, way)) for way in WAYS}
         told = {way: _told(figures) for way, figures in found[kind].items()}
         print(f"  {kind}: {told}", flush=True)
+    for name, (kind, _) in READY_MAPS.items():
+        message = ready.sample(name, sample(system.model, kind))
+        found[name] = {way: _by_turns(scale, ready.of(message, way)) for way in WAYS}
+        told = {way: _told(figures) for way, figures in found[name].items()}
+        print(f"  {name}: {told}", flush=True)
     return found
 
 
 class _Forms:
-    """The forms of the translations of the bridge with all maps."""
+    """The forms of the translations of a bridge."""
 
-    def __init__(self, model: Any) -> None:
-        self._base = typed_bridge.bridge_class(_PACKAGE)
+    def __init__(self, model: Any, package: str) -> None:
+        self._base = typed_bridge.bridge_class(package)
         self._bridge = self._base()
         transcoding = importlib.import_module("jausml_runtime.bridge.transcoding")
         self._transcoder_of = transcoding.transcoder_of
         self._typed = typed_bridge.typed(self._base, transcoding.ros_classes)()
-        self._messages = importlib.import_module(f"{_PACKAGE}.messages")
-        element = next(each for each in model.instances(bridge.Bridge) if each.name == _PACKAGE)
-        self._interpreters = interpreting.interpreters(element, Catalogue(model).message)
+        messages = importlib.import_module(f"{package}.messages")
+        element = next(each for each in model.instances(bridge.Bridge) if each.name == package)
+        self._decode = {
+            str(each.map.name): getattr(messages, str(each.map.message.name)).decode
+            for each in element.bridgeConnections
+        }
+        self._interpreters: dict[str, interpreting.Interpreter] = {}
+        if package == _OWN:
+            self._interpreters = interpreting.interpreters(element, Catalogue(model).message)
+
+    def sample(self, map_name: str, message: Sample) -> Sample:
+        """Returns a message as another map carries it."""
+        other = replace(message, map=map_name)
+        return replace(other, jaus=self._typed_form(other, "down")(message.ros))
 
     def of(self, message: Sample, way: str) -> dict[str, tuple[Callable[[bytes], Any], bytes]]:
         """Returns the forms that there are of one translation, and what they are given."""
         name = f"{message.map}_{way}"
         method = getattr(self._bridge, f"translate_{name}")
         factory = self._transcoder_of(getattr(self._base, f"translate_{name}"))
-        found = {
-            TYPED: self._typed_form(message, way),
-            GENERIC: _interpreted(self._interpreters[name], message.ros_class, way),
-        }
+        found = {TYPED: self._typed_form(message, way)}
+        if name in self._interpreters:
+            found[GENERIC] = _interpreted(self._interpreters[name], message.ros_class, way)
         light = _light_class(method, message)
         if light is not None:
             found[LIGHT] = self._light_form(message, way, light)
@@ -95,21 +115,17 @@ class _Forms:
             assert translate(given) is not None, f"{form} of {name} passes nothing on"
         return {form: (translate, given) for form, translate in found.items()}
 
-    def _decode(self, message: Sample) -> Callable[[bytes], Any]:
-        decode: Callable[[bytes], Any] = getattr(self._messages, f"Set{message.map.title()}").decode
-        return decode
-
     def _typed_form(self, message: Sample, way: str) -> Callable[[bytes], Any]:
         translate = getattr(self._typed, f"translate_{message.map}_{way}")
         if way == "up":
-            decode = self._decode(message)
+            decode = self._decode[message.map]
             return lambda data: serialize_message(translate(decode(data)))
         return lambda data: translate(deserialize_message(data, message.ros_class)).encode()
 
     def _light_form(self, message: Sample, way: str, light: Any) -> Callable[[bytes], Any]:
         translate = getattr(self._bridge, f"translate_{message.map}_{way}")
         if way == "up":
-            decode = self._decode(message)
+            decode = self._decode[message.map]
             return lambda data: translate(decode(data)).to_cdr()
         return lambda data: translate(light.from_cdr(data)).encode()
 
