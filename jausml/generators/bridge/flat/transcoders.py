@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections import Counter
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,8 @@ from jausml.generators.python.codec.compounds import MAXIMUM_COMPLEXITY
 from jausml.generators.python.names import Scope, names_in, snake_case
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from jausml.generators.bridge.connections import ConnectionView
     from jausml.generators.bridge.views import BridgeView
 
@@ -183,7 +185,9 @@ class TranscodersModule:
     @functools.cached_property
     def _by_connection(self) -> dict[str, Factory]:
         scope = Scope(_TAKEN)
-        times = Counter(map(self._key, self.bridge.connections))
+        groups: dict[object, list[tuple[str, ...]]] = defaultdict(list)
+        for view in self.bridge.connections:
+            groups[self._key(view)].append(readable(view.translated).attributes)
         shared: dict[object, Shared] = {}
         found: dict[str, Factory] = {}
         names = {view.name: scope.claim(view.name) for view in self.bridge.connections}
@@ -193,22 +197,34 @@ class TranscodersModule:
             if isinstance(form, str):
                 continue
             attributes = readable(view.translated).attributes
-            about = f"The flat form of `translate_{view.name}`, {view.summary}."
-            if times[key] == 1 or not form.is_shared:
+            about = f"The flat form of `translate_{view.name}`.\n\nFrom {view.summary}."
+            if len(groups[key]) == 1 or not form.is_shared:
                 lines = assembled(form, [f"bridge.{each}" for each in attributes])
                 found[view.name] = Factory(names[view.name], about, form, tuple(lines))
                 continue
             if key not in shared:
-                shared[key] = self._shared(view, form, scope)
-            found[view.name] = Factory(names[view.name], about, form, (), shared[key], attributes)
+                shared[key] = self._shared(view, form, scope, groups[key])
+            own = tuple(attributes[index] for index in _differing(groups[key]))
+            found[view.name] = Factory(names[view.name], about, form, (), shared[key], own)
         return found
 
     @staticmethod
-    def _shared(view: ConnectionView, form: FlatForm, scope: Scope) -> Shared:
+    def _shared(
+        view: ConnectionView, form: FlatForm, scope: Scope, group: Sequence[tuple[str, ...]]
+    ) -> Shared:
         way = "to_ros" if view.to_ros else "to_jaus"
         name = scope.claim(f"_{snake_case(view.connection.map.name)}_{way}")
-        count = len(readable(view.translated).attributes)
-        parameters = tuple(f"attribute_{index}" for index in range(count))
-        lines = assembled(form, [f"getattr(bridge, {each})" for each in parameters])
-        about = f"The flat form of several translations, {view.summary}."
-        return Shared(name, about, parameters, form, tuple(lines))
+        # No name of the model has two underscores in a row.
+        own = {index: f"attribute__{index}" for index in _differing(group)}
+        texts = [
+            f"getattr(bridge, {own[index]})" if index in own else f"bridge.{each}"
+            for index, each in enumerate(group[0])
+        ]
+        lines = assembled(form, texts)
+        about = f"The flat form of several translations.\n\nFrom {view.summary}."
+        return Shared(name, about, tuple(own.values()), form, tuple(lines))
+
+
+def _differing(group: Sequence[tuple[str, ...]]) -> list[int]:
+    """Returns which attributes of the bridge differ between connections that share a form."""
+    return [index for index, names in enumerate(zip(*group, strict=True)) if len(set(names)) > 1]
