@@ -21,6 +21,7 @@ from . import parameters
 from .diagnosing import Diagnosing
 from .sharing import SharedMessages, SharedTopics
 from .stops import Standing, StopReason
+from .transcoding import Form
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -99,11 +100,19 @@ class Bridge:
             connection.open(self)
         self._topics.subscribe()
         self._messages.handle()
-        forms: dict[str, list[str]] = {}
+        self._log_forms()
+
+    def _log_forms(self) -> None:
+        """Says which forms translations run in, by name where it is not the fastest one."""
+        names: dict[Form, list[str]] = {form: [] for form in Form}
         for connection in self.connections:
-            forms.setdefault(connection.form.value, []).append(connection.name)
-        for form, names in forms.items():
-            LOGGER.info("translation by %s: %s", form, ", ".join(names))
+            names[connection.form].append(connection.name)
+        flat = names.pop(Form.FLAT)
+        if flat:
+            LOGGER.info("translations from bytes to bytes: %d", len(flat))
+        for form, others in names.items():
+            if others:
+                LOGGER.info("translations on %s: %s", form.value, ", ".join(others))
 
     def close(self) -> None:
         """Stops what was commanded, releases control and cancels events; ROS is closed after it."""

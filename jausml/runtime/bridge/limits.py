@@ -164,7 +164,7 @@ class DropField(Limit[None]):
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | None:
         """Returns a real number within minimum .. maximum; None for others."""
-        if math.isnan(value):
+        if isinstance(value, float) and math.isnan(value):  # an int may be too large for a float
             # ROS marks so what is unknown: it may be so in every message.
             self._count(DROP_FIELD, field, "not a number")
             return None

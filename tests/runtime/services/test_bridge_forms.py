@@ -211,9 +211,9 @@ def test_a_bridge_may_mix_forms(world, setting, caplog):
         assert told(world, setting, name)["translation"] == form
     assert len({len(setting.ros.numbers(name)) for name in ("flat", "light", "real")}) == 1
     assert [each.getMessage() for each in caplog.records if "translation" in each.message] == [
-        "translation by flat: flat, drive",
-        "translation by light classes: light",
-        "translation by ROS classes: real",
+        "translations from bytes to bytes: 2",
+        "translations on light classes: light",
+        "translations on ROS classes: real",
     ]
 
 
