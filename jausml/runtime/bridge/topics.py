@@ -36,8 +36,8 @@ class TopicCounts:
 
     Attributes:
         taken: Messages taken from its queue.
-        lost: Messages that were overwritten in the queue before they were taken: the bridge was
-            too slow. Only a middleware that announces messages tells them.
+        lost: Messages that were overwritten in the queue, or whose lifespan ended there, before
+            they were taken: the bridge was too slow. Only a listener tells them, no wait set.
         missed: Messages that were published and never taken, those of `lost` included. Publishers
             number their messages, but do not sign them: it is told only while there is one.
         too_old: Messages taken and dropped because they had waited too long.
