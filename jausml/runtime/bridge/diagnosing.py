@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from .diagnostic_array import DiagnosticArray
 from .diagnostics import double_status, socket_status
+from .ends import Ends
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.loop import Loop
-    from .bridge import Bridge
     from .connection import AnyConnection
     from .diagnostics import ConnectionStatus
 
@@ -19,10 +19,20 @@ SLICE = 4
 """Connections that are looked at in one turn: messages must not wait for all of them."""
 
 
+class Diagnosed(Ends, Protocol):
+    """A bridge as its diagnostics see it.
+
+    Attributes:
+        connections: What is carried across.
+    """
+
+    connections: list[AnyConnection]
+
+
 class Diagnosing:
     """Looks at all connections once each period."""
 
-    def __init__(self, bridge: Bridge, period: float) -> None:
+    def __init__(self, bridge: Diagnosed, period: float) -> None:
         """Does nothing before `start`.
 
         Args:
