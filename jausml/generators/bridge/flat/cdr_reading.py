@@ -18,6 +18,7 @@ from jausml.generators.bridge.flat.cdr_layout import (
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.loops import loop_over
+from jausml.generators.bridge.flat.octets import Octets
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 
@@ -85,6 +86,7 @@ class CdrSequenceReading:
     def __init__(self, leaf: Many, scope: Scope) -> None:
         self._scope = scope
         self.leaf = leaf
+        self.is_bytes = False
         self.items = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.count = f"len({self.items})"
         leaves = element_leaves(leaf.field, "")
@@ -101,6 +103,15 @@ class CdrSequenceReading:
         """Returns the expression of a list of all elements."""
         self.element.value("")
         return f"[each[0] for each in {self.items}]"
+
+    def octets(self) -> Octets:
+        """Returns the sequence as bytes, when its elements are numbers of one octet each."""
+        inner = tuple(element_leaves(self.leaf.field, ""))
+        letter = inner[0].letter if len(inner) == 1 and isinstance(inner[0], Number) else ""
+        if letter not in {"b", "B"} or self.element.names:
+            raise NotFlatError(f"{self.leaf.path} has no octets")
+        self.is_bytes = True
+        return Octets(self.items, "", is_signed=letter == "b")
 
     def vector(self) -> str:
         """Refuses what no end reads at once."""
@@ -345,7 +356,9 @@ class _Walk:
         self._add(f'{_STEP}raise IndexError("the bytes end too early")')
         walk = _Walk(self._constants, self._scope)
         walk.read(inner, element)
-        if not element.names:
+        if reading.is_bytes:
+            self._add(f"{items} = data[{start}:offset]")
+        elif not element.names:
             self._add(f"{items} = range(count)")
         elif even.tail:
             reader = walk.reader("unpack_from")

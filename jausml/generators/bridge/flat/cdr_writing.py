@@ -304,6 +304,11 @@ class CdrSequenceWriting:
         self.rows, self.is_vector = expression, True
 
     @property
+    def octet(self) -> str | None:
+        """The path of the number, which is the element, when that is one octet; None for others."""
+        return "" if self.letter in {"b", "B"} else None
+
+    @property
     def letter(self) -> str | None:
         """Letter of the elements in struct formats; None when they are no numbers."""
         (first, *others) = self.element.leaves

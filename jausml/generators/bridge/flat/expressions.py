@@ -18,11 +18,12 @@ from jausml.semantics.conversions.conversion import QUATERNION
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.generators.bridge.flat.octets import Octets
     from jausml.generators.bridge.flat.protocols import SequenceReading
 
 _BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
 _FUNCTIONS = frozenset({"by_name"})
-_MODULES = frozenset({"arithmetic", "conversions", "math", "rotations", "stamps"})
+_MODULES = frozenset({"arithmetic", "conversions", "math", "octets", "rotations", "stamps"})
 _ERRORS = frozenset({"AbsentFieldError", "ConversionError"})
 
 
@@ -70,6 +71,7 @@ class Names:
         roots: What stands for each object whose values are read, by its name.
         limits: The limits of the connection that are asked, each a key.
         slices: The first elements of lists, by name: the list, and the variable of their number.
+        octets: Lists of octets by the name of the variable that has them.
     """
 
     owner: str
@@ -80,6 +82,7 @@ class Names:
     roots: dict[str, SourceValues] = field(default_factory=dict)
     limits: dict[str, None] = field(default_factory=dict)
     slices: dict[str, tuple[ast.expr, str]] = field(default_factory=dict)
+    octets: dict[str, Octets] = field(default_factory=dict)
 
     def attribute(self, name: str) -> ast.expr:
         """Returns what stands for an attribute of the bridge until its name is known."""

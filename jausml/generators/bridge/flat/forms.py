@@ -32,8 +32,8 @@ _ATTRIBUTE = re.compile(r"\bself\.(\w+)")
 # What the functions of the module use besides their own variables.
 _TAKEN = names_in(
     """
-    arithmetic bridge connection conversions count data each error math offset order position
-    rotations self size source stamps struct target transcode
+    arithmetic bridge connection conversions count data each error math octets offset order
+    position rotations self size source stamps struct target transcode
     """
 )
 
@@ -125,7 +125,7 @@ def flat_form(
     try:
         reading, writing, values = _ends(connection, view_of, scope, constants)
         names.roots["source"] = values
-        body = Lowering(names, writing, scope, "target").lower(tree.body)
+        body = Lowering(names, writing, scope, "target", constants).lower(tree.body)
     except PathError as error:
         raise NotFlatError(str(error)) from error
     lines = (*reading.lines(), *body, *writing.lines())

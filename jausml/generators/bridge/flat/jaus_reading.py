@@ -14,6 +14,7 @@ from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
 from jausml.generators.bridge.flat.loops import loop_over
+from jausml.generators.bridge.flat.octets import Octets
 from jausml.generators.bridge.flat.pieces import sliced
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
@@ -253,6 +254,9 @@ class JausSequence:
         value: The list.
         begin: The variable of where the first element stands.
         end: The variable of where the last element ends.
+        rows: The variable of the values of each element, where one layout after a presence vector
+            has them all; empty for other elements.
+        row: That layout.
         uses_begin: Whether the first of these was used.
         uses_end: Whether the second was.
     """
@@ -263,6 +267,8 @@ class JausSequence:
         self.count = around.scope.claim(f"{name}_count")
         self.begin = around.scope.claim(f"{name}_begin")
         self.end = around.scope.claim(f"{name}_end")
+        self.rows = ""
+        self.row: Block | None = None
         self.uses_begin = False
         self.uses_end = False
         self.element = _Element(around, value.element, name)
@@ -283,9 +289,13 @@ class JausSequence:
             self.uses_begin, self.uses_end = True, self.uses_end or not most
             layout = block.layout(around.constants)
             end = f"{self.begin} + {block.size} * {most}" if most else self.end
-            rows = f"{layout}.iter_unpack({around.data}[{self.begin} : {end}])"
-            lines = loop_over(rows, block.targets, index, around.scope)
-            return [*lines, *indented([*block.values(), *body])]
+            part = f"{self.begin} : {end}" if most else f"{self.begin}:{end}"
+            rows = f"{layout}.iter_unpack({around.data}[{part}])"
+            return self._loop(rows, block, index, body)
+        block = None if most else one_block(around, self.value.element, element)
+        if block is not None and block.vector == 0 and block.targets:
+            self.rows, self.row = around.scope.claim(f"{self.element.name}_rows"), block
+            return self._loop(self.rows, block, index, body)
         offset = around.scope.claim("offset")
         walk = _Walk(around, offset, 0, is_checked=True)
         walk.value(self.value.element, element, self.element.name)
@@ -295,6 +305,12 @@ class JausSequence:
         start = [f"{offset} = {self.begin}"] if reads else []
         loop = f"for {position} in range({most or self.count}):"
         return [*start, loop, *indented([*reads, *body])]
+
+    def _loop(self, rows: str, block: Block, index: str, body: Sequence[str]) -> list[str]:
+        values = block.values()
+        changes = bool(values)
+        head = loop_over(rows, block.targets, index, self._around.scope, changes=changes)
+        return [*head, *indented([*values, *body])]
 
     def values(self) -> str:
         """Returns the expression of a list of all elements.
@@ -307,8 +323,20 @@ class JausSequence:
             raise NotFlatError("elements are no numbers")
         self.uses_begin = self.uses_end = True
         layout = self._around.constants.struct(f"<{element.format}")
-        items = f"{layout}.iter_unpack({self._around.data}[{self.begin} : {self.end}])"
+        items = f"{layout}.iter_unpack({self._around.data}[{self.begin}:{self.end}])"
         return f"[{unpacked(element, 'each[0]')} for each in {items}]"
+
+    def octets(self) -> Octets:
+        """Returns the list as bytes, when its elements are numbers of one octet each.
+
+        Raises:
+            NotFlatError: They are not.
+        """
+        path = octet_of(self.value.element)
+        if path is None:
+            raise NotFlatError("elements are no octets")
+        self.uses_begin = self.uses_end = True
+        return Octets(f"{self._around.data}[{self.begin}:{self.end}]", path, is_signed=False)
 
     def vector(self) -> str:
         """Returns the expression of all elements as they stand on the wire, at once.
@@ -328,6 +356,22 @@ class JausSequence:
         kind = {"b": "i", "h": "i", "i": "i", "q": "i", "f": "f", "d": "f"}.get(element.format, "u")
         dtype = python_string(f"<{kind}{element.size}")
         return f"numpy.frombuffer({self._around.data}, {dtype}, {self.count}, {self.begin})"
+
+
+def octet_of(element: object) -> str | None:
+    """Returns the path of the number in an element that is one octet, None for other elements.
+
+    Args:
+        element: Layout of the elements of a list.
+    """
+    path = ""
+    if isinstance(element, PartValue) and isinstance(element.part, ContainerClass):
+        part = element.part
+        if len(part.members) != 1 or part.presence_size or part.members[0].is_optional:
+            return None
+        path, element = part.members[0].attribute, part.members[0].value
+    is_octet = isinstance(element, Fixed) and element.format == "B" and element.is_plain
+    return path if is_octet and not isinstance(element, Bits) else None
 
 
 class _Element(PartReading):
@@ -361,9 +405,21 @@ def fixed_block(around: _Surroundings, value: Value, wanted: _Wanted) -> Block |
         value: The value.
         wanted: What is wanted of it.
     """
+    block = one_block(around, value, wanted)
+    return block if block is not None and block.is_fixed else None
+
+
+def one_block(around: _Surroundings, value: Value, wanted: _Wanted) -> Block | None:
+    """Returns a value as one block; None when it is none.
+
+    Args:
+        around: What all readings of the message share.
+        value: The value.
+        wanted: What is wanted of it.
+    """
     walk = _Walk(around, "offset", 0)
     walk.value(value, wanted, "item")
-    return walk.block if walk.is_one_block and walk.block.is_fixed else None
+    return walk.block if walk.is_one_block else None
 
 
 class _Walk:
@@ -700,6 +756,8 @@ class _Walk:
         block = fixed_block(probed, value.element, _Wanted())
         if block is not None:
             self._move(f"{count} * {block.size}" if block.size != 1 else count)
+        elif sequence is not None and sequence.row is not None:
+            self._rows(sequence.rows, sequence.row, count)
         else:
             inner = self._deeper()
             inner.value(value.element, _Wanted(), "item")
@@ -707,6 +765,35 @@ class _Walk:
             self._take(inner)
         if sequence is not None and sequence.uses_end:
             self.lines.append(f"{sequence.end} = {self.at}")
+
+    def _rows(self, rows: str, block: Block, count: str) -> None:
+        """Reads elements with a presence vector, at once where all have the same."""
+        scope, data, offset = self._around.scope, self._around.data, self._offset
+        layouts = block.layout(self._around.constants)
+        size, end = block.slots[0].size, scope.claim("end")
+        layout = scope.claim("layout")
+        step = scope.claim("step")
+        vector = f"{data}[{offset} : {offset} + {size}]"
+        tests = []
+        for at in range(size):
+            place = f"{offset} + {at}" if at else offset
+            first = f"{data}[{place} : {offset} + {at + 1}]"
+            every = f"{place} : {end} : {step}" if at else f"{place}:{end}:{step}"
+            tests.append(f"{data}[{every}] == {first} * {count}")
+        self.may_fail = True
+        self.lines += [
+            f"{step} = {layouts}[{vector}].size if {count} else 1",
+            f"{end} = {offset} + {count} * {step}",
+            f"if {count} and {' and '.join(tests)}:",
+            f"{INDENT}{rows} = [*{layouts}[{vector}].iter_unpack({data}[{offset}:{end}])]",
+            f"{INDENT}{offset} = {end}",
+            "else:",
+            f"{INDENT}{rows} = []",
+            f"{INDENT}for _ in range({count}):",
+            f"{INDENT * 2}{layout} = {layouts}[{vector}]",
+            f"{INDENT * 2}{rows}.append({layout}.unpack_from({data}, {offset}))",
+            f"{INDENT * 2}{offset} += {layout}.size",
+        ]
 
     def _indexed(self, value: ListValue | ArrayValue, wanted: _Wanted, count: str) -> None:
         """Reads the elements that are wanted by their index, from the first on."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.jaus_reading import octet_of
 from jausml.generators.bridge.flat.pieces import Bytes, Packed, Piece, joined
 from jausml.generators.bridge.flat.wire_items import bit_field_item, default_item, item
 from jausml.generators.python.codec.classes import (
@@ -177,6 +178,7 @@ class JausSequenceWriting:
     ) -> None:
         self.value = value
         self.name = name
+        self.is_vector = False
         self.error = scope.claim(f"{name}_error")
         self.element = _ElementWriting(message, value.element, self, constants, scope)
 
@@ -188,9 +190,16 @@ class JausSequenceWriting:
         """Returns the statements that add the element whose values are known."""
         return [*self.element.lines()]
 
+    @property
+    def octet(self) -> str | None:
+        """Path of the number in an element that is one octet; None for other elements."""
+        return octet_of(self.value.element)
+
     def vector(self, expression: str) -> None:
-        """Refuses what is not written at once yet."""
-        raise NotFlatError(f"{expression} is not written at once")
+        """Tells what has all elements as they stand on the wire, which are octets."""
+        if self.octet is None:
+            raise NotFlatError(f"{expression} is not written at once")
+        self.name, self.is_vector = expression, True
 
 
 class _ElementWriting(_Writing):
@@ -414,6 +423,10 @@ class _Block:
         found = self._tree.lists.get(path)
         if found is None:
             self.pieces.append(Packed(value.count_format, "0"))
+            return
+        if found.is_vector:
+            self.pieces.append(Packed(value.count_format, value.sized(found.name, attribute)))
+            self.pieces.append(Bytes(found.name))
             return
         text = f"EncodeError({python_string(attribute)}, str({found.error}))"
         self.lines += [

@@ -12,7 +12,9 @@ _STEP = " " * 4
 _SHORT = 40
 
 
-def loop_over(rows: str, targets: str, index: str, scope: Scope) -> list[str]:
+def loop_over(
+    rows: str, targets: str, index: str, scope: Scope, *, changes: bool = False
+) -> list[str]:
     """Returns the first statements of a loop.
 
     Args:
@@ -20,10 +22,11 @@ def loop_over(rows: str, targets: str, index: str, scope: Scope) -> list[str]:
         targets: Variables that get the values, as in an assignment; empty for none.
         index: Variable that gets the position of the row; empty for none.
         scope: Names of local variables.
+        changes: Whether the variables are given other values in the loop.
     """
     targets = targets or "_"
     unpacked: list[str] = []
-    if len(targets) > _SHORT:
+    if changes or len(targets) > _SHORT:
         row = scope.claim("row")
         unpacked, targets = [f"{_STEP}{targets} = {row}"], row
     if not index:

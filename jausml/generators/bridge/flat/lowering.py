@@ -16,6 +16,7 @@ from jausml.generators.bridge.flat.expressions import (
     text_of,
 )
 from jausml.generators.bridge.flat.limits import limit_call
+from jausml.generators.bridge.flat.octets import OctetValue, OneValue, table
 from jausml.generators.python.names import snake_case
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
@@ -23,6 +24,7 @@ from jausml.semantics.conversions import CONVERSIONS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
+    from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.bridge.flat.protocols import SequenceWriting, Values
     from jausml.generators.python.names import Scope
 
@@ -53,9 +55,13 @@ class Lowering:
         writing: Is told what has the values of the target.
         scope: Names of local variables.
         target: Name of the target in the readable translation.
+        constants: Constants of the module.
     """
 
-    def __init__(self, names: Names, writing: Values, scope: Scope, target: str) -> None:
+    def __init__(
+        self, names: Names, writing: Values, scope: Scope, target: str, constants: Constants
+    ) -> None:
+        self._constants = constants
         self._names = names
         self._writing = writing
         self._scope = scope
@@ -291,6 +297,8 @@ class Lowering:
         if isinstance(value, ast.Call) and _is_class(value.func) and not value.args:
             self._made[name] = ast.unparse(value.func)
             return True
+        if self._reverses(name, value):
+            return True
         root, path = chain_of(value)
         if root in self._names.roots and path.endswith("]"):
             self._names.roots[name] = self._names.roots[root].inside(path)
@@ -305,6 +313,60 @@ class Lowering:
                 self._names.slices[name] = (value.value, number)
                 return True
         return False
+
+    def _reverses(self, name: str, value: ast.expr) -> bool:
+        """Takes note of the cells of a grid in reversed rows; tells whether they are such."""
+        match value:
+            case ast.Call(func=function, args=[cells, columns]) if (
+                ast.unparse(function) == "conversions.reverse_rows"
+            ):
+                root, path = chain_of(cells)
+            case _:
+                return False
+        if root not in self._names.roots:
+            return False
+        found = self._names.roots[root].elements(path)[0].octets()
+        self._add(f"{name} = octets.reverse_rows({found.code}, {self._text(columns)})")
+        self._names.variables.add(name)
+        self._names.octets[name] = replace(found, code=name)
+        return True
+
+    def _octets(
+        self,
+        body: list[ast.stmt],
+        item: str,
+        made: tuple[str, SequenceWriting],
+        elements: ast.expr,
+    ) -> bool:
+        """Adds a loop over octets that makes octets; tells whether it is that simple."""
+        element, sequence = made
+        cells = self._names.octets.get(ast.unparse(elements))
+        if cells is None or sequence.octet is None:
+            return False
+        source = table(body, item, cells, self._names, (element, sequence.octet))
+        name = self._constants.named("_TABLE", source)
+        number, result = self._scope.claim("number"), self._scope.claim("cells")
+        one = OneValue()
+        roots = {**self._names.roots, item: OctetValue(cells.path, number)}
+        inner = Lowering(
+            replace(self._names, roots=roots), one, self._scope, element, self._constants
+        )
+        lines = inner.lower(body)
+        octet = self._scope.claim("octet") if cells.is_signed else number
+        signed = f"{_STEP * 2}{number} = {octet} - 256 * ({octet} > 127)"
+        sequence.vector(result)
+        for line in (
+            f"if {cells.code}.translate(None, {name}.fitting):",
+            f"{_STEP}{result} = bytearray()",
+            f"{_STEP}for {octet} in {cells.code}:",
+            *([signed] if cells.is_signed else []),
+            *(f"{_STEP * 2}{line}" for line in lines),
+            f"{_STEP * 2}{result}.append({one.code} & 0xFF)",
+            "else:",
+            f"{_STEP}{result} = {cells.code}.translate({name}.octets)",
+        ):
+            self._add(line)
+        return True
 
     def _append(self, place: ast.expr, value: ast.expr) -> None:
         """An object that was made before, as an element of a list."""
@@ -347,8 +409,6 @@ class Lowering:
         elements = self._sized(elements)
         is_begun = path in self._sequences
         sequence = self._sequence(path)
-        if not is_begun:
-            self._first += sequence.begin()
         names = replace(
             self._names, roots=dict(self._names.roots), variables={*self._names.variables, index}
         )
@@ -356,7 +416,11 @@ class Lowering:
         if isinstance(elements, ast.Name) and elements.id in self._names.slices:
             elements, most = self._names.slices[elements.id]
         root, source = chain_of(elements)
-        inner = Lowering(names, sequence.element, self._scope, e.id)
+        if not index and self._octets(body, item, (e.id, sequence), elements):
+            return
+        if not is_begun:
+            self._first += sequence.begin()
+        inner = Lowering(names, sequence.element, self._scope, e.id, self._constants)
         if root in self._names.roots:
             reading, names.roots[item] = self._names.roots[root].elements(source)
             lines = inner.lower(body)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.generators.bridge.flat.octets import Octets
+
 
 class Reading(Protocol):
     """Reads the wanted values of a message, or of an element of a list, out of its bytes.
@@ -62,6 +64,13 @@ class SequenceReading(Protocol):
     def values(self) -> str:
         """Returns the expression of a list of all elements, which are numbers or texts."""
 
+    def octets(self) -> Octets:
+        """Returns the list as bytes, when its elements are numbers of one octet each.
+
+        Raises:
+            NotFlatError: They are not.
+        """
+
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
@@ -112,6 +121,10 @@ class SequenceWriting(Protocol):
     @property
     def element(self) -> Values:
         """Takes the values of one element."""
+
+    @property
+    def octet(self) -> str | None:
+        """Path of the number in an element that is one octet; None for other elements."""
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""

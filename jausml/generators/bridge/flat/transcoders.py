@@ -25,7 +25,7 @@ _WIRE = """
     DecodeError EncodeError check_presence exactly integer latin1 one_of padded real scaled
     scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
-_TAKEN = names_in("arithmetic bridge connection conversions math rotations stamps struct")
+_TAKEN = names_in("arithmetic bridge connection conversions math octets rotations stamps struct")
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,36 @@
+"""Lists of small numbers as bytes, against the conversions of lists."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jausml.runtime.conversions import ConversionError, octets
+from jausml.runtime.conversions.grids import occupancy_to_cost, reverse_rows
+
+
+@given(st.binary(max_size=40), st.sampled_from([0, 1, 2, 3, 7, 2.5, -1, 40]))
+def test_rows_are_reversed_as_those_of_lists(cells: bytes, columns: float) -> None:
+    try:
+        expected = bytes(reverse_rows(cells, columns))
+    except ConversionError:
+        with pytest.raises(ConversionError):
+            octets.reverse_rows(cells, columns)
+    else:
+        assert octets.reverse_rows(cells, columns) == expected
+
+
+def test_a_table_has_what_the_function_gives() -> None:
+    table = octets.Table(occupancy_to_cost, 0, 255, is_signed=True)
+    legal = [*range(101), 255]
+    assert sorted(table.fitting) == legal
+    for octet in legal:
+        value = octet - 256 if octet > 127 else octet
+        assert table.octets[octet] == occupancy_to_cost(value)
+
+
+def test_values_outside_do_not_fit() -> None:
+    table = octets.Table(lambda value: value * 0.5, -10, 10, is_signed=True)
+    assert set(table.fitting) == {each & 0xFF for each in range(-20, 21)}
+    assert bytes([251, 5]).translate(table.octets) == bytes([254, 2])
