@@ -11,7 +11,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml.generation.artifact import Kind
-from jausml.generation.languages.python import Imports, Origin, layout, with_imports
+from jausml.generation.languages.python import Imports, Modules, Origin
 from jausml.generators.common.ros import RosType, local_names
 from jausml.generators.ros_node.target import TARGET as ROS_NODE
 from jausml.generators.ros_node.views import NodeView
@@ -299,7 +299,7 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
         for module, (name, _, local) in ((each[0], each[1].partition(" as ")) for each in names)
     }
     body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
-    file.write_text(layout(with_imports(body, Imports(origins))))
+    file.write_text(Modules().finished(body, Imports(origins)))
     done = run(
         "-m",
         "ruff",

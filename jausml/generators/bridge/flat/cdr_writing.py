@@ -417,7 +417,7 @@ class _Walk:
 
     def _count_is(self, code: str, path: str, wrong: str) -> None:
         """Refuses a number of elements or characters."""
-        text = f'f"{{len({code})}} of them do not fit"'
+        text = f'str(len({code})) + " of them do not fit"'
         self.lines += [
             f"if len({code}) {wrong}:",
             f"{INDENT}raise EncodeError({python_string(path)}, {text})",
