@@ -129,9 +129,6 @@ class _Desk:
         path = _path(uri)
         self._bench.texts[path] = text
         self._versions[path] = version
-        faults = syntax_problems(text)
-        if faults:
-            self._publish(path, faults)
         self._check_soon()
 
     def _check_soon(self) -> None:
@@ -140,13 +137,23 @@ class _Desk:
         self._checking = asyncio.ensure_future(self._check())
 
     async def _check(self) -> None:
-        """Checks all open texts, for they may import each other; beside the main loop."""
+        """Checks all open texts, for they may import each other; beside the main loop.
+
+        What is typed without a pause is not even parsed: that takes as long as a pause.
+        """
         await asyncio.sleep(PAUSE)
         for path in list(self._bench.texts):
-            version = self._versions[path]
+            version, text = self._versions[path], self._bench.text(path)
+            faults = await asyncio.to_thread(syntax_problems, text)
+            if faults:
+                self._publish_of(path, version, faults)
             problems = await asyncio.to_thread(all_problems, self._bench, path)
-            if path in self._bench.texts and self._versions[path] == version:
-                self._publish(path, problems)
+            self._publish_of(path, version, problems)
+
+    def _publish_of(self, path: Path, version: int, problems: list[Problem]) -> None:
+        """Publishes the problems of a text unless it has changed since."""
+        if path in self._bench.texts and self._versions[path] == version:
+            self._publish(path, problems)
 
     def _publish(self, path: Path, problems: Iterable[Problem]) -> None:
         uri = self._uris.get(path)

@@ -11,7 +11,7 @@ from jausml.editor.names import Names, names_of
 from jausml.model.names import qualified_name
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.uris import LIBRARY_URI, library_root
-from jausml.text.notation import NOTATIONS, SUFFIX, decode
+from jausml.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.text.reading.imports import resolve
 from jausml.text.reading.parsing import Parsed, parse
 from jausml.text.tree import Import, Text
@@ -40,6 +40,7 @@ def names_in(text: str) -> Names:
 
 
 ElementT = TypeVar("ElementT", bound="EObject")
+_NOTATIONS = (Ros2Jaus(parse=parsed_text),)
 
 
 @dataclass
@@ -79,7 +80,7 @@ class Workbench:
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)
         contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
-        result = read_models([path], notations=NOTATIONS, contents=contents)
+        result = read_models([path], notations=_NOTATIONS, contents=contents)
         self._models[path] = result.model
         shown = result.model.documents[0].display
         return [each for each in _checked(result) if each.location.path == shown]

@@ -12,13 +12,14 @@ from jausml.text.keywords import snake_case
 from jausml.text.rules import TEXT_RULES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.model.rules import RuleInfo
     from jausml.text.bridge_options import BridgeOfMaps
     from jausml.text.reading.document import TextDocument
+    from jausml.text.reading.parsing import Parsed
 
 SUFFIX = ".ros2jaus"
 
@@ -45,10 +46,16 @@ class Ros2Jaus:
 
     Args:
         bridge: A bridge that carries all maps of a file, None for none.
+        parse: Parses a text; one that remembers spares parsing what was parsed.
     """
 
-    def __init__(self, bridge: BridgeOfMaps | None = None) -> None:
+    def __init__(
+        self,
+        bridge: BridgeOfMaps | None = None,
+        parse: Callable[[str], Parsed] | None = None,
+    ) -> None:
         self._bridge = bridge
+        self._parse = parse
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -77,7 +84,7 @@ class Ros2Jaus:
         text, fault = decode(data)
         if fault is not None:
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
-        parsed = parse(text)
+        parsed = (self._parse or parse)(text)
         faults = [
             Fault("JML701", each.message, each.hint, each.span.line, each.span.column)
             for each in parsed.faults

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
@@ -171,13 +172,15 @@ class ElementReader:
             spoilt = nearest(item.name.text, table.features)
             self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=spoilt)
             return
-        blocks = [each for each in item.values if isinstance(each, Element)]
+        values = item.values
+        blocks = [each for each in values if isinstance(each, Element)]
         if item.documentation and not (len(item.values) == len(blocks) == 1):
             message = f"the comment before feature '{feature.name}' documents nothing"
             self._nodes.fault("JML703", item.span, message, _LOST)
         elif item.documentation and blocks and not blocks[0].documentation:
-            blocks[0].documentation = item.documentation
-        for value in item.values:
+            # The tree stays as it was written, for others who read it.
+            values = [replace(blocks[0], documentation=item.documentation)]
+        for value in values:
             self._value(node, feature, value)
 
     def _value(self, node: Node, feature: FeatureTable, value: Value) -> None:

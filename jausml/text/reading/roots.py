@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
@@ -85,9 +86,10 @@ class RootReader:
             hint = "features stand in blocks: bridge front { address: 100.1.2 }"
             self._nodes.fault("JML702", item.span, message, hint)
             return
-        for block in blocks:
-            if item.documentation and not block.documentation:
-                block.documentation = item.documentation
+        for each in blocks:
+            block = each
+            if item.documentation and not each.documentation:
+                block = replace(each, documentation=item.documentation)
             table = self._elements.class_of(block)
             if table is None:
                 self._elements.report_unknown(block)

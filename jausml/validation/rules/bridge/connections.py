@@ -76,9 +76,8 @@ def message_provided(subject: Subject) -> Iterator[Finding]:
     for connection in _sound_connections(subject):
         owner, peers = connection.eContainer(), _peers(connection)
         if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
-            hint = _other_ways(subject, connection)
             for finding in _service_findings(connection, owner, peers):
-                hints = filter(None, (finding.hint, hint))
+                hints = filter(None, (finding.hint, _other_ways(subject, connection)))
                 yield replace(finding, hint=", or ".join(hints))
 
 

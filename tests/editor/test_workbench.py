@@ -1,0 +1,52 @@
+"""The workbench: texts are parsed once, whoever asks."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from jausml.editor.diagnosing import all_problems, syntax_problems
+from jausml.editor.outline import outline
+from jausml.editor.workbench import Workbench, parsed_text
+from jausml.text.reading import parsing
+
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+TEXTS = sorted(EXAMPLES.rglob("*.ros2jaus"))
+
+
+@pytest.fixture
+def bench():
+    return Workbench()
+
+
+@pytest.mark.parametrize("path", TEXTS, ids=lambda each: each.stem)
+def test_reading_leaves_the_tree_as_it_was_parsed(bench, path):
+    text = path.read_text(encoding="utf-8")
+    bench.texts[path.resolve()] = text
+    all_problems(bench, path.resolve())
+
+    assert parsed_text(text) == parsing.parse(text)
+
+
+def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
+    path = tmp_path / "robot.ros2jaus"
+    text = "// This text alone.\n" + TEXTS[0].read_text(encoding="utf-8")
+    parsed = Counter()
+
+    def counted(frame, event, _argument):
+        if event == "call" and frame.f_code is parsing.parse.__code__:
+            parsed[frame.f_locals["text"]] += 1
+
+    sys.setprofile(counted)
+    try:
+        bench.texts[path] = text
+        assert syntax_problems(text) == []
+        all_problems(bench, path)
+        outline(text)
+    finally:
+        sys.setprofile(None)
+    assert parsed[text] == 1
+    assert set(parsed.values()) == {1}
