@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
 
 
-_FILES = (jaus.Component, jaus.Service, ros.Node, system.System)
-
-
 @rule("JML501", Severity.ERROR, "name is no identifier")
 def identifiers(subject: Subject) -> Iterator[Finding]:
     """Names of elements that become names in code are of letters, digits and underscores.
@@ -45,12 +42,13 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
         *(bridge.AttributeMap, bridge.Connection),
         *(system.System, system.Host),
     )
+    files = (jaus.Component, jaus.Service, ros.Node, system.System)
     for element in (each for kind in kinds for each in subject.instances(kind, needs=("name",))):
         if element.name is not None and not is_identifier(element.name):
             noun = element.eClass.name
             hint = "letters, digits and underscores, with a letter first"
             yield Finding(element, f"{noun} name {element.name!a} is no identifier", "name", hint)
-        elif isinstance(element, _FILES) and snake_case(element.name or "") in DEVICES:
+        elif isinstance(element, files) and snake_case(element.name or "") in DEVICES:
             message = f"{element.eClass.name} name '{element.name}' is a device name on Windows"
             yield Finding(element, message, "name", "files would have that name")
     fields: tuple[type[Named], ...] = (jaus.Field, jaus.SubField)
