@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 _LARGEST_DATAGRAM = 65535
 _NOTES_SIZE = socket.CMSG_SPACE(4)
 _DATAGRAMS_PER_TURN = 32
-_PAUSE_S = 0.0002
+_PAUSE_S = 0.0002  # after which what comes has likely come alone
 
-_HEADER = struct.Struct("<HHBII")
-_ANSWER = struct.Struct("<HHBIIH")
+_HEADER = struct.Struct("<HHBII")  # version and message type, size, flags, destination, source
+_ANSWER = struct.Struct("<HHBIIH")  # the same and the sequence number: a message without payload
+_PAYLOAD = slice(_HEADER.size, -2)
 _DROPPED = struct.Struct("I")
 _SHORTEST = EMPTY_MESSAGE_SIZE + MESSAGE_CODE_SIZE
 _PRIORITY = 0x03
@@ -131,7 +132,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                     pack_answer(start, EMPTY_MESSAGE_SIZE, how, source, destination, sequence),
                     origin,
                 )
-            payload = data[13:-2]
+            payload = data[_PAYLOAD]
             seen.move_to_end(source)
             if size >= SMALL or sequence in numbers:
                 if window.is_known(numbers, sequence, destination, payload, now):
