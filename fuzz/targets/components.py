@@ -7,7 +7,7 @@ message. A peer of the highest number is the component's own user, whose message
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
@@ -20,10 +20,10 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.delivery import OnResult, Receive
+    from jausml.runtime.transports.delivery import OnResult, Receive, Take
 
 OWN = JausAddress(100, 1, 1)
 PEERS = (JausAddress(100, 1, 2), JausAddress(200, 1, 1), JausAddress(200, 1, 2))
@@ -91,7 +91,7 @@ class Network:
         """Where failures are counted."""
         return self.loop.counters
 
-    def attach(self, _address: JausAddress, receive: Receive) -> None:
+    def attach(self, _address: JausAddress, receive: Receive, _take: Take | None = None) -> None:
         """Delivers to a component from now on."""
         assert self.receive is None
         self.receive = receive
@@ -99,6 +99,15 @@ class Network:
     def detach(self, _address: JausAddress) -> None:
         """Delivers to nobody any more."""
         self.receive = None
+
+    def sender(
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        priority: Priority = Priority.STANDARD,
+    ) -> Callable[[bytes], None]:
+        """Returns what does the same for one way."""
+        return partial(self.send, source, destination, priority=priority)
 
     def send(
         self,

@@ -58,7 +58,9 @@ _HOOKS = {
     "supports_element": ("element",),
 }
 # Methods of the component itself that a message of an unlucky name must not replace.
-_TAKEN = frozenset([*_HOOKS, "on_message", "report_changed"]) | machines.COMPONENT_NAMES
+_TAKEN = (
+    frozenset([*_HOOKS, "on_message", "on_payload", "report_changed"]) | machines.COMPONENT_NAMES
+)
 
 
 @dataclass(frozen=True)
