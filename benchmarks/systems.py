@@ -26,6 +26,9 @@ HERE = Path(__file__).resolve().parent
 MAPS = ("point", "twist", "odometry", "scan", "grid", "path")
 """The maps of measured.ros2jaus."""
 
+# As with installed packages, what was compiled once is not compiled at each start.
+_NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
+
 READY = {
     "velocity_state": "velocity_state_sensor",
     "laser_scan": "range_sensor",
@@ -144,8 +147,8 @@ class System:
 
     def environment(self) -> dict[str, str]:
         """Returns the environment of processes that import the packages and these modules."""
-        path = os.pathsep.join([*self.path, str(HERE)])
-        return {**os.environ, "PYTHONPATH": path}
+        kept = {name: each for name, each in os.environ.items() if name != _NO_BYTECODE}
+        return {**kept, "PYTHONPATH": os.pathsep.join([*self.path, str(HERE)])}
 
     def importable(self) -> None:
         """Makes the packages importable here."""
