@@ -73,9 +73,9 @@ def _of(
 ) -> dict[str, Any]:
     variants = [FLOOR, GENERATED, GENERIC]
     samples: dict[str, list[dict[str, float]]] = {each: [] for each in variants}
-    for _ in range(scale.count(_RUNS, 1)):
+    for number in range(scale.count(_RUNS, 1)):
         random.shuffle(variants)
-        for variant in variants:
+        for variant in variants if number == 0 else [GENERATED]:
             loop = Loop(variant, ros, system, name, message)
             with Children(system.environment(), folder / "processes.log") as children:
                 loop.start(children, folder)

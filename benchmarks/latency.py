@@ -18,7 +18,7 @@ from names import FLOOR, GENERATED, GENERIC, KINDS, VARIANTS, WAYS
 from processes import Children
 from samples import sample
 from systems import MAPS, Measured, generate
-from variants import Loop, reached
+from variants import Loop, reached, settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 IDLE = (1, 150, 300)
 """Connections each way."""
 
-_RATES = {10: 100, 100: 600, 1000: 1500}
+_RATES = {10: 60, 100: 500, 1000: 1000}
 """Messages a second, and how many are measured of each variant and way."""
 
 _BLOCKS = 10
@@ -110,6 +110,7 @@ def side_by_side(
         for route in routes:
             route.start(children, folder)
         routes = reached(routes, Loop.reach)
+        settle(routes)
         paths = [(route, way) for route in routes for way in WAYS]
         usual = {(route, way): _usual(route, way) for route, way in paths}
         found = {}

@@ -17,7 +17,7 @@ from names import FLOOR, GENERATED, GENERIC, TYPED, WAYS
 from processes import Children
 from samples import sample
 from systems import Measured, generate
-from variants import Loop, reached
+from variants import Loop, reached, settle
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,6 +69,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             loop.start(children, folder)
         numbers = {loop: number for number, loop in enumerate(loops)}
         loops = reached(loops, Loop.reach)
+        settle(loops)
         order = [(loop, numbers[loop], way) for loop in loops for way in WAYS]
         gc.disable()
         for _ in range(scale.count(_BLOCKS, 2)):
@@ -122,6 +123,7 @@ def measure_beside_grids(scale: Scale, folder: Path) -> dict[str, Any]:
         loops = reached(loops, Loop.reach)
         other.ask("greet", address=system.address("loaded"))
         loops = reached(loops, partial(_carries_grids, other))
+        settle(loops)
         order = [
             (loop, f"/{loop.variant}/load_down", way, beside)
             for loop in loops

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from scale import Scale
 
-STEPS = (1000, 2000, 4000, 6000, 8000, 10000, 15000)
+STEPS = (1000, 4000, 6000, 8000, 10000, 15000)
 WAYS = ("up", "down", "both")
 MOST_LOST = 0.001
 _SECONDS = 1.0

@@ -165,7 +165,7 @@ class Loop(Route):
         return self.subscription.discard() + self.end.discard()
 
     def reach(self) -> None:
-        """Waits until messages come through both ways, and nothing more comes.
+        """Waits until messages come through both ways.
 
         Raises:
             UnreachableError: None came, or the bridge has ended.
@@ -174,7 +174,11 @@ class Loop(Route):
         timeouts = iter([_FIRST_TRY * _LONGER**n for n in range(100)])
         self.until(lambda: self.up(min(next(timeouts), 1.0)) is not None)
         self.until(lambda: self.down() is not None)
-        drained(self.discard, 0, quiet=_QUIET)
+
+
+def settle(loops: Sequence[Loop]) -> None:
+    """Waits until nothing comes any more of what was sent to find out whether it comes through."""
+    drained(lambda: sum(each.discard() for each in loops), 0, quiet=_QUIET)
 
 
 def reached(routes: Sequence[RouteT], reach: Callable[[RouteT], object]) -> list[RouteT]:
