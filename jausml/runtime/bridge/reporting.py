@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from .diagnostics import NOT_LOST, ConnectionStatus
 from .stops import StopReason
 
 if TYPE_CHECKING:
-    from .connection import AnyConnection
+    from collections.abc import Iterable, Mapping
+
+    from ..base.counters import Counters
+    from .diagnostics import Statistics
     from .quality import TopicFault
+    from .transcoding import Form
 
 
 class _Totals(NamedTuple):
@@ -23,10 +27,53 @@ class _Totals(NamedTuple):
     limited: int = 0
 
 
+class Reported(Protocol):
+    """A connection as its reports see it; `Connection` says what each of it is."""
+
+    name: str
+    statistics: Statistics
+    is_command: bool
+    stopped: StopReason | None
+    form: Form
+
+    @property
+    def counters(self) -> Counters:
+        """Where losses and faults are counted."""
+
+    @property
+    def declared_rate(self) -> float:
+        """Messages each second that the model promises."""
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the source of a command is lost."""
+
+    def losses(self) -> Mapping[str, int]:
+        """What was lost, by reason."""
+
+    def lacks_peers(self) -> str:
+        """What is searched for and not found."""
+
+    def stale_joins(self) -> list[str]:
+        """Joins that have nothing fresh."""
+
+    def topic_faults(self) -> Iterable[TopicFault]:
+        """What is wrong with the topics."""
+
+    def describe_joins(self) -> list[tuple[str, str]]:
+        """Names and ages of joined topics."""
+
+    def describe_peers(self) -> list[tuple[str, str]]:
+        """Names and states of the other ends."""
+
+    def describe_latency(self) -> list[tuple[str, str]]:
+        """Measured latency."""
+
+
 class Reporter:
     """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
 
-    def __init__(self, connection: AnyConnection) -> None:
+    def __init__(self, connection: Reported) -> None:
         """Has reported nothing yet.
 
         Args:

@@ -16,10 +16,9 @@ from ..services.dispatch import LONGEST_CALL
 from .light_message import is_light
 
 if TYPE_CHECKING:
-    from .connection import AnyConnection
     from .ends import RosSide
 
-    TranscoderFactory: TypeAlias = Callable[[Any, AnyConnection], "Transcode"]
+    TranscoderFactory: TypeAlias = Callable[[Any, Any], "Transcode"]
 
 Transcode: TypeAlias = Callable[..., bytes | None]
 """Makes encoded target messages of encoded source messages, or None to pass nothing on."""
