@@ -100,7 +100,7 @@ class Block:
             return constants.struct("<" + "".join(_together(items)))
         fields = [tuple_of("0", python_string(item)) for item in first]
         fields += [
-            tuple_of(hex(s.bit) if s.bit else "0", python_string(s.item)) for s in self.slots
+            tuple_of(f"0x{s.bit:X}" if s.bit else "0", python_string(s.item)) for s in self.slots
         ]
         size = 0 if self.vector is None else self.slots[self.vector].size
         where = python_string(self.where)

@@ -273,7 +273,7 @@ class _Block:
         members = [(each, f"{path}.{each.attribute}".lstrip(".")) for each in container.members]
         there = [pair for pair in members if not pair[0].is_optional or self._is_there(pair[1])]
         sure = [member for member, place in there if not self._may_be_absent(member, place)]
-        presence = hex(sum(member.bit for member in sure))
+        presence = f"0x{sum(member.bit for member in sure):X}"
         if len(sure) < len(there):
             name = self._scope.claim("presence")
             self.lines.append(f"{name} = {presence}")
@@ -303,7 +303,7 @@ class _Block:
         self.lines += [
             f'{name} = b""',
             f"if {given.code} is not None:",
-            f"{_STEP}{presence} |= {hex(member.bit)}",
+            f"{_STEP}{presence} |= 0x{member.bit:X}",
             *(f"{_STEP}{line}" for line in inner.lines),
             f"{_STEP}{name} = {joined(inner.pieces, self._constants)}",
         ]

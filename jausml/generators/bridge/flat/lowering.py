@@ -141,11 +141,28 @@ class Lowering:
                 values = (body.value, otherwise.value)  # type: ignore[attr-defined]
                 self._assign(first, ast.IfExp(statement.test, *values))
                 return
-        self._add(f"if {text_of(lowered(self._truth(statement.test), self._names))}:")
+        test = text_of(lowered(self._truth(statement.test), self._names))
+        head = len(self._lines)
+        self._add(f"if {test}:")
         self._inner(statement.body)
         if statement.orelse:
             self._add("else:")
             self._inner(statement.orelse)
+        else:
+            self._join(head, test)
+
+    def _join(self, head: int, test: str) -> None:
+        """Joins a condition and one that is all that stands in its block."""
+        margin = _STEP * (self._depth + 1)
+        first, *rest = self._lines[head + 1 :]
+        is_all = all(line.startswith(margin + _STEP) for line in rest)
+        if not first.startswith(f"{margin}if ") or not first.endswith(":") or not is_all:
+            return
+        tests = [test, first[len(margin) + len("if ") : -1]]
+        both = " and ".join(f"({each})" if " or " in each else each for each in tests)
+        del self._lines[head:]
+        self._add(f"if {both}:")
+        self._lines += [line[len(_STEP) :] for line in rest]
 
     def _inner(self, statements: list[ast.stmt]) -> None:
         self._depth += 1
@@ -217,7 +234,10 @@ class Lowering:
             self._places[path] = _Place(known.id, is_sure=True)
             return True
         if isinstance(value, ast.Constant) and type(value.value) in {int, float, bool}:
-            self._places[path] = _Place(ast.unparse(value), is_sure=True)
+            # A struct packs a truth as it packs 1 or 0.
+            truth = value.value
+            number = str(int(truth)) if isinstance(truth, bool) else ast.unparse(value)
+            self._places[path] = _Place(number, is_sure=True)
             return True
         return False
 

@@ -72,7 +72,7 @@ def bit_field_item(bits: BitFieldClass, codes: Mapping[str, str]) -> str:
         checked = item(sub.value, code, sub.attribute)
         terms.append(f"({checked}) << {sub.low}" if sub.low else f"({checked})")
     if constant or not terms:
-        terms.append(hex(constant))
+        terms.append(f"0x{constant:X}")
     return " | ".join(terms)
 
 
