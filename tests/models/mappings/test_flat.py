@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import re
 import struct
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -15,7 +17,7 @@ from codec_strategies import messages
 from flat_support import cdr, outcome, ros_value
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from mapping_support import FILES, Translator, bridge_lines, generate, read, ready_maps
+from mapping_support import FILES, ROOT, Translator, bridge_lines, generate, read, ready_maps
 
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.python.codec.message_builder import build_message_map
@@ -61,6 +63,19 @@ def test_what_is_not_flat_says_why(system: Any) -> None:
     refusals = {name: why for view in views for name, why in view.transcoders.refusals.items()}
     assert all(refusals.values())
     assert {name.partition("_to_")[0] for name in refusals} <= MAYBE_NOT_FLAT
+
+
+@pytest.mark.parametrize("arguments", [("format", "--check", "--diff"), ("check",)])
+def test_text_is_clean(workspace: Path, arguments: tuple[str, ...]) -> None:
+    for package in sorted(workspace.glob("*_bridge")):
+        config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *arguments, *config, f"{package.name}/transcoders.py"],
+            cwd=package,
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_connections_of_one_map_share_a_form(tmp_path: Path) -> None:
