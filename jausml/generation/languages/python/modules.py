@@ -108,13 +108,14 @@ class Modules:
         return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
-        """Lays out a statement of a piece that has no word as a whole."""
+        """Lays out a statement, once however often it stands in the modules."""
         word, alike = _without_word("\n".join(lines), words)
-        if not word:
-            return lay_out_statement(lines)
         if alike not in self._statements:
             self._statements[alike] = lay_out_statement(alike.split("\n"))
-        return [line.replace(_STAND_IN * len(word), word) for line in self._statements[alike]]
+        laid_out = self._statements[alike]
+        return (
+            [line.replace(_STAND_IN * len(word), word) for line in laid_out] if word else laid_out
+        )
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
