@@ -35,14 +35,17 @@ _RATES = {10: 60, 100: 500, 1000: 1000}
 """Messages a second, and how many are measured of each variant and way."""
 
 _BLOCKS = 10
-_CAP = 0.4
+_BURSTS = 1000
+"""Messages a second from which on variants cannot share a period."""
+
+_CAP = 0.25
 """Longest burst in seconds."""
 
 _SHARE = 0.6
 """Part of a period that all exchanges of it may take together."""
 
-_MOST_SLOW = 30
-"""Samples of what is too slow for a rate."""
+_SLOW_RATE, _SLOW_BURST = 100, 3
+"""At most so many a second, and so many in each block, of what is too slow for its rate."""
 
 _Path = tuple[Loop, str]
 
@@ -116,11 +119,10 @@ def side_by_side(
         found = {}
         gc.disable()
         for rate in rates:
-            fast, slow = _sorted(paths, usual, rate)
+            slow = _too_slow(usual, rate)
             blocks = {way: Blocks() for way in WAYS}
             count = scale.count(_RATES[rate], 10)
-            (_bursts if rate >= 1000 else _rounds)(fast, blocks, rate, count)
-            _unpaced(slow, blocks, min(count, _MOST_SLOW))
+            (_bursts if rate >= _BURSTS else _rounds)(paths, slow, blocks, rate, count)
             found[str(rate)] = {way: each.summary() for way, each in blocks.items()}
             for route, way in slow:
                 found[str(rate)][way].setdefault(route.variant, {})["too_slow"] = True
@@ -134,41 +136,43 @@ def side_by_side(
 
 def _usual(route: Loop, way: str) -> float:
     """Returns about how many seconds an exchange takes."""
-    times = sorted(route.exchange(way) or 1e6 for _ in range(5))
-    return times[2] / 1e6
+    return min(route.exchange(way) or 1e6 for _ in range(5)) / 1e6
 
 
-def _sorted(
-    paths: list[_Path], usual: dict[_Path, float], rate: int
-) -> tuple[list[_Path], list[_Path]]:
-    """Returns the paths that can keep a rate, and the others."""
-    if rate >= 1000:
-        return [each for each in paths if usual[each] < 1 / rate], [
-            each for each in paths if usual[each] >= 1 / rate
-        ]
+def _too_slow(usual: dict[_Path, float], rate: int) -> list[_Path]:
+    """Returns the paths that cannot keep a rate, or whose turn would leave no time for others."""
+    paths = sorted(usual, key=usual.__getitem__)
+    if rate >= _BURSTS:
+        return [each for each in paths if usual[each] >= 1 / rate]
     slow: list[_Path] = []
-    fast = sorted(paths, key=usual.__getitem__)
-    while fast and sum(usual[each] for each in fast) > _SHARE / rate:
-        slow.append(fast.pop())
-    return fast, slow
+    while sum(usual[each] for each in paths) > _SHARE / rate:
+        slow.append(paths.pop())
+    return slow
 
 
-def _rounds(paths: list[_Path], blocks: dict[str, Blocks], rate: int, count: int) -> None:
-    """Exchanges a message of each path in each period."""
-    order = list(paths)
+def _rounds(
+    paths: list[_Path], slow: list[_Path], blocks: dict[str, Blocks], rate: int, count: int
+) -> None:
+    """Exchanges a message of each path in each period, of slow ones some in each block."""
+    order = [each for each in paths if each not in slow]
     due = time.perf_counter()
     for number in range(count):
         if number % max(count // _BLOCKS, 1) == 0:
             random.shuffle(order)
             for each in blocks.values():
                 each.begin()
+            for path in slow:
+                _burst(path, blocks, _SLOW_RATE, _SLOW_BURST)
+            due = time.perf_counter()
         for place, (route, way) in enumerate(order):
             _sleep_until(due + place / (len(order) * rate))
             blocks[way].add(route.variant, route.exchange(way))
         due = max(due + 1 / rate, time.perf_counter())
 
 
-def _bursts(paths: list[_Path], blocks: dict[str, Blocks], rate: int, count: int) -> None:
+def _bursts(
+    paths: list[_Path], _slow: list[_Path], blocks: dict[str, Blocks], rate: int, count: int
+) -> None:
     """Exchanges messages of one path after the other, at a rate."""
     order = list(paths)
     each_time = max(count // _BLOCKS, 2)
@@ -176,27 +180,22 @@ def _bursts(paths: list[_Path], blocks: dict[str, Blocks], rate: int, count: int
         random.shuffle(order)
         for each in blocks.values():
             each.begin()
-        for route, way in order:
-            due = time.perf_counter()
-            end = due + _CAP
-            for number in range(each_time):
-                taken = route.exchange(way)
-                if number:  # the first one of a burst comes after a pause
-                    blocks[way].add(route.variant, taken)
-                due += 1 / rate
-                _sleep_until(due)
-                if time.perf_counter() > end:
-                    break
+        for path in order:
+            path[0].exchange(path[1])  # what comes after a longer pause does not count
+            _burst(path, blocks, rate, each_time)
 
 
-def _unpaced(paths: list[_Path], blocks: dict[str, Blocks], count: int) -> None:
-    """Exchanges messages of what is too slow for the rate, as fast as it goes."""
-    for route, way in paths:
-        end = time.perf_counter() + 1.0
-        for _ in range(count):
-            blocks[way].add(route.variant, route.exchange(way))
-            if time.perf_counter() > end:
-                break
+def _burst(path: _Path, blocks: dict[str, Blocks], rate: int, count: int) -> None:
+    """Exchanges some messages of one path, for no longer than `_CAP`."""
+    route, way = path
+    due = time.perf_counter()
+    end = due + _CAP
+    for _ in range(count):
+        due += 1 / rate
+        _sleep_until(due)
+        blocks[way].add(route.variant, route.exchange(way))
+        if time.perf_counter() > end:
+            break
 
 
 def _sleep_until(moment: float) -> None:

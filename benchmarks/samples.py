@@ -12,6 +12,7 @@ from names import KINDS
 from rclpy.serialization import serialize_message
 
 from jausml.live.messages import Catalogue
+from jausml.metamodel.classes import bridge
 
 if TYPE_CHECKING:
     from jausml.model import Model
@@ -77,7 +78,7 @@ def sample(model: Model, kind: str) -> Sample:
     """
     map_name = KINDS[kind][0]
     attribute_map = next(
-        each for each in model.instances(interpreting.bridge.AttributeMap) if each.name == map_name
+        each for each in model.instances(bridge.AttributeMap) if each.name == map_name
     )
     entry = Catalogue(model).message(str(attribute_map.message.name))
     jaus = entry.encode({str(attribute_map.message.body.name): jaus_fields(kind)})
