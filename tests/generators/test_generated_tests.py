@@ -100,6 +100,27 @@ DAMAGES = {
         "child_frame_id = target.header.frame_id = self.speed_frame_id",
     ),
 }
+# The same in the flat forms, which the comparison of forms finds.
+FLAT = "checked_bridge/transcoders.py"
+FLAT_DAMAGES = {
+    "a factor of the effort": ("= linear_y * -20.0", "= linear_y * -2.0"),
+    "a limit": ("if not -100.0 <= propulsive_linear_effort_y <= 100.0", "if False"),
+    "drop for clamp": (
+        'drop_field_limit(\n                "PropulsiveLinearEffortY"',
+        'clamp_limit(\n                "PropulsiveLinearEffortY"',
+    ),
+    "the name of a counter": (
+        'clamp_limit(\n                "PropulsiveLinearEffortX"',
+        'clamp_limit(\n                "PropulsiveLinearEffortY"',
+    ),
+    "the required field": ('raise AbsentFieldError("Velocity_X")', "velocity_x = 0.0"),
+    "the default value": ("linear_z = 0.25", "linear_z = 0.5"),
+    "the last value": ("if bridge.last_speed_twist_twist_angular_z is not None", "if False"),
+    "the constant": ("header_frame_id = bridge.speed_frame_id", 'header_frame_id = "map"'),
+    "the byte order": ('struct.Struct(">ddd16xd")', 'struct.Struct("<ddd16xd")'),
+    "an offset": ("offset = offset + 3 & -4", "offset = offset + 4 & -4"),
+    "a presence": ("presence |= 0x2", "presence |= 0x4"),
+}
 MORE_NAMES = "from jausml_runtime.conversions import (\n"
 IMPORTED = (
     "    flu_quaternion_to_frd_angles,\n    frd_angles_to_flu_quaternion,\n    percent_to_value,\n"
@@ -173,19 +194,17 @@ bridge arm_bridge {
     )
 
 
-@pytest.fixture(scope="module")
-def outcomes(folder):
+def outcomes_of(folder, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
-    pytest.importorskip("rclpy")
     package = folder / "checked_bridge"
-    text = (package / BASE).read_text(encoding="utf-8")
+    text = (package / module).read_text(encoding="utf-8")
     replacements = []
-    for number, (found, replacement) in enumerate(DAMAGES.values()):
-        replacements.append(folder / f"damage_{number}.py")
+    for number, (found, replacement) in enumerate(damages.values()):
+        replacements.append(folder / f"damage_{Path(module).stem}_{number}.py")
         replacements[-1].write_text(damaged(text, found, replacement), encoding="utf-8")
     runner = Path(__file__).with_name("forked_pytest.py")
     done = subprocess.run(
-        [sys.executable, str(runner), str(package), BASE, *map(str, replacements)],
+        [sys.executable, str(runner), str(package), module, *map(str, replacements)],
         env={
             **os.environ,
             "PYTHONPATH": python_path(folder),
@@ -193,12 +212,26 @@ def outcomes(folder):
         },
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=250,
     )
     assert done.returncode == 0, done.stderr
     outputs = [path.with_suffix(".txt").read_text() for path in (package, *replacements)]
     codes = map(int, done.stdout.split())
-    return dict(zip([None, *DAMAGES], zip(codes, outputs, strict=True), strict=True))
+    return dict(zip([None, *damages], zip(codes, outputs, strict=True), strict=True))
+
+
+@pytest.fixture(scope="module")
+def outcomes(folder):
+    """Returns what becomes of damages of the readable translations."""
+    pytest.importorskip("rclpy")
+    return outcomes_of(folder, BASE, DAMAGES)
+
+
+@pytest.fixture(scope="module")
+def flat_outcomes(folder):
+    """Returns what becomes of damages of the flat ones."""
+    pytest.importorskip("rclpy")
+    return outcomes_of(folder, FLAT, FLAT_DAMAGES)
 
 
 @pytest.mark.slow
@@ -214,4 +247,12 @@ def test_damage_is_found(outcomes, name):
     # Other codes than 1 mean that the tests did not run.
     assert code == 1, output
     assert "1 failed" in output
+    assert "NameError" not in output
+
+
+@pytest.mark.parametrize("name", FLAT_DAMAGES)
+def test_damage_of_a_flat_form_is_found(flat_outcomes, name):
+    code, output = flat_outcomes[name]
+    assert code == 1, output
+    assert "...form" in output or "flat:" in output
     assert "NameError" not in output

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..base.errors import JausError
-from ..wire.message import EncodeError
+from ..wire.message import DecodeError, EncodeError
 from .errors import RosTypeError
 from .light_message import LightMessage
 from .transcoding import transcoder_of, uses_ros_classes
@@ -18,6 +19,16 @@ if TYPE_CHECKING:
     from .connection import AnyConnection
 
 
+CODE_SIZE = 2
+"""Bytes of the message code, by which a payload comes to the right translation."""
+
+_VALUES = (0x00, 0x01, 0x7F, 0x80, 0xFF)
+"""What is put into each byte: it makes small and great numbers, other lengths, other presences."""
+
+_MOST_VARIANTS = 1000
+"""Variants that are tried of one message; larger ones are changed at fewer places."""
+
+
 def differing_forms(
     bridge: Bridge,
     translate: Callable[..., Any],
@@ -25,10 +36,12 @@ def differing_forms(
     source: Any,
     **joins: Any,
 ) -> list[str]:
-    """Returns what the forms of a translation do not make alike of a message.
+    """Returns what the forms of a translation do not make alike of a message and its variants.
 
-    The readable method is compared with its flat form, where it has one, and the light class of the
-    ROS message with that of rclpy, where that is installed. The clock stands still meanwhile.
+    The readable method is compared with its flat form, where it has one: what they make, the error
+    that they raise, and what they count as out of range. Variants lack an optional field, and have
+    another value in one byte. The light class of the ROS message is compared with that of rclpy,
+    where that is installed. The clock stands still meanwhile.
 
     Args:
         bridge: The bridge.
@@ -38,8 +51,8 @@ def differing_forms(
         **joins: Messages of joined topics, or None.
 
     Returns:
-        Sentences; nothing when all make the same, when there is no such source message, or when an
-        override works on the classes of ROS.
+        Sentences, of the forms at most one; nothing when all make the same, when there is no such
+        source message, or when an override works on the classes of ROS.
     """
     if uses_ros_classes(translate):
         return []
@@ -47,30 +60,77 @@ def differing_forms(
         data = _encoded(source)
     except EncodeError:
         return []
-    factory = transcoder_of(translate)
-    moment = bridge.now()
+    kind, factory, moment = type(source), transcoder_of(translate), bridge.now()
+    made: list[Any] = []
+
+    def readable(payload: bytes) -> bytes | None:
+        message = _decoded(kind, payload)
+        target = translate(message, **joins)
+        encoded = None if target is None else _encoded(target)
+        made[:] = [message, target]
+        return encoded
+
     vars(bridge)["now"] = lambda: moment
     try:
-        message = _decoded(type(source), data)
-        target: list[Any] = []
-
-        def readable() -> bytes | None:
-            target.append(translate(message, **joins))
-            return None if target[0] is None else _encoded(target[0])
-
-        expected = _outcome(readable)
-        found = []
+        _outcome(bridge, connection, lambda: readable(data))
+        found = [line for each in made for line in _differing_from_rclpy(each)]
         if factory is not None:
             flat = factory(bridge, connection)
-            outcome = _outcome(lambda: flat(data, **joins))
-            if outcome != expected:
-                found.append(f"readable: {expected!r}, flat: {outcome!r}")
+            for each in _variants(source, data):
+                expected = _outcome(bridge, connection, partial(readable, each))
+                if expected[0] == DecodeError.__name__:
+                    continue  # of broken bytes a flat form reads only what it wants
+                outcome = _outcome(bridge, connection, partial(flat, each, **joins))
+                if outcome != expected:
+                    told = f"readable: {_shown(expected)}, flat: {_shown(outcome)}"
+                    return [*found, f"of {each.hex()}: {told}"]
     finally:
         del vars(bridge)["now"]
-    for each in (message, *target):
-        if isinstance(each, LightMessage) and isinstance(expected, bytes):
-            found += _differing_from_rclpy(each)
     return found
+
+
+def _variants(source: Any, data: bytes) -> Iterator[bytes]:
+    """Yields an encoded message, those without an optional field, and what differs in one byte."""
+    is_light = isinstance(source, LightMessage)
+    for whole in (data, *(() if is_light else _without_a_field(source))):
+        yield whole
+        step = max(1, len(whole) * len(_VALUES) // _MOST_VARIANTS)
+        for place in range(0 if is_light else CODE_SIZE, len(whole), step):
+            for value in _VALUES:
+                if whole[place] != value:
+                    yield whole[:place] + bytes([value]) + whole[place + 1 :]
+
+
+def _without_a_field(source: Any) -> Iterator[bytes]:
+    for field in fields(source):
+        if field.default is None and getattr(source, field.name) is not None:
+            yield _encoded(replace(source, **{field.name: None}))
+
+
+Outcome: TypeAlias = "tuple[bytes | str | None, dict[Any, int]]"
+
+
+def _outcome(
+    bridge: Bridge, connection: AnyConnection, make: Callable[[], bytes | None]
+) -> Outcome:
+    """What is made, or the name of the error, and what is counted; nothing stays of it."""
+    memories, counts = dict(vars(bridge)), connection.statistics.out_of_range
+    before = dict(counts)
+    try:
+        made: bytes | str | None = make()
+    except (JausError, NotImplementedError) as error:  # the latter of a conversion not yet written
+        made = type(error).__name__
+    counted = {key: count - before.get(key, 0) for key, count in counts.items()}
+    counts.clear()
+    counts.update(before)
+    vars(bridge).update(memories)
+    return made, {key: count for key, count in counted.items() if count}
+
+
+def _shown(outcome: Outcome) -> str:
+    made, counted = outcome
+    text = made.hex() if isinstance(made, bytes) else str(made)
+    return f"{text} {counted}" if counted else text
 
 
 def _encoded(message: Any) -> bytes:
@@ -82,16 +142,10 @@ def _decoded(kind: Any, data: bytes) -> Any:
     return kind.from_cdr(data) if issubclass(kind, LightMessage) else kind.decode(data)
 
 
-def _outcome(make: Callable[[], bytes | None]) -> bytes | str | None:
-    """What is made, or the name of the error."""
-    try:
-        return make()
-    except (JausError, NotImplementedError) as error:  # the latter of a conversion not yet written
-        return type(error).__name__
-
-
-def _differing_from_rclpy(message: LightMessage) -> list[str]:
+def _differing_from_rclpy(message: Any) -> list[str]:
     """Has rclpy read a light message: what stands in it must be the same."""
+    if not isinstance(message, LightMessage):
+        return []
     try:
         from .ros_codec import Codec  # noqa: PLC0415 - there are tests without ROS
 
@@ -108,7 +162,7 @@ def _differences(path: str, light: Any, real: Any) -> Iterator[str]:
     if isinstance(light, LightMessage):
         for name in light.LAYOUT:
             yield from _differences(f"{path}.{name}", getattr(light, name), getattr(real, name))
-    elif isinstance(light, str) or not isinstance(light, Sequence):
+    elif isinstance(light, str) or not hasattr(light, "__len__"):
         of_ros = real[0] if isinstance(real, bytes) and not isinstance(light, str) else real
         if light != of_ros and (light == light or of_ros == of_ros):
             yield f"light{path}: {light!r}, rclpy: {real!r}"
