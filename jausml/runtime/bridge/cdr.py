@@ -207,13 +207,14 @@ def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
         length: Number of bytes, with the zero at the end.
 
     Raises:
-        DecodeError: The message ends before.
+        DecodeError: The message ends before, or the zero is missing.
     """
     end = offset + length
     if end > len(data):
         raise DecodeError("string", f"{length} bytes, but {len(data) - offset} are left")
-    found = data[offset:end]
-    return str(found[:-1] if found.endswith(b"\0") else found, "utf-8", "replace"), end
+    if length and data[end - 1]:
+        raise DecodeError("string", "no zero at its end")
+    return str(data[offset : end - 1], "utf-8", "replace") if length else "", end
 
 
 def encoded(value: str, most: int = 0) -> bytes:
