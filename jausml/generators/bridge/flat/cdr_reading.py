@@ -18,7 +18,7 @@ from jausml.generators.bridge.flat.cdr_layout import (
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.loops import loop_over
-from jausml.generators.bridge.flat.octets import Octets
+from jausml.generators.bridge.flat.protocols import Octets
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 

@@ -18,8 +18,7 @@ from jausml.semantics.conversions.conversion import QUATERNION
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.generators.bridge.flat.octets import Octets
-    from jausml.generators.bridge.flat.protocols import SequenceReading
+    from jausml.generators.bridge.flat.protocols import Octets, SequenceReading
 
 _BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
 _FUNCTIONS = frozenset({"by_name"})

@@ -14,8 +14,8 @@ from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
 from jausml.generators.bridge.flat.loops import loop_over
-from jausml.generators.bridge.flat.octets import Octets
 from jausml.generators.bridge.flat.pieces import sliced
+from jausml.generators.bridge.flat.protocols import Octets
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed

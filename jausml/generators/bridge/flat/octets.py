@@ -14,24 +14,9 @@ from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.flat.expressions import Names
-    from jausml.generators.bridge.flat.protocols import SequenceReading
+    from jausml.generators.bridge.flat.protocols import Octets, SequenceReading
 
 _VALUE = "value"
-
-
-@dataclass(frozen=True)
-class Octets:
-    """A list of numbers of one octet each, as it stands in the bytes.
-
-    Attributes:
-        code: The octets, as Python text.
-        path: Path of the number in an element; empty when the element is the number.
-        is_signed: Whether the numbers are -128 .. 127.
-    """
-
-    code: str
-    path: str
-    is_signed: bool
 
 
 @dataclass

@@ -6,12 +6,26 @@ flat form then. A bit field as a whole (a TimeStamp) is the integer of its bits.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.generators.bridge.flat.octets import Octets
+
+@dataclass(frozen=True)
+class Octets:
+    """A list of numbers of one octet each, as it stands in the bytes.
+
+    Attributes:
+        code: The octets, as Python text.
+        path: Path of the number in an element; empty when the element is the number.
+        is_signed: Whether the numbers are -128 .. 127.
+    """
+
+    code: str
+    path: str
+    is_signed: bool
 
 
 class Reading(Protocol):

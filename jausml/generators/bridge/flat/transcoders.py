@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.languages.python import Imports, Origin, offered
 from jausml.generators.bridge.flat.constants import Constants
@@ -18,14 +18,47 @@ from jausml.generators.python.names import Scope, names_in, snake_case
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.generators.bridge.base_module import BaseModule
     from jausml.generators.bridge.connections import ConnectionView
-    from jausml.generators.bridge.views import BridgeView
+    from jausml.generators.bridge.translation import Translations
 
 _WIRE = """
     DecodeError EncodeError check_presence exactly integer latin1 one_of padded real scaled
     scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
 _TAKEN = names_in("arithmetic bridge connection conversions math octets rotations stamps struct")
+
+
+class Translating(Protocol):
+    """A bridge as its flat forms see it."""
+
+    @property
+    def source(self) -> str:
+        """Model file."""
+
+    @property
+    def element_id(self) -> str:
+        """Identity of the model element."""
+
+    @property
+    def package(self) -> str:
+        """Its package."""
+
+    @property
+    def base_name(self) -> str:
+        """Class that has the readable translations."""
+
+    @property
+    def translations(self) -> Translations:
+        """The readable translations."""
+
+    @property
+    def connections(self) -> tuple[ConnectionView, ...]:
+        """The connections."""
+
+    @property
+    def module(self) -> BaseModule:
+        """What stands in the module of the base besides the connections."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +109,7 @@ class TranscodersModule:
         bridge: The bridge.
     """
 
-    bridge: BridgeView
+    bridge: Translating
 
     @property
     def source(self) -> str:
