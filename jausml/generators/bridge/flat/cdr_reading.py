@@ -106,11 +106,19 @@ class CdrSequenceReading:
 
     def octets(self) -> Octets:
         """Returns the sequence as bytes, when its elements are numbers of one octet each."""
+        found = self.plain_octets
+        if found is None:
+            raise NotFlatError(f"{self.leaf.path} has no octets")
+        self.is_bytes = True
+        return found
+
+    @property
+    def plain_octets(self) -> Octets | None:
+        """What `octets` would return, which is not asked for yet; None where it refuses."""
         inner = tuple(element_leaves(self.leaf.field, ""))
         letter = inner[0].letter if len(inner) == 1 and isinstance(inner[0], Number) else ""
         if letter not in {"b", "B"} or self.element.names:
-            raise NotFlatError(f"{self.leaf.path} has no octets")
-        self.is_bytes = True
+            return None
         return Octets(self.items, "", is_signed=letter == "b")
 
     def vector(self) -> str:

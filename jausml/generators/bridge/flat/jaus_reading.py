@@ -332,10 +332,18 @@ class JausSequence:
         Raises:
             NotFlatError: They are not.
         """
-        path = octet_of(self.value.element)
-        if path is None:
+        found = self.plain_octets
+        if found is None:
             raise NotFlatError("elements are no octets")
         self.uses_begin = self.uses_end = True
+        return found
+
+    @property
+    def plain_octets(self) -> Octets | None:
+        """What `octets` would return, which is not asked for yet; None where it refuses."""
+        path = octet_of(self.value.element)
+        if path is None:
+            return None
         return Octets(f"{self._around.data}[{self.begin}:{self.end}]", path, is_signed=False)
 
     def vector(self) -> str:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from jausml.generators.bridge.flat.constants import Constants
+    from jausml.generators.bridge.flat.octets import Octets
     from jausml.generators.bridge.flat.protocols import SequenceWriting, Values
     from jausml.generators.python.names import Scope
 
@@ -360,8 +361,12 @@ class Lowering:
     ) -> bool:
         """Adds a loop over octets that makes octets; tells whether it is that simple."""
         element, sequence = made
+        if sequence.octet is None:
+            return False
         cells = self._names.octets.get(ast.unparse(elements))
-        if cells is None or sequence.octet is None:
+        if cells is None:
+            cells = self._plain_octets(body, item, (element, sequence.octet), elements)
+        if cells is None:
             return False
         source = table(body, item, cells, self._names, (element, sequence.octet))
         name = self._constants.named("_TABLE", source)
@@ -387,6 +392,23 @@ class Lowering:
         ):
             self._add(line)
         return True
+
+    def _plain_octets(
+        self, body: list[ast.stmt], item: str, target: tuple[str, str], elements: ast.expr
+    ) -> Octets | None:
+        """Returns a list of the source as octets, None where a loop must go over it."""
+        root, path = chain_of(elements)
+        if root not in self._names.roots:
+            return None
+        reading, _ = self._names.roots[root].elements(path)
+        cells = reading.plain_octets
+        if cells is None:
+            return None
+        try:
+            table(body, item, cells, self._names, target)
+        except NotFlatError:
+            return None
+        return reading.octets()
 
     def _append(self, place: ast.expr, value: ast.expr) -> None:
         """An object that was made before, as an element of a list."""
@@ -436,7 +458,8 @@ class Lowering:
         if isinstance(elements, ast.Name) and elements.id in self._names.slices:
             elements, most = self._names.slices[elements.id]
         root, source = chain_of(elements)
-        if not index and self._octets(body, item, (e.id, sequence), elements):
+        is_whole = not (index or most or is_begun)
+        if is_whole and self._octets(body, item, (e.id, sequence), elements):
             return
         if not is_begun:
             self._first += sequence.begin()

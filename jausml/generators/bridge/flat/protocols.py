@@ -85,6 +85,10 @@ class SequenceReading(Protocol):
             NotFlatError: They are not.
         """
 
+    @property
+    def plain_octets(self) -> Octets | None:
+        """What `octets` would return, which is not asked for yet; None where it refuses."""
+
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
