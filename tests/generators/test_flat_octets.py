@@ -69,7 +69,7 @@ def both_forms(bridge, name, way, data):
 def _outcome(form, data):
     try:
         return bytes(form(data))
-    except Exception as error:  # noqa: BLE001 - the classes are compared
+    except Exception as error:
         return type(error).__name__
 
 
