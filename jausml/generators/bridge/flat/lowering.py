@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from jausml.generators.bridge.flat.constants import Constants
-    from jausml.generators.bridge.flat.octets import Octets
-    from jausml.generators.bridge.flat.protocols import SequenceWriting, Values
+    from jausml.generators.bridge.flat.protocols import Octets, SequenceWriting, Values
     from jausml.generators.python.names import Scope
 
 _STEP = " " * 4
