@@ -137,7 +137,7 @@ def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
         f"second, 99th"
         f" percentiles at {TAIL_RATE}.\n"
     )
-    yield table(("target", "", "worst measured", ""), rows)
+    yield table(("target", "aim", "worst measured", ""), rows)
     if remarks:
         yield "What is missed, and why:\n"
         yield "\n".join(remarks) + "\n"
@@ -149,8 +149,8 @@ def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[
     yield "## Latency\n"
     yield (
         "One message at a time, from this end to that. Ratios of medians to the floor, in "
-        "brackets the span over the"
-        " blocks; a variant that cannot keep a rate is measured as fast as it goes (*).\n"
+        "brackets the span over the blocks. Where a star stands, messages are fewer and slower: "
+        "the variant cannot keep the rate, or would leave others no time to.\n"
     )
     yield _figure("latency", plots)
     for way in WAYS:
