@@ -20,7 +20,27 @@ Sections = Mapping[str, Any]
 Finding = tuple[str, float]
 """Where, and how much."""
 
-REMARKS: Mapping[str, str] = {}
+REMARKS: Mapping[str, str] = {
+    "small": (
+        "points and twists are about there; an odometry has two texts and a quaternion, so that"
+        " nine to ten Python functions are touched on its way, some microseconds each after a"
+        " pause."
+    ),
+    "large": (
+        "scans and paths are translated element by element (some 60 us for 360 distances, 120 us"
+        " for 100 poses). A grid comes in ten fragments: to read them, to tell repetitions and to"
+        " put them together takes two thirds of the time in the bridge, the translation a tenth."
+    ),
+    "start": (
+        "half a second of processor time, about a quarter each for importing rclpy with its"
+        " messages, importing the bridge, making node and transport, and opening, where each"
+        " connection declares four to five parameters."
+    ),
+    "round_trip": (
+        "both processes read, check, dispatch, decode, encode and number a message in Python; the"
+        " raw datagram is sent back by two lines."
+    ),
+}
 """Why a target is missed, by its key; written by hand after a run."""
 
 
