@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 NAME = "performance.md"
+_QUIET_LOAD = 0.7
 _OWN_FORMS = tuple(form for form in FORMS if form != GENERIC)
 _BRIDGES = (GENERATED, TYPED, GENERIC)
 _WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
@@ -68,6 +69,7 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
     parts = [
         _INTRODUCTION.format(**data["machine"]),
         *_scale(data["scale"]),
+        *_busy(data["machine"]),
         *_targets(sections),
         *_latency(sections, plots),
         *_connections(sections),
@@ -114,6 +116,14 @@ def _times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") 
 def _scale(name: str) -> Iterator[str]:
     if name != "full":
         yield f"**This was no full run but a {name} one**: few cases and few samples.\n"
+
+
+def _busy(machine: Mapping[str, Any]) -> Iterator[str]:
+    if machine.get("load", 0) > _QUIET_LOAD:
+        yield (
+            f"**Other work was done meanwhile**: the load of the computer was {machine['load']:g} "
+            "at the start. Times are too long, tails far too long, ratios still a guide.\n"
+        )
 
 
 def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
