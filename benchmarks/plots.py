@@ -21,6 +21,7 @@ _COLOURS = {
 _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 760, 170, 60, 64, 34
 _BAR, _GAP, _PANEL_GAP = 11, 10, 28
 _PLAIN = (1, 2, 5)
+_MOST_TICKS = 12
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,10 @@ class _Plot:
     def axis(self, unit: str) -> list[str]:
         bottom = self._height - _BOTTOM
         parts = []
-        for value in _ticks(self._low, self._high):
+        ticks = _ticks(self._low, self._high)
+        if len(ticks) > _MOST_TICKS:
+            ticks = [value for value in ticks if math.log10(value).is_integer()]
+        for value in ticks:
             x = self.x(value)
             parts.append(f'<path class="g" d="M{x:.1f} {_TOP}V{bottom:g}"/>')
             parts.append(f'<text class="t" x="{x:.1f}" y="{bottom + 14:g}">{_short(value)}</text>')
