@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ast
 import copy
-import io
-import tokenize
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.limits import limit_call
+from jausml.generators.bridge.flat.texts import limit_variable, text_of
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.semantics.conversions.conversion import QUATERNION
@@ -18,12 +17,15 @@ from jausml.semantics.conversions.conversion import QUATERNION
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.generators.bridge.flat.limits import LimitCall
     from jausml.generators.bridge.flat.protocols import Octets, SequenceReading
 
 _BUILTINS = frozenset({"bool", "bytes", "float", "int", "len", "list", "round"})
 _FUNCTIONS = frozenset({"by_name"})
 _MODULES = frozenset({"arithmetic", "conversions", "math", "octets", "rotations", "stamps"})
 _ERRORS = frozenset({"AbsentFieldError", "ConversionError"})
+LIMITED = "limited"
+"""Variable of what is limited within an expression."""
 
 
 class SourceValues(Protocol):
@@ -88,15 +90,6 @@ class Names:
         return _named(placeholder(self.attributes.index(name)))
 
 
-def limit_variable(policy: str) -> str:
-    """Returns the local variable of a limit of the connection.
-
-    Args:
-        policy: Attribute of the connection that it is.
-    """
-    return f"{policy}_limit"
-
-
 def placeholder(index: int) -> str:
     """Returns what stands for an attribute of the bridge until its name is known."""
     return f"attribute_{index}__"
@@ -116,20 +109,6 @@ def lowered(expression: ast.expr, names: Names) -> ast.expr:
     if not isinstance(found, ast.expr):
         raise NotFlatError("an expression has no value")
     return found
-
-
-def text_of(expression: ast.AST) -> str:
-    """Returns an expression as Python text, with strings as generated code has them."""
-    text = ast.unparse(expression)
-    if "'" not in text and "e+" not in text:
-        return text
-    for token in reversed(list(tokenize.generate_tokens(io.StringIO(text).readline))):
-        (_, begin), (_, end) = token.start, token.end
-        if token.type == tokenize.STRING:
-            text = text[:begin] + python_string(ast.literal_eval(token.string)) + text[end:]
-        elif token.type == tokenize.NUMBER:
-            text = text[:begin] + token.string.replace("e+", "e") + text[end:]
-    return text
 
 
 def chain_of(node: ast.expr) -> tuple[str, str]:
@@ -210,7 +189,7 @@ class _Lowering(ast.NodeTransformer):
     def _of_bridge(self, node: ast.expr, path: str) -> ast.expr:
         first, _, rest = path.partition(".")
         if first == self._names.owner:
-            # A limit within an expression: it is called whatever the value is.
+            # A limit of something else than a range: it is called whatever the value is.
             policy, dot, method = rest.partition(".")
             self._names.limits.setdefault(policy)
             return ast.parse(f"{limit_variable(policy)}{dot}{method}", mode="eval").body
@@ -222,6 +201,9 @@ class _Lowering(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         """Calls: conversions without objects, and those that are no more than arithmetic."""
+        limit = limit_call(node, self._names.owner)
+        if limit is not None and limit.is_range:
+            return self._limited(limit)
         module, function = chain_of(node.func)
         root, path = chain_of(node.args[0]) if node.args else ("", "")
         if root in self._names.roots and module == "isinstance":
@@ -242,6 +224,15 @@ class _Lowering(ast.NodeTransformer):
             node.args = [self._visited(each) for each in node.args]
             return _inlined_arithmetic(function, node)
         return self.generic_visit(node)
+
+    def _limited(self, limit: LimitCall) -> ast.expr:
+        """A limit within an expression as a comparison, as for those that stand alone."""
+        self._names.limits.setdefault(limit.policy)
+        given = text_of(self._visited(limit.value))
+        name = given if given.isidentifier() else LIMITED
+        test = limit.test(given if given.isidentifier() else f"({LIMITED} := {given})")
+        text = f"{limit.fitting(name)} if {test} else {limit.outside(name)}"
+        return ast.parse(text, mode="eval").body
 
     def _visited(self, node: ast.expr) -> ast.expr:
         found = self.visit(node)
@@ -307,7 +298,9 @@ def _inlined(function: str, node: ast.Call) -> ast.expr:
             return _call(f"rotations.{function}", *parts)
     formula = known.formula
     twice = any(formula.count(f"{{{index}}}") > 1 for index in range(len(node.args)))
-    if not formula or (twice and not all(isinstance(each, ast.Name) for each in node.args)):
+    if not formula or (
+        twice and not all(isinstance(each, (ast.Name, ast.Constant)) for each in node.args)
+    ):
         return node
     names = [f"argument_{index}" for index in range(len(node.args))]
     expression = ast.parse(formula.format(*names), mode="eval").body

@@ -382,9 +382,15 @@ class _Block:
             code = f"{value.default} if {given.code} is None else {given.code}"
         name = self._scope.claim(f"{attribute}_bytes")
         field_text = python_string(attribute)
-        encoded = f"latin1({code}, {field_text})" if value.is_text else code
-        self.lines.append(f"{name} = {encoded}")
-        self.pieces.append(Packed(value.count_format, value.sized(name, attribute)))
+        self.lines.append(f"{name} = {code}")
+        if value.is_text:
+            # What is usual costs no function of Python, which all texts beyond ASCII do.
+            others = f"latin1({name}, {field_text})"
+            usual = f'{name}.encode("ascii")'
+            self.lines.append(f"{name} = {usual} if {name}.isascii() else {others}")
+        fits = f"{value.lower} <= len({name}) <= {value.upper}"
+        size = f"len({name}) if {fits} else {value.sized(name, attribute)}"
+        self.pieces.append(Packed(value.count_format, size))
         self.pieces.append(Bytes(name))
 
     def _part(self, value: PartValue, path: str) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 from dataclasses import dataclass
 
-from jausml.generators.bridge.flat.expressions import limit_variable, text_of
+from jausml.generators.bridge.flat.texts import limit_variable, text_of
 
 _FINITE = "-1.7976931348623157e308", "1.7976931348623157e308"
 _SINGLE = "-3.4028234663852886e38", "3.4028234663852886e38"
 _METHODS = frozenset({"", "integer", "listed", "finite", "single", "text", "octets", "sized"})
+_RANGES = frozenset({"", "integer", "finite", "single"})
 POLICIES = frozenset({"clamp", "drop_field", "drop_message", "error"})
 """Attributes of connections that are limits."""
 
@@ -66,6 +67,11 @@ class LimitCall:
         limit = limit_variable(self.policy)
         function = f"{limit}.{self.method}" if self.method else limit
         return f"{function}({', '.join((self.field, name, *self.limits))})"
+
+    @property
+    def is_range(self) -> bool:
+        """Whether the test asks for the value once."""
+        return self.method in _RANGES
 
     @property
     def can_be_none(self) -> bool:

@@ -13,10 +13,10 @@ from jausml.generators.bridge.flat.expressions import (
     lowered,
     parts_of,
     stamp_of_time,
-    text_of,
 )
 from jausml.generators.bridge.flat.limits import limit_call
 from jausml.generators.bridge.flat.octets import OctetValue, OneValue, table
+from jausml.generators.bridge.flat.texts import text_of
 from jausml.generators.python.names import snake_case
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS

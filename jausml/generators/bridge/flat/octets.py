@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 from jausml.generation.literals import python_literal
 from jausml.generators.bridge.flat.errors import NotFlatError
-from jausml.generators.bridge.flat.expressions import lowered, text_of
+from jausml.generators.bridge.flat.expressions import lowered
 from jausml.generators.bridge.flat.limits import limit_call
+from jausml.generators.bridge.flat.texts import text_of
 from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
