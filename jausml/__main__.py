@@ -1,5 +1,5 @@
 """`python -m jausml`: the command line without the console script."""
 
-from jausml.cli import run
+from jausml.cli import program
 
-run()
+program()

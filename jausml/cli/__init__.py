@@ -109,7 +109,7 @@ def main(debug: bool) -> None:
     """Generates ROS 2 <-> JAUS bridges and JAUS components from models."""
 
 
-def run() -> None:
+def program() -> None:
     """Runs the command line as a process of its own.
 
     Models are cycles of objects that live as long as a short process: to look for garbage among

@@ -124,7 +124,7 @@ def test_explain_of_an_unknown_rule(jausml):
 def test_a_short_process_collects_no_garbage(arguments, collects):
     """Models are cycles of objects; to look for garbage among them takes as long as the work."""
     code = (
-        "import gc, sys\nfrom jausml import cli\ntry:\n    cli.run()\n"
+        "import gc, sys\nfrom jausml import cli\ntry:\n    cli.program()\n"
         "finally:\n    print('collects', gc.isenabled())"
     )
     done = subprocess.run(
