@@ -131,8 +131,19 @@ def test_time_is_over(workspace):
     assert (code, err) == (0, "")
 
 
-def test_failure_of_one_stops_the_others(workspace):
-    process = start(workspace(alpha=OBEDIENT, beta="import sys\nsys.exit('broken')"))
+def test_failure_of_one_stops_the_others(workspace, tmp_path):
+    ready = tmp_path / "ready"
+    alpha = f"{OBEDIENT.partition('print')[0]}open({str(ready)!r}, 'x')\n"
+    alpha += "".join(OBEDIENT.partition("print")[1:])
+    # A process that is told to end while Python itself begins cannot obey.
+    beta = f"""
+import pathlib, sys, time
+end = time.monotonic() + 20
+while not pathlib.Path({str(ready)!r}).exists() and time.monotonic() < end:
+    time.sleep(0.01)
+sys.exit('broken')
+"""
+    process = start(workspace(alpha=alpha, beta=beta))
     code, out, err = finish(process)
     assert code == 1
     assert "beta  | broken" in out

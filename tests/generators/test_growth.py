@@ -66,7 +66,7 @@ def test_the_list_of_processes_translates_nothing(growth, tmp_path):
 
 
 def test_generation_is_not_exponential_in_nesting(growth, tmp_path):
-    few, more, most = (calls(growth.nested(n), tmp_path) for n in (10, 20, 30))
+    few, more, most = (calls(growth.nested(n), tmp_path) for n in (20, 40, 60))
     assert most - more < 2 * (more - few)
 
 
