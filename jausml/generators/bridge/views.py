@@ -199,11 +199,13 @@ class BridgeView:
 
     @property
     def dependencies(self) -> tuple[str, ...]:
-        """ROS packages that the package needs at run time, sorted."""
+        """Packages that the package needs at run time, by their names for rosdep, sorted."""
         packages = {"diagnostic_msgs", runtime.FACE, "rcl_interfaces", "rclpy"}
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
+            if self.transcoders.uses_numpy:
+                packages.add("python3-numpy")
         return tuple(sorted(packages))
 
     @property

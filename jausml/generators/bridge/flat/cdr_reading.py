@@ -18,7 +18,8 @@ from jausml.generators.bridge.flat.cdr_layout import (
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.loops import loop_over
-from jausml.generators.bridge.flat.protocols import Octets
+from jausml.generators.bridge.flat.protocols import Numbers, Octets
+from jausml.generators.bridge.flat.vectors import dtype
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 
@@ -87,6 +88,7 @@ class CdrSequenceReading:
         self._scope = scope
         self.leaf = leaf
         self.is_bytes = False
+        self.is_array = False
         self.items = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.count = f"len({self.items})"
         leaves = element_leaves(leaf.field, "")
@@ -96,13 +98,25 @@ class CdrSequenceReading:
     def loop(self, body: Sequence[str], index: str = "", most: str = "") -> Sequence[str]:
         """Returns the loop over the elements."""
         items = f"{self.items}[:{most}]" if most else self.items
-        lines = loop_over(items, self.element.targets, index, self._scope)
+        targets = self.element.targets
+        if self.is_array:
+            items, targets = f"{items}.tolist()", targets.strip("(,)")
+        lines = loop_over(items, targets, index, self._scope)
         return [*lines, *(f"{_STEP}{line}" for line in body)]
 
     def values(self) -> str:
         """Returns the expression of a list of all elements."""
         self.element.value("")
+        if self.is_array:
+            return f"{self.items}.tolist()"
         return f"[each[0] for each in {self.items}]"
+
+    @property
+    def _letter(self) -> str:
+        """Letter of the elements in struct formats; empty when they are no numbers."""
+        inner = tuple(element_leaves(self.leaf.field, ""))
+        (first, *others) = inner
+        return first.letter if isinstance(first, Number) and not (first.path or others) else ""
 
     def octets(self) -> Octets:
         """Returns the sequence as bytes, when its elements are numbers of one octet each."""
@@ -115,11 +129,22 @@ class CdrSequenceReading:
     @property
     def plain_octets(self) -> Octets | None:
         """What `octets` would return, which is not asked for yet; None where it refuses."""
-        inner = tuple(element_leaves(self.leaf.field, ""))
-        letter = inner[0].letter if len(inner) == 1 and isinstance(inner[0], Number) else ""
+        letter = self._letter
         if letter not in {"b", "B"} or self.element.names:
             return None
         return Octets(self.items, "", is_signed=letter == "b")
+
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers."""
+        letter = self._letter
+        if letter not in {"f", "d"} or self.element.names:
+            raise NotFlatError(f"{self.leaf.path} has no real numbers")
+        return Numbers("", letter)
+
+    def array(self) -> str:
+        """Returns the variable of the elements, which is an array of numpy."""
+        self.is_array = True
+        return self.items
 
     def vector(self) -> str:
         """Refuses what no end reads at once."""
@@ -368,6 +393,11 @@ class _Walk:
             self._add(f"{items} = data[{start}:offset]")
         elif not element.names:
             self._add(f"{items} = range(count)")
+        elif reading.is_array:
+            (number,) = walk._format
+            orders = ", ".join(dtype(number, mark) for mark in "><")
+            types = self._constants.named("_TYPES", f"({orders})")
+            self._add(f"{items} = numpy.frombuffer(data, {types}[order], count, {start})")
         elif even.tail:
             reader = walk.reader("unpack_from")
             steps = f"range({start}, offset, {even.stride})"

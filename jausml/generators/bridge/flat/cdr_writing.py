@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, TypeAlias
 from jausml.generation.literals import python_literal, python_string
 from jausml.generators.bridge.flat.cdr_chunks import SIZES, Chunk, Start
 from jausml.generators.bridge.flat.errors import NotFlatError
+from jausml.generators.bridge.flat.limits import FINITE, SINGLE
 from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import bytes_literal
+from jausml.generators.bridge.flat.protocols import Numbers
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 from jausml.metamodel.classes import ros
@@ -279,18 +281,31 @@ class CdrSequenceWriting:
         self.leaf = leaf
         self.rows = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.is_vector = False
+        self.is_array = False
         inner = tuple(_single(leaf.field, "", None))
         self.element = _Values(name, inner, constants, scope)
 
     def begin(self) -> list[str]:
         """Returns the statements before the first element."""
-        return [f"{self.rows} = []"]
+        return [f"{self.rows}: Any = []" if self.is_array else f"{self.rows} = []"]
 
     def append(self) -> list[str]:
         """Returns the statements that add the element whose values are known."""
         values = [value for _, value in self.row]
         row = values[0] if len(values) == 1 else f"({', '.join(values)})"
         return [f"{self.rows}.append({row})"]
+
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers."""
+        limits = {"f": SINGLE, "d": FINITE}.get(self.letter or "")
+        if limits is None:
+            raise NotFlatError(f"{self.leaf.path} has no real numbers")
+        return Numbers("", self.letter or "", "{}", *limits)
+
+    def take_array(self) -> str:
+        """Returns the variable of the elements, which may be an array from now on."""
+        self.is_array = True
+        return self.rows
 
     def vector(self, expression: str) -> None:
         """Tells what has all elements, numbers of one type, at once.
@@ -458,6 +473,8 @@ class _Walk:
         packed = f"memoryview({rows})"
         if not sequence.is_vector:
             packed = f'struct.pack(f"<{{len({rows})}}{letter}", *{rows})'
+        if sequence.is_array:
+            packed = f"{packed} if isinstance({rows}, list) else {rows}.tobytes()"
         self.lines.append(f"{self._out} += {packed}")
         self.chunk = Chunk(Start(min(size, 4), 0))
 

@@ -15,7 +15,8 @@ from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
 from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import sliced
-from jausml.generators.bridge.flat.protocols import Octets
+from jausml.generators.bridge.flat.protocols import Numbers, Octets
+from jausml.generators.bridge.flat.vectors import dtype
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
@@ -346,6 +347,22 @@ class JausSequence:
             return None
         return Octets(f"{self._around.data}[{self.begin}:{self.end}]", path, is_signed=False)
 
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers.
+
+        Raises:
+            NotFlatError: They are not.
+        """
+        path, element = number_of(self.value.element)
+        return Numbers(path, element.format, element.unpack("{}"))
+
+    def array(self) -> str:
+        """Returns the expression of an array of numpy with what stands in the bytes."""
+        _, element = number_of(self.value.element)
+        self.uses_begin = True
+        place = f"{self.count}, {self.begin}"
+        return f"numpy.frombuffer({self._around.data}, {dtype(element.format)}, {place})"
+
     def vector(self) -> str:
         """Returns the expression of all elements as they stand on the wire, at once.
 
@@ -380,6 +397,30 @@ def octet_of(element: object) -> str | None:
         path, element = part.members[0].attribute, part.members[0].value
     is_octet = isinstance(element, Fixed) and element.format == "B" and element.is_plain
     return path if is_octet and not isinstance(element, Bits) else None
+
+
+def number_of(element: object) -> tuple[str, Fixed]:
+    """Returns the path of the real number in an element that is one, and its layout.
+
+    Args:
+        element: Layout of the elements of a list.
+
+    Raises:
+        NotFlatError: It is another element.
+    """
+    path = ""
+    if isinstance(element, PartValue) and isinstance(element.part, ContainerClass):
+        part = element.part
+        if len(part.members) == 1 and not part.presence_size and not part.members[0].is_optional:
+            path, element = part.members[0].attribute, part.members[0].value
+    if not isinstance(element, Fixed) or isinstance(element, Bits):
+        raise NotFlatError("elements are no numbers")
+    is_scaled = (
+        element.check == "scaled" and not element.reader and element.format in {"B", "H", "I"}
+    )
+    if not is_scaled and (element.check != "real" or element.format not in {"f", "d"}):
+        raise NotFlatError("elements are no real numbers")
+    return path, element
 
 
 class _Element(PartReading):

@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
-from jausml.generators.bridge.flat.jaus_reading import octet_of
+from jausml.generators.bridge.flat.jaus_reading import number_of, octet_of
 from jausml.generators.bridge.flat.pieces import Bytes, Packed, Piece, joined
-from jausml.generators.bridge.flat.wire_items import bit_field_item, default_item, item
+from jausml.generators.bridge.flat.protocols import Numbers
+from jausml.generators.bridge.flat.wire_items import (
+    bit_field_item,
+    default_item,
+    item,
+    scaled_position,
+)
 from jausml.generators.python.codec.classes import (
     BitFieldClass,
     ContainerClass,
@@ -179,12 +185,14 @@ class JausSequenceWriting:
         self.value = value
         self.name = name
         self.is_vector = False
+        self.is_array = False
         self.error = scope.claim(f"{name}_error")
         self.element = _ElementWriting(message, value.element, self, constants, scope)
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""
-        return [f"{self.name} = []", f"{self.error} = None"]
+        kind = ": Any" if self.is_array else ""
+        return [f"{self.name}{kind} = []", f"{self.error} = None"]
 
     def append(self) -> Sequence[str]:
         """Returns the statements that add the element whose values are known."""
@@ -194,6 +202,21 @@ class JausSequenceWriting:
     def octet(self) -> str | None:
         """Path of the number in an element that is one octet; None for other elements."""
         return octet_of(self.value.element)
+
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers."""
+        path, element = number_of(self.value.element)
+        if element.check == "scaled":
+            _, _, maximum = element.limits
+            position = scaled_position(element, "{}")
+            return Numbers(path, element.format, position, "0.0", maximum, is_rounded=True)
+        lower, upper = element.limits
+        return Numbers(path, element.format, "{}", lower, upper)
+
+    def take_array(self) -> str:
+        """Returns the variable of the elements, which may be an array from now on."""
+        self.is_array = True
+        return self.name
 
     def vector(self, expression: str) -> None:
         """Tells what has all elements as they stand on the wire, which are octets."""
@@ -440,7 +463,11 @@ class _Block:
             f"{_STEP}raise {text} from {found.error}",
         ]
         self.pieces.append(Packed(value.count_format, value.sized(found.name, attribute)))
-        self.pieces.append(Bytes(f'b"".join({found.name})'))
+        together = f'b"".join({found.name})'
+        if found.is_array:
+            test = f"isinstance({found.name}, list)"
+            together = f"({together} if {test} else {found.name}.tobytes())"
+        self.pieces.append(Bytes(together))
 
     def _array(self, value: ArrayValue, path: str, attribute: str) -> None:
         if self._tree.within(path):

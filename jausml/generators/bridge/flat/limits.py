@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from jausml.generators.bridge.flat.texts import limit_variable, text_of
 
-_FINITE = "-1.7976931348623157e308", "1.7976931348623157e308"
-_SINGLE = "-3.4028234663852886e38", "3.4028234663852886e38"
+FINITE = "-1.7976931348623157e308", "1.7976931348623157e308"
+SINGLE = "-3.4028234663852886e38", "3.4028234663852886e38"
 _METHODS = frozenset({"", "integer", "listed", "finite", "single", "text", "octets", "sized"})
 _RANGES = frozenset({"", "integer", "finite", "single"})
 POLICIES = frozenset({"clamp", "drop_field", "drop_message", "error"})
@@ -51,9 +51,9 @@ class LimitCall:
                 tests = (f"{a} <= {name} <= {b}" if a < b else f"{name} == {a}" for a, b in ranges)
                 return " or ".join(tests)
             case "finite":
-                lower, upper = _FINITE
+                lower, upper = FINITE
             case "single":
-                lower, upper = _SINGLE
+                lower, upper = SINGLE
             case _:
                 lower, upper = self.limits
         return f"{lower} <= {name} <= {upper}"

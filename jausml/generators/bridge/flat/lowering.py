@@ -17,6 +17,7 @@ from jausml.generators.bridge.flat.expressions import (
 from jausml.generators.bridge.flat.limits import limit_call
 from jausml.generators.bridge.flat.octets import OctetValue, OneValue, table
 from jausml.generators.bridge.flat.texts import text_of
+from jausml.generators.bridge.flat.vectors import AtOnce, at_once
 from jausml.generators.python.names import snake_case
 from jausml.semantics.attributes import TIME_STAMP
 from jausml.semantics.conversions import CONVERSIONS
@@ -409,6 +410,24 @@ class Lowering:
             return None
         return reading.octets()
 
+    def _at_once(
+        self,
+        body: list[ast.stmt],
+        item: str,
+        made: tuple[str, SequenceWriting],
+        elements: ast.expr,
+    ) -> AtOnce | None:
+        """Returns how a loop over numbers makes all of them at once; None for other loops."""
+        root, source = chain_of(elements)
+        if root not in self._names.roots:
+            return None
+        element, sequence = made
+        reading, _ = self._names.roots[root].elements(source)
+        try:
+            return at_once(body, item, element, self._names, (reading, sequence), self._scope)
+        except NotFlatError:
+            return None
+
     def _append(self, place: ast.expr, value: ast.expr) -> None:
         """An object that was made before, as an element of a list."""
         path = self._target_path(place)
@@ -460,6 +479,7 @@ class Lowering:
         is_whole = not (index or most or is_begun)
         if is_whole and self._octets(body, item, (e.id, sequence), elements):
             return
+        vector = self._at_once(body, item, (e.id, sequence), elements) if is_whole else None
         if not is_begun:
             self._first += sequence.begin()
         inner = Lowering(names, sequence.element, self._scope, e.id, self._constants)
@@ -474,6 +494,8 @@ class Lowering:
                 head = f"for {index}, {item} in enumerate({self._text(elements)}):"
             lines = inner.lower(body)
             lines = [head, *(_STEP + line for line in [*lines, *sequence.append()])]
+        if vector is not None:
+            lines = vector.around(lines)
         for line in lines:
             self._add(line)
 

@@ -28,6 +28,28 @@ class Octets:
     is_signed: bool
 
 
+@dataclass(frozen=True)
+class Numbers:
+    """A list of real numbers that stand one after the other, of the same type.
+
+    Attributes:
+        path: Path of the number in an element; empty when the element is the number.
+        letter: Its letter in struct formats.
+        value: Python text with `{}`: the number made of what stands in the bytes, or what is packed
+            made of the number.
+        lower: Least value that can be packed, as Python text.
+        upper: Greatest value that can be packed.
+        is_rounded: Whether what is packed is rounded to an integer.
+    """
+
+    path: str
+    letter: str
+    value: str = "{}"
+    lower: str = ""
+    upper: str = ""
+    is_rounded: bool = False
+
+
 class Reading(Protocol):
     """Reads the wanted values of a message, or of an element of a list, out of its bytes.
 
@@ -89,6 +111,16 @@ class SequenceReading(Protocol):
     def plain_octets(self) -> Octets | None:
         """What `octets` would return, which is not asked for yet; None where it refuses."""
 
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers.
+
+        Raises:
+            NotFlatError: They are not.
+        """
+
+    def array(self) -> str:
+        """Returns the expression of an array of numpy with what stands in the bytes."""
+
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
@@ -143,6 +175,19 @@ class SequenceWriting(Protocol):
     @property
     def octet(self) -> str | None:
         """Path of the number in an element that is one octet; None for other elements."""
+
+    def numbers(self) -> Numbers:
+        """Returns what the elements are, when they are real numbers.
+
+        Raises:
+            NotFlatError: They are not.
+        """
+
+    def take_array(self) -> str:
+        """Returns the variable of the elements, which may be an array of numpy from now on.
+
+        It has what is packed, little endian; asked for before `begin`.
+        """
 
     def begin(self) -> Sequence[str]:
         """Returns the statements before the first element."""

@@ -26,7 +26,9 @@ _WIRE = """
     DecodeError EncodeError check_presence exactly integer latin1 one_of padded real scaled
     scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
-_TAKEN = names_in("arithmetic bridge connection conversions math octets rotations stamps struct")
+_TAKEN = names_in(
+    "arithmetic bridge connection conversions math numpy octets rotations stamps struct"
+)
 
 
 class Translating(Protocol):
@@ -141,6 +143,11 @@ class TranscodersModule:
     def factories(self) -> tuple[Factory, ...]:
         """The factories in model order; connections without a flat form have none."""
         return tuple(self._by_connection.values())
+
+    @property
+    def uses_numpy(self) -> bool:
+        """Whether a form goes through lists with numpy."""
+        return any("numpy." in line for each in self.factories for line in each.form.lines)
 
     @property
     def shared(self) -> tuple[Shared, ...]:

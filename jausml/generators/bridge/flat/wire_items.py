@@ -84,14 +84,24 @@ def _scaled(value: Fixed, code: str, field: str) -> str:
         if not 0.0 <= position <= int(maximum, 16):
             raise NotFlatError(f"{code} is outside {smallest} .. {largest}")
         return str(round(position))
+    checked = f"scaled({code}, {lower}, {step}, {maximum}, {python_string(field)})"
+    inside = f"0.0 <= (position := {scaled_position(value, code)}) <= {maximum}"
+    return f"round(position) if {inside} else {checked}"
+
+
+def scaled_position(value: Fixed, code: str) -> str:
+    """Returns the expression of the steps that a scaled value is away from the least one.
+
+    Args:
+        value: What kind of value it is.
+        code: A local variable, as Python text.
+    """
+    lower, step, _ = value.limits
     number = float(lower)
-    distance = code
     if number:
         sign = "-" if number > 0 else "+"
-        distance = f"({code} {sign} {python_literal(abs(number))})"
-    checked = f"scaled({code}, {lower}, {step}, {maximum}, {python_string(field)})"
-    inside = f"0.0 <= (position := {distance} / ({step})) <= {maximum}"
-    return f"round(position) if {inside} else {checked}"
+        code = f"({code} {sign} {python_literal(abs(number))})"
+    return f"{code} / ({step})"
 
 
 def _integer(value: Fixed, code: str, field: str) -> str:
