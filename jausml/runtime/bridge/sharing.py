@@ -115,14 +115,14 @@ class SharedMessages:
                 handler, which its connections share.
         """
         if when is Guard.ANY:
-            self._component.on_payload(message, take)
+            self._component.on_payload(message, take, is_robust=True)
         else:
             self._commands.setdefault(message, (when, []))[1].append(take)
 
     def handle(self) -> None:
         """Begins to take the commands that were asked for."""
         for message, (when, takers) in self._commands.items():
-            self._component.handle_payload(message, to_each(takers), when=when)
+            self._component.handle_payload(message, to_each(takers), when=when, is_robust=True)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report; connections that feed one report share its value.

@@ -27,7 +27,7 @@ R = TypeVar("R", bound=Message)
 Action = Callable[[Any, "JausAddress"], object]
 """Takes a decoded message and its sender."""
 
-Take = Callable[[bytes, "JausAddress"], None]
+Take = Callable[[bytes, "JausAddress"], object]
 """Takes an encoded message and its sender."""
 
 Condition = Guard | Callable[[Any], Guard]
@@ -62,12 +62,14 @@ class Handler:
         action: Acts on the message.
         condition: Whom to obey.
         takes_payload: Whether the action takes the encoded message instead of the decoded one.
+        is_robust: Whether one that does raises nothing and tells itself when it takes too long.
     """
 
     message_class: type[Message]
     action: Action
     condition: Condition
     takes_payload: bool = False
+    is_robust: bool = False
 
     def guard_for(self, message: Message) -> Guard:
         """Return whom to obey when the message is this one."""
@@ -122,12 +124,13 @@ class Router:
         condition: Condition,
         *,
         takes_payload: bool = False,
+        is_robust: bool = False,
     ) -> None:
         """Handle a message; raises ValueError when it is handled already."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
-        route.handler = Handler(message_class, action, condition, takes_payload)
+        route.handler = Handler(message_class, action, condition, takes_payload, is_robust)
         self._prepare(message_class.CODE)
 
     def set_provision(
@@ -155,11 +158,18 @@ class Router:
         route.listeners.setdefault(message_class, []).append(action)
         self._prepare(message_class.CODE)
 
-    def add_payload_listener(self, message_class: type[Message], action: Action) -> None:
-        """Also call ``action`` with the bytes of each such message."""
+    def add_payload_listener(
+        self, message_class: type[Message], action: Action, *, is_robust: bool = False
+    ) -> None:
+        """Also call ``action`` with the bytes of each such message.
+
+        Args:
+            message_class: Codec of the message.
+            action: Takes an encoded message and its sender.
+            is_robust: Whether it raises nothing and tells itself when it takes too long.
+        """
         route = self._routes.setdefault(message_class.CODE, _Route())
-        bad = partial(self._count_bad, message_class)
-        route.payload_listeners.append(self.payload_caller(action, bad))
+        route.payload_listeners.append(self._payload_taker(message_class, action, is_robust))
         self._prepare(message_class.CODE)
 
     def _prepare(self, code: int) -> None:
@@ -175,7 +185,7 @@ class Router:
         """Return what acts on a message if its sender is obeyed; else it costs no decoding."""
         message_class, action = handler.message_class, handler.action
         take = (
-            self.payload_caller(action, partial(self._count_bad, message_class))
+            self._payload_taker(message_class, action, handler.is_robust)
             if handler.takes_payload
             else self._delivering(message_class, [action])
         )
@@ -234,6 +244,16 @@ class Router:
                     self._count_blocked(action, elapsed)
 
         return take
+
+    def _payload_taker(
+        self,
+        message_class: type[Message],
+        action: Action,
+        is_robust: bool,  # noqa: FBT001 - as its callers have it
+    ) -> Take:
+        if is_robust:
+            return action
+        return self.payload_caller(action, partial(self._count_bad, message_class))
 
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
