@@ -257,7 +257,7 @@ class Router:
 
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
-    ) -> Take:
+    ) -> Callable[[bytes, JausAddress], None]:
         """Return what calls a function that takes encoded messages, as ``call`` does.
 
         Args:
