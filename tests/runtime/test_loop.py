@@ -65,6 +65,26 @@ def test_a_cancelled_timer_does_not_run(loop: Loop, clock) -> None:
     assert ran == ["first"]
 
 
+def test_a_turn_without_a_limit_does_not_wait_for_what_is_due(loop: Loop, clock) -> None:
+    ran: list[str] = []
+    loop.call_later(1.0, lambda: ran.append("overdue"))
+    loop.call_later(9.0, lambda: ran.append("due"))
+    loop.call_later(8.0, lambda: ran.append("cancelled")).cancel()
+    clock.time += 3.0
+    assert loop.run_once() == 1
+    clock.time += 6.0
+    assert loop.run_once() == 1
+    assert ran == ["overdue", "due"]
+
+
+def test_what_is_asked_for_soon_does_not_wait_for_a_timer(loop: Loop) -> None:
+    ran: list[str] = []
+    loop.call_later(3600.0, lambda: ran.append("timer"))
+    loop.call_soon(lambda: ran.append("soon"))
+    assert loop.run_once() == 1
+    assert ran == ["soon"]
+
+
 def test_cancelled_timers_do_not_pile_up(loop: Loop) -> None:
     class Watched:
         def run(self) -> None:

@@ -182,9 +182,15 @@ class Loop:
         self._runner = threading.get_ident()
         self._renewed.clear()
         self._woken = False
-        ready = self._epoll.poll(self._wait_time(timeout), _AT_ONCE)
-        self._woken = True
         callbacks, renewed, timers = self._callbacks, self._renewed, self._timers
+        with self._state:
+            first = timers[0] if timers else None
+        if first is None or first[2].callback is None or self._soon or timeout is not None:
+            wait = self._wait_time(timeout)
+        elif self._stopping or (wait := first[0] - self.now()) < 0.0:
+            wait = 0.0
+        ready = self._epoll.poll(wait, _AT_ONCE)
+        self._woken = True
         ran = 0
         with self.lock:
             if timers and timers[0][0] <= self.now():
