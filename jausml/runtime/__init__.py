@@ -24,7 +24,7 @@ from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.forms import differing_forms
 from .bridge.joins import Join
-from .bridge.layouts import CdrLayouts, PresenceLayouts
+from .bridge.layouts import CdrLayouts, CdrRows, PresenceLayouts
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
@@ -74,6 +74,7 @@ __all__ = [
     "Bridge",
     "BridgeSettings",
     "CdrLayouts",
+    "CdrRows",
     "Completion",
     "ComponentProgram",
     "ComponentSettings",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import struct
 import warnings
@@ -272,3 +273,16 @@ def test_odd_values_in_a_path_to_ros(made: Generated, odd: float) -> None:
 def test_package_needs_numpy(made: Generated) -> None:
     text = made.artifacts["flat_lists/package.xml"].text
     assert "<exec_depend>python3-numpy</exec_depend>" in text
+
+
+def test_rows_that_lie_alike_are_read_at_once(made: Generated) -> None:
+    text = made.artifacts["flat_lists/flat_lists/transcoders.py"].text
+    assert '= CdrRows("xi", "xI", "s", "d", "d", "d", "xd", "xd", "xd", "xd")' in text
+    rows = importlib.import_module("jausml_runtime").CdrRows("xi", "xI", "s", "d", "xd")
+    element = struct.pack("<iII5s3xxxxxdd", 1, 2, 5, b"odom\0", 2.5, 3.5)
+    assert len(element) == 40
+    data = bytes(4) + element * 3
+    assert rows.read(data, 4, 5, 3, 1) == ([(2.5,)] * 3, 124)
+    assert rows.read(data, 4, 5, 4, 1) == ([], 4)
+    assert rows.read(data, 4, 6, 3, 1) == ([], 4)
+    assert rows.read(data, 4, 5, 3, 0) == ([], 4)

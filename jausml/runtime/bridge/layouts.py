@@ -8,6 +8,7 @@ stand, differs from message to message; but mostly it is what it was in the mess
 from __future__ import annotations
 
 import struct
+from typing import Any
 
 from ..wire import DecodeError
 
@@ -108,3 +109,62 @@ class CdrLayouts(dict[tuple[int, ...], struct.Struct]):
         if len(self) < _KEPT:
             self[key] = layout
         return layout
+
+
+class CdrRows(dict["tuple[int, int, int]", "tuple[struct.Struct, int]"]):
+    """Elements of a sequence of CDR that lie alike, since the one text in each is of one length.
+
+    The key is the place of the first one behind a multiple of 8, the size of the text, and the
+    order of bytes.
+    """
+
+    def __init__(self, *fields: str) -> None:
+        """Names the fields.
+
+        Args:
+            *fields: Letters in struct formats, in order; `x` before one that nobody wants. `s` is
+                the text, its size included, which nobody wants.
+        """
+        super().__init__()
+        self._fields = fields
+
+    def read(
+        self, data: bytes, offset: int, size: int, count: int, order: int
+    ) -> tuple[list[tuple[Any, ...]], int]:
+        """Returns the wanted values of each element, and where the last one ends.
+
+        There are none where they do not lie alike.
+
+        Args:
+            data: The message.
+            offset: Where the element before ends.
+            size: Size of its text, which is that of all others if they lie alike.
+            count: Number of elements, which is not zero.
+            order: 0 for big endian, 1 for little endian.
+        """
+        layout, place = self[offset - 4 & 7, size, order]
+        end = offset + count * layout.size
+        if layout.size & 7 or end > len(data):
+            return [], offset
+        expected = struct.pack("<I" if order else ">I", size)
+        for at, octet in enumerate(expected, offset + place):
+            if data[at : end : layout.size].count(octet) != count:
+                return [], offset
+        return list(layout.iter_unpack(data[offset:end])), end
+
+    def __missing__(self, key: tuple[int, int, int]) -> tuple[struct.Struct, int]:
+        """Returns the layout of a size that was not seen before, and where the size stands."""
+        start, size, order = key
+        text, at, place = "", start, 0
+        for each in self._fields:
+            letter = "I" if each == "s" else each[-1]
+            width = _SIZES[letter]
+            gap = -at % width
+            place = at + gap - start if each == "s" else place
+            rest = size if each == "s" else 0
+            text += f"{gap}x" + (letter if each == letter else f"{width + rest}x")
+            at += gap + width + rest
+        found = struct.Struct(("<" if order else ">") + text), place
+        if len(self) < _KEPT:
+            self[key] = found
+        return found

@@ -22,6 +22,7 @@ from jausml.generators.bridge.flat.protocols import Numbers, Octets
 from jausml.generators.bridge.flat.vectors import dtype
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import call
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -378,6 +379,7 @@ class _Walk:
                 self._flush()
                 targets = element.targets
                 self._add(f"{items}.append({targets if targets[:1] == '(' else f'({targets})'})")
+                self._read_alike(items, inner, element)
             return
         start = self._scope.claim("start")
         first = self._first(even)
@@ -405,6 +407,28 @@ class _Walk:
         else:
             reader = walk.reader("iter_unpack")
             self._add(f"{items} = list({reader}[order](data[{start}:offset]))")
+
+    def _read_alike(self, items: str, inner: Sequence[Leaf], element: _Wanted) -> None:
+        """Reads the elements behind the first at once, where they lie as it does."""
+        texts = [leaf for leaf in inner if isinstance(leaf, Text)]
+        is_plain = not any(isinstance(leaf, Many) for leaf in inner)
+        if len(texts) != 1 or not is_plain or texts[0].path in element.names or not element.names:
+            return
+        fields = []
+        for leaf in inner:
+            if isinstance(leaf, Number):
+                fields.append(leaf.letter if leaf.path in element.names else f"x{leaf.letter}")
+            else:
+                fields.append("s")
+        rows = self._constants.named("_ROWS", call("CdrRows", *map(python_string, fields)))
+        if self._place.code != "offset":
+            self._add(f"offset = {self._place.code}")
+        self._add(f"if len({items}) == 1 < count:")
+        self._add(f"{_STEP}alike, offset = {rows}.read(data, offset, size, count - 1, order)")
+        self._add(f"{_STEP}if alike:")
+        self._add(f"{_STEP * 2}{items} += alike")
+        self._add(f"{_STEP * 2}break")
+        self._go_to("offset")
 
     def reader(self, method: str) -> str:
         """Returns the name of the constant that has a method of the structs of what was laid out.
