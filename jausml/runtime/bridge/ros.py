@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import Counter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import rclpy
@@ -107,6 +108,7 @@ class RosNode:
         self._log = RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
+        self._kin: Counter[tuple[str, bool]] = Counter()  # endpoints that share a topic
         self._publishers: list[Any] = []
         self._subscriptions: list[Any] = []
         self._events: list[Any] = []
@@ -278,9 +280,8 @@ class RosNode:
         find = (
             node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
         )
-        kin = sum(
-            (each.topic, each.publishes) == (name, publishes) for each in self._health.values()
-        )
+        kin = self._kin[name, publishes]
+        self._kin[name, publishes] += 1
         entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
 
         def others() -> list[tuple[str, Qos]]:
