@@ -83,7 +83,10 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         if now - latest > _PAUSE_S:
             burst = 1
         latest = now
-        for _ in range(burst):
+        enough = burst
+        for count in range(_DATAGRAMS_PER_TURN):
+            if count == enough:
+                break
             try:
                 data, notes, _, origin = receive(_LARGEST_DATAGRAM, _NOTES_SIZE)
             except BlockingIOError:
@@ -147,6 +150,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 packet = Packet(address_of(destination), sender, payload, sequence, *FLAGS[flags])
                 whole = inbox.complete(packet, now)
                 if whole is None:
+                    enough = max(enough, count + 2)  # the next one is on its way
                     continue
                 payload = whole.payload
             try:
