@@ -65,7 +65,8 @@ fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where 
 emf: $(READY)  ## judge metamodels and models with the real Eclipse EMF and record its verdicts
 	$(BIN)/python tools/record_emf.py
 
-reference: $(READY)  ## write docs/reference/ and the names that the editor colours anew
+reference: $(READY)  ## write docs/reference/, the lists of the command line and names for editors anew
+	$(BIN)/python tools/build_known.py
 	$(BIN)/python tools/build_reference.py
 	$(BIN)/python tools/build_grammar.py
 

@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, TypedDict
 
 import click
 
-from jausml.text.bridge_options import BridgeOfMaps
-from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -113,6 +110,10 @@ def notations_for(
     Raises:
         UsageError: There can be no such bridge.
     """
+    # Most verbs take files by their endings alone, which needs no reader.
+    from jausml.text.bridge_options import BridgeOfMaps  # noqa: PLC0415
+    from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus  # noqa: PLC0415
+
     if bridge_address is None:
         return NOTATIONS
     if not _ADDRESS.fullmatch(bridge_address):

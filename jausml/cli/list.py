@@ -6,21 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.messages import (
-    format_option,
-    model_option,
-    open_catalogue,
-    to_json,
-    write,
-)
-from jausml.live.messages import UnknownServiceError
-from jausml.live.messages.errors import did_you_mean, similar
+from jausml.cli.known import known, library_file
+from jausml.cli.messages import format_option, model_option, to_json, write
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
-
-    from jausml.cli.maps import FoundMap
-    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
 
 
 @click.group("list")
@@ -37,33 +27,27 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service set), 3 internal error.
     """
-    catalogue = open_catalogue(models)
-    found = list(catalogue.services.values())
+    found = _services(models)
     if set_name is not None:
-        found = [service for service in found if set_name == service.set_name]
+        known_sets = sorted({service["set"] for service in found})
+        found = [service for service in found if set_name == service["set"]]
         if not found:
-            known = sorted({service.set_name for service in catalogue.services.values()})
-            raise click.UsageError(f"no service set {set_name!a}, there are: {', '.join(known)}")
+            sets = ", ".join(known_sets)
+            raise click.UsageError(f"no service set {set_name!a}, there are: {sets}")
     if output_format == "json":
-        for service in found:
-            write(to_json(_service_json(service)))
+        _write_json(found)
         return
-    _table(
-        ("SERVICE", "VERSION", "SET", "INHERITS"),
-        ((s.urn, s.version, s.set_name, s.inherits.label if s.inherits else "") for s in found),
-    )
+    columns = ("service", "version", "set", "inherits")
+    rows = (tuple(service[column] or "" for column in columns) for service in found)
+    _table(("SERVICE", "VERSION", "SET", "INHERITS"), rows)
 
 
-def _service_json(service: ServiceEntry) -> dict[str, Any]:
-    return {
-        "service": service.urn,
-        "version": service.version,
-        "name": service.name,
-        "set": service.set_name,
-        "inherits": service.inherits.label if service.inherits else None,
-        "inputs": [entry.name for entry in service.inputs],
-        "outputs": [entry.name for entry in service.outputs],
-    }
+def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
+    if not models:
+        return known("services")
+    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+
+    return listed.services(models)
 
 
 @command.command("messages")
@@ -79,22 +63,33 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
     """
-    found = _messages(open_catalogue(models), service)
+    found = _messages(models, service)
     if output_format == "json":
-        for entry in found:
-            write(to_json(_message_json(entry)))
+        _write_json(found)
         return
     rows = (
         (
-            entry.code_text,
-            entry.name,
-            "command" if entry.is_command else "",
-            ", ".join(each.label for each in entry.services[:2])
-            + (f" and {len(entry.services) - 2} more" if len(entry.services) > 2 else ""),
+            each["code"],
+            each["message"],
+            "command" if each["command"] else "",
+            _shortened(each["services"]),
         )
-        for entry in found
+        for each in found
     )
     _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
+
+
+def _messages(models: tuple[str, ...], service: str | None) -> list[dict[str, Any]]:
+    if not models and service is None:
+        return known("messages")
+    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+
+    return listed.messages(models, service)
+
+
+def _shortened(services: Sequence[str]) -> str:
+    more = f" and {len(services) - 2} more" if len(services) > 2 else ""
+    return ", ".join(services[:2]) + more
 
 
 @command.command("maps")
@@ -114,61 +109,66 @@ def maps(
     Exit status: 0 done, 1 a model has errors, 2 usage (a type or message without a map), 3
     internal error.
     """
-    from jausml.cli.maps import open_maps  # noqa: PLC0415 - services and messages need no maps
-
-    found = open_maps(models)
+    found = _maps(models)
     if ros_type is not None:
         wanted = ros_type.replace("/msg/", "/")
-        found = _chosen(found, wanted, lambda each: each.overview.types, "ROS type")
+        found = _chosen(found, wanted, _types, "ROS type")
     if message_name is not None:
-        found = _chosen(found, message_name, lambda each: [each.overview.message], "JAUS message")
+        found = _chosen(found, message_name, lambda each: [each["message"]], "JAUS message")
     if output_format == "json":
-        for each in found:
-            write(to_json(each.to_json()))
+        _write_json(found)
         return
     rows = (
-        (each.name, each.message, each.type, " and ".join(each.directions), found_map.module)
-        for found_map in found
-        for each in (found_map.overview,)
+        (
+            each["map"],
+            each["message"],
+            each["type"],
+            " and ".join(each["directions"]),
+            each["module"] or "",
+        )
+        for each in found
     )
     _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
 
 
+def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
+    if not models:
+        return [each | {"file": library_file(each["file"])} for each in known("maps")]
+    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+
+    return listed.maps(models)
+
+
+def _types(each: dict[str, Any]) -> list[str]:
+    """Returns the ROS type of a map and those of joined topics."""
+    return [each["type"], *(join["type"] for join in each["joins"])]
+
+
 def _chosen(
-    found: Sequence[FoundMap], wanted: str, names: Callable[[FoundMap], Sequence[str]], what: str
-) -> list[FoundMap]:
+    found: Sequence[dict[str, Any]],
+    wanted: str,
+    names: Callable[[dict[str, Any]], Sequence[str]],
+    what: str,
+) -> list[dict[str, Any]]:
     """Returns the maps of a name, or of the end of one behind its slash."""
 
-    def are_meant(each: FoundMap) -> bool:
+    def are_meant(each: dict[str, Any]) -> bool:
         return any(wanted in (name, name.rpartition("/")[2]) for name in names(each))
 
     chosen = [each for each in found if are_meant(each)]
     if not chosen:
-        known = {name for each in found for name in names(each)}
-        known |= {name.rpartition("/")[2] for name in known if "/" not in wanted}
-        hint = did_you_mean(similar(wanted, known))
+        from jausml.live.messages.errors import did_you_mean, similar  # noqa: PLC0415 - for errors
+
+        everything = {name for each in found for name in names(each)}
+        everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}
+        hint = did_you_mean(similar(wanted, everything))
         raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
     return chosen
 
 
-def _messages(catalogue: Catalogue, service: str | None) -> Sequence[MessageEntry]:
-    if service is None:
-        return catalogue.messages
-    try:
-        meant = catalogue.find_services(service)
-    except UnknownServiceError as error:
-        raise click.UsageError(str(error)) from error
-    every = (entry for each in meant for owner in each.lineage for entry in owner.messages)
-    return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
-
-
-def _message_json(entry: MessageEntry) -> dict[str, Any]:
-    return {
-        "message": entry.name,
-        "code": entry.code_text,
-        "command": entry.is_command,
-        "services": [service.label for service in entry.services],
-    }
+def _write_json(found: Iterable[dict[str, Any]]) -> None:
+    for each in found:
+        write(to_json(each))
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:

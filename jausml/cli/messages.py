@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
-from jausml.live.messages import CatalogueError, load_catalogue
-from jausml.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -62,6 +60,10 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         EnvironmentFault: A path cannot be read.
         ModelFault: A model has errors.
     """
+    # Options and output of the verbs alone need no reader.
+    from jausml.live.messages import CatalogueError, load_catalogue  # noqa: PLC0415
+    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
+
     try:
         return load_catalogue(find_models(models), notations=NOTATIONS)
     except CatalogueError as error:

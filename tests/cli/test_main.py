@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from jausml.cli import VERBS, validate
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_help_lists_the_verbs_without_loading_them():
@@ -24,6 +27,36 @@ def test_help_lists_the_verbs_without_loading_them():
     for verb, text in VERBS.items():
         assert f"  {verb}" in result.stdout
         assert text in result.stdout
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["rules"],
+        ["explain", "JML301"],
+        ["list", "services"],
+        ["list", "messages"],
+        ["list", "maps"],
+        ["list", "maps", "--ros", "Odometry", "--format", "json"],
+        ["list", "--help"],
+    ],
+)
+def test_lists_of_what_is_known_load_no_reader_of_models(words):
+    code = (
+        f"import sys; from jausml.cli import main\n"
+        f"try: main({words})\n"
+        "except SystemExit as end: assert not end.code\n"
+        "heavy = {'pyecore', 'lxml', 'jausml.metamodel', 'jausml.model', 'jausml.validation'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+
+
+def test_lists_of_what_is_known_are_what_the_rules_and_the_library_have():
+    command = [sys.executable, str(ROOT / "tools" / "build_known.py"), "--check"]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert result.returncode == 0, f"{result.stdout}make reference writes them anew"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,106 @@
+"""Lists as JSON objects, made of what is read: all rules, messages and services, attribute maps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.maps import open_maps
+from jausml.cli.messages import open_catalogue
+from jausml.importers.jsidl.rules import JSIDL_RULES
+from jausml.importers.ros.rules import ROS_RULES
+from jausml.live.messages import UnknownServiceError
+from jausml.text.rules import TEXT_RULES
+from jausml.validation.catalogue import catalogue
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
+
+
+def rules() -> list[dict[str, Any]]:
+    """Returns all rules, ordered by id."""
+    return [
+        {
+            "rule": entry.id,
+            "severity": entry.severity.value,
+            "title": entry.title,
+            "documentation": entry.documentation,
+        }
+        for entry in catalogue(JSIDL_RULES, ROS_RULES, TEXT_RULES)
+    ]
+
+
+def services(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns the services of models and of the library.
+
+    Args:
+        models: Files and folders of the user.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: A model has errors.
+    """
+    return [_service(entry) for entry in open_catalogue(models).services.values()]
+
+
+def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
+    """Returns the messages of models and of the library.
+
+    Args:
+        models: Files and folders of the user.
+        service: Only those of a service, inherited ones too: URN or name, then /VERSION if meant.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: A model has errors.
+        click.UsageError: There is no such service.
+    """
+    found = open_catalogue(models)
+    entries = found.messages if service is None else _messages_of(found, service)
+    return [_message(entry) for entry in entries]
+
+
+def maps(models: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns the attribute maps of the library and of models.
+
+    Args:
+        models: Files and folders of the user.
+
+    Raises:
+        EnvironmentFault: A path cannot be read.
+        ModelFault: A model has errors.
+    """
+    return [each.to_json() for each in open_maps(models)]
+
+
+def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
+    try:
+        meant = found.find_services(service)
+    except UnknownServiceError as error:
+        raise click.UsageError(str(error)) from error
+    every = (entry for each in meant for owner in each.lineage for entry in owner.messages)
+    return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
+
+
+def _service(service: ServiceEntry) -> dict[str, Any]:
+    return {
+        "service": service.urn,
+        "version": service.version,
+        "name": service.name,
+        "set": service.set_name,
+        "inherits": service.inherits.label if service.inherits else None,
+        "inputs": [entry.name for entry in service.inputs],
+        "outputs": [entry.name for entry in service.outputs],
+    }
+
+
+def _message(entry: MessageEntry) -> dict[str, Any]:
+    return {
+        "message": entry.name,
+        "code": entry.code_text,
+        "command": entry.is_command,
+        "services": [service.label for service in entry.services],
+    }
