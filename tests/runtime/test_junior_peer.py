@@ -45,7 +45,7 @@ def test_messages_of_many_packets_pass_both_ways(station, junior, wait_until):
     results = []
     driver.transport.send(DRIVER, PEER, big, acknowledge=True, on_result=results.append)
     wait_until(lambda: results == [True])
-    assert junior.payloads == [big]
+    wait_until(lambda: junior.payloads == [big])
     for acknowledge in (True, False):
         assert junior.send(DRIVER, big, acknowledge=acknowledge)
     wait_until(lambda: driver.payloads == [big, big])
