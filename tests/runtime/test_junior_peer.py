@@ -121,7 +121,7 @@ def test_a_burst_of_acknowledged_messages_arrives(station, junior, wait_until):
         driver.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
     wait_until(lambda: len(results) == 1000, 60)
     assert results == [True] * 1000
-    assert len(junior.payloads) == 1000
+    wait_until(lambda: len(junior.payloads) == 1000)
 
 
 def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, wait_until, caplog):
