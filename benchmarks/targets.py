@@ -22,29 +22,29 @@ Finding = tuple[str, float]
 
 REMARKS: Mapping[str, str] = {
     "small": (
-        "from ROS to JAUS points and twists are at the floor. From JAUS to ROS five Python functions"
-        " stand between the socket and the publisher (turn of the loop, datagram, dispatch,"
-        " connection, translation), each some microseconds after a pause; an odometry has two texts"
-        " and a quaternion besides."
+        "from ROS to JAUS points and twists are at the floor. From JAUS to ROS five Python"
+        " functions stand between the socket and the publisher (turn of the loop, datagram,"
+        " dispatch, connection, translation), each some microseconds after a pause; an"
+        " odometry has two texts and a quaternion besides."
     ),
     "connections": (
-        "as above: the way up costs the same with 1 and with 300, where the figures scatter by a"
-        " tenth; the way down is at the floor with any number."
+        "as above: the way up costs the same with 1 and with 300, where the figures scatter"
+        " by a tenth; the way down is at the floor with any number."
     ),
     "large": (
-        "a path of 100 poses takes 100 us, of which the quaternions of 100 poses are 40. A grid comes"
-        " in ten packets, as AS5669A has it, where the floor has one datagram: each is read, compared"
-        " with those before and put in its place. A scan is translated in 5 us, but the first call"
-        " of numpy after a pause costs several times that."
+        "a path of 100 poses takes 100 us, of which the quaternions of 100 poses are 40. A"
+        " grid comes in ten packets, as AS5669A has it, where the floor has one datagram: each"
+        " is read, compared with those before and put in its place. A scan is translated in 5"
+        " us, but the first call of numpy after a pause costs several times that."
     ),
-    "tail": "the ten to fifteen packets of a large message meet more that may delay one of them.",
+    "tail": ("the ten to fifteen packets of a large message meet more that may delay one of them."),
     "round_trip": (
-        "both processes read, check, dispatch, decode, encode and number a message in Python, and are"
-        " woken once more by the scheduler; on one processor the ratio is 2.1 to 2.7."
+        "both processes read, check, dispatch, decode, encode and number a message in Python,"
+        " and are woken once more by the scheduler; on one processor the ratio is 2.1 to 2.7."
     ),
     "generate": (
-        "3000 maps are validated, translated, checked and laid out one by one; 3000 connections that"
-        " share a map take a third of that."
+        "3000 maps are validated, translated, checked and laid out one by one; 3000"
+        " connections that share a map take a third of that."
     ),
 }
 """Why a target is missed, by its key; written by hand after a run."""
