@@ -116,21 +116,30 @@ class ToTopics(Connection[SourceT, TargetT]):
             if switch.unusual is not None:
                 switch.unusual(data, sender)
                 return
-            counts.arrivals += 1
+            target, failure = None, None
             try:
                 target = transcode(data)
-                counts.heard = counts.last_arrival = now()
-                if target is None:
-                    drop(FILTERED)
-                    return
-                publish(target)
-                if not publisher.matched:
-                    publisher.unmatched += 1
             except Exception as error:
+                counts.arrivals += 1
                 counts.last_arrival = now()
                 fail(error)
                 return
-            counts.passed += 1
+            if target is not None:
+                try:
+                    publish(target)
+                except Exception as error:
+                    failure = error
+            # What is only counted is counted when the message has gone on.
+            counts.arrivals += 1
+            counts.heard = counts.last_arrival = now()
+            if target is None:
+                drop(FILTERED)
+            elif failure is not None:
+                fail(failure)
+            else:
+                counts.passed += 1
+                if not publisher.matched:
+                    publisher.unmatched += 1
 
         return take
 
