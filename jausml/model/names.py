@@ -1,7 +1,8 @@
 """Finder of elements by name: from the inside of a document out, in its imports, in the library.
 
 A name stands for the elements whose containment path by names is the name or ends with it:
-`ReportLocalPose`, `LocalPoseSensor.ReportLocalPose`, `geometry_msgs/Twist`.
+`ReportLocalPose`, `LocalPoseSensor.ReportLocalPose`, `geometry_msgs/Twist`. The parts of services
+and actions of ROS go by what they are too: `std_srvs/SetBool.request`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
-from jausml.metamodel.classes import jaus
+from jausml.metamodel.classes import jaus, ros
 from jausml.model.documents import Document
 from jausml.model.uris import LIBRARY_URI, library_root
 
@@ -29,6 +30,15 @@ _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
 _VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
 _NAMED = re.compile(r'<(services|inputs|outputs|types|messages|actions)\s[^<]*?\bname="([^"<]*)"')
 """What of the library is referred to by name: its containment feature and its name."""
+_PARTS = {
+    "request": ros.ServiceType,
+    "response": ros.ServiceType,
+    "goal": ros.ActionType,
+    "result": ros.ActionType,
+    "feedback": ros.ActionType,
+}
+"""The features whose names stand for the message types that a service or an action consists of."""
+_WHOLES = frozenset({"services", "actions"})
 
 
 class NameFinder:
@@ -118,8 +128,13 @@ class NameFinder:
 
     def _library(self, name: str, wanted: ClassTable) -> list[Document]:
         """Returns the documents of the library that may know a name, read at the first call."""
+        text = _normal(name)
         tags = _tags(self._model.metamodels, wanted)
-        files: Iterable[tuple[str, str]] = library_index().get(_last_step(_normal(name)), ())
+        files: Iterable[tuple[str, str]] = library_index().get(_last_step(text), ())
+        whole = _whole_of(text)
+        if whole:
+            tags |= _WHOLES
+            files = (*files, *library_index().get(_last_step(whole), ()))
         found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
         return list(dict.fromkeys(each for each in found if isinstance(each, Document)))
 
@@ -130,8 +145,13 @@ class NameFinder:
 
     def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
         text = _normal(name)
-        candidates = self._index(document).get(_last_step(text), ())
-        return [each for each in candidates if self._is_a(each, wanted) and _matches(each, text)]
+        index = self._index(document)
+        candidates = [each for each in index.get(_last_step(text), ()) if _matches(each, text)]
+        whole = _whole_of(text)
+        if whole:
+            owners = [each for each in index.get(_last_step(whole), ()) if _matches(each, whole)]
+            candidates += _parts(owners, _last_step(text))
+        return [each for each in candidates if self._is_a(each, wanted)]
 
     def _in_what_owners_refer_to(
         self, name: str, wanted: ClassTable, owner: EObject | None
@@ -273,11 +293,25 @@ def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
 
 def _normal(name: str) -> str:
     """Returns a name with one kind of separator: ROS writes `geometry_msgs/msg/Twist`."""
-    return name.replace("/msg/", "/").replace("/srv/", "/").replace("/", ".")
+    for folder in ("/msg/", "/srv/", "/action/"):
+        name = name.replace(folder, "/")
+    return name.replace("/", ".")
 
 
 def _last_step(name: str) -> str:
     return name.rpartition(".")[2]
+
+
+def _whole_of(text: str) -> str:
+    """Returns the name of the service or action whose part a name may mean, else nothing."""
+    whole, _, part = text.rpartition(".")
+    return whole if part in _PARTS else ""
+
+
+def _parts(owners: Iterable[EObject], part: str) -> list[EObject]:
+    """Returns the parts of services and actions that go by what they are."""
+    parts = [getattr(each, part) for each in owners if isinstance(each, _PARTS[part])]
+    return [each for each in parts if each is not None]
 
 
 def _matches(element: EObject, text: str) -> bool:

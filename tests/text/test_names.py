@@ -36,6 +36,30 @@ def test_ros_types(texts, name):
     assert model.instances(ros.Publisher)[0].type.name == "TwistStamped"
 
 
+@pytest.mark.parametrize("name", ["std_srvs/SetBool.request", "std_srvs/srv/SetBool.request",
+                                  "SetBool.request", "SetBool_Request"])  # fmt: skip
+def test_parts_of_ros_services_go_by_what_they_are(texts, name):
+    imports = "" if "." in name else "import ros.std_srvs\n"
+    model = texts.good(f"{imports}m {{ JAUS SetWrenchEffort ROS {name} }}")
+    [found] = model.instances(bridge.AttributeMap)
+    assert found.type.eContainer().request is found.type
+    assert found.type.name == "SetBool_Request"
+
+
+def test_parts_of_own_ros_actions_go_by_what_they_are(texts):
+    model = texts.good(
+        "action_type Go { goal: { name: Go_Goal } result: { name: Go_Result }"
+        " feedback: { name: Go_Feedback } }\nm { JAUS SetWrenchEffort ROS Go.feedback }"
+    )
+    [found] = model.instances(bridge.AttributeMap)
+    assert found.type.eContainer().feedback is found.type
+
+
+def test_what_has_no_such_part_is_unknown(texts):
+    findings = texts.one("m { JAUS SetWrenchEffort ROS std_srvs/SetBool.goal }").diagnostics
+    assert [each.rule for each in findings] == ["JML215"]
+
+
 def test_own_names_go_before_the_library(texts):
     model = texts.good(
         'service Events { urn: "u" inherits: Liveness_ }\nservice Liveness_ { urn: "v" }\n'

@@ -185,6 +185,16 @@ def test_references_are_as_short_as_they_can_be(text_of):
     assert "action a { sends: OnlyOne }" in text
 
 
+def test_parts_of_ros_services_are_named_by_what_they_are(text_of):
+    text = text_of(
+        """<bridge:MapLibrary name="maps"><maps name="m">
+          <message href="http://www.jausml.org/library/jaus/core-1.1.xmi#Management.SetEmergency"/>
+          <type href="http://www.jausml.org/library/ros/std_srvs.xmi#SetBool_Request"/>
+        </maps></bridge:MapLibrary>"""
+    )
+    assert "ROS std_srvs/SetBool.request\n" in text
+
+
 def test_other_files_are_imported_and_unnamed_elements_are_pointed_at(text_of):
     text = text_of(
         """<system:System name="robot">

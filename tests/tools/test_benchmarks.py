@@ -26,7 +26,6 @@ SECTIONS = (
     "footprint",
     "hosts",
     "components",
-    "one_processor",
     "codecs",
     "toolchain",
 )

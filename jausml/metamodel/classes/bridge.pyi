@@ -104,6 +104,14 @@ class SilencePolicy(EEnumLiteral):
         "hold",
     ]
 
+class Progress(EEnumLiteral):
+    """What a number in the feedback of a ROS action says of its list."""
+
+    name: Literal[
+        "index",
+        "remaining",
+    ]
+
 class ConversionKind(EEnumLiteral):
     """Named value conversions.
 
@@ -577,6 +585,161 @@ class Connection(NamedElement):
     def eContainer(self) -> Bridge | None:
         """Returns the element that owns this one, None for a root."""
 
+class RosServiceConnection(NamedElement):
+    """Carries the calls of one ROS service across the bridge: a request and its response on the
+    ROS side, a query and its report or a command and its confirmation on the JAUS side."""
+
+    direction: Direction
+    """Who asks.
+
+    With rosToJaus a ROS client does: the bridge serves the ROS service and asks a JAUS peer. With
+    jausToRos a JAUS component asks the bridge, which calls the ROS service.
+    """
+
+    service: str
+    """Name of the ROS service; relative names are resolved in the namespace of the bridge."""
+
+    type: ros.ServiceType
+    """The type of the ROS service."""
+
+    request: AttributeMap | None
+    """The map between the JAUS message that asks and the request of the type."""
+
+    response: AttributeMap | None
+    """The map between the JAUS message that answers and the response of the type."""
+
+    message: jaus.MessageDef | None
+    """The JAUS message that asks, where there is no map of the request: it is sent with its
+    defaults, as a query without content is, or taken whatever it holds."""
+
+    answer: jaus.MessageDef | None
+    """The JAUS message that answers, where there is no map of the response: the report of a query,
+    or the confirmation of a command.
+
+    Without it and without a map a command counts as done when it is sent.
+    """
+
+    rejections: abc.Sequence[jaus.MessageDef]
+    """JAUS messages that answer too, and say that what was asked for is not done."""
+
+    peers: abc.Sequence[jaus.Component]
+    """JAUS components at the other end.
+
+    With rosToJaus the first one that is there, and obeys where control is needed, is asked. With
+    jausToRos none means any: whoever asks is answered.
+    """
+
+    search: jaus.PeerSearch | None
+    """How the JAUS components at the other end are found at run time, instead of peers."""
+
+    timeout: float
+    """Seconds after which a call without an answer has failed; a JAUS query is repeated within
+    it."""
+
+    control: bool
+    """True when the bridge acquires and keeps control of the peers and resumes them, which commands
+    need.
+
+    A query needs no control.
+    """
+
+    priority: Priority
+    """Priority of JAUS messages that the connection sends."""
+
+    successMember: str | None
+    """Path of the bool of the response that says whether the call did what it is for, such as
+    success of std_srvs.
+
+    With rosToJaus the bridge fills it: false when nobody answered, when the bridge is not in
+    control, or when the answer is a rejection. With jausToRos a false one is answered with a
+    rejection.
+    """
+
+    reasonMember: str | None
+    """Path of the string of the response that says why the call failed, such as message of
+    std_srvs.
+
+    With rosToJaus the bridge fills it; with jausToRos it goes to the log.
+    """
+
+    outOfRange: OutOfRangePolicy
+    """What to do with values that the target cannot carry, for assignments that do not say it
+    themselves."""
+
+    def eContainer(self) -> Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
+class RosActionConnection(NamedElement):
+    """Carries lists of elements, such as waypoints, across the bridge: the goal of a ROS action
+    on one side, a list and its driver on the JAUS side."""
+
+    direction: Direction
+    """Who gives the list.
+
+    With jausToRos a JAUS component gives it to the bridge, which is the list driver and has the ROS
+    action done. With rosToJaus a ROS client sends a goal to the action that the bridge serves, and
+    the bridge gives the list to a JAUS peer and has it executed.
+    """
+
+    action: str
+    """Name of the ROS action; relative names are resolved in the namespace of the bridge."""
+
+    type: ros.ActionType
+    """The type of the ROS action."""
+
+    driver: jaus.Service
+    """The list driver: a JAUS service that executes a list, such as LocalWaypointListDriver.
+
+    The bridge provides it, or a peer does.
+    """
+
+    element: AttributeMap
+    """The map between the JAUS message that an element of the list holds and the ROS type of one
+    element of the goal."""
+
+    goalMember: str
+    """Path of the array of the goal that has the elements, such as poses."""
+
+    progressMember: str | None
+    """Path of the number of the feedback that says how far the list is done."""
+
+    progress: Progress
+    """What the number at progressMember says."""
+
+    reasonMember: str | None
+    """Path of the string of the result that says why the list was not done, such as error_msg."""
+
+    speed: float
+    """Metres per second that ExecuteList asks for, with rosToJaus; 0 leaves it to the peer."""
+
+    peers: abc.Sequence[jaus.Component]
+    """JAUS components at the other end.
+
+    With rosToJaus the first one that is there and obeys gets the list. With jausToRos none means
+    any: whoever is in control may give one.
+    """
+
+    search: jaus.PeerSearch | None
+    """How the JAUS components at the other end are found at run time, instead of peers."""
+
+    timeout: float
+    """Seconds after which a message without an answer, or a goal that nobody has accepted, has
+    failed; JAUS messages are repeated within it.
+
+    How long a list takes is not limited.
+    """
+
+    control: bool
+    """True when the bridge acquires and keeps control of the peers and resumes them, which lists
+    need."""
+
+    outOfRange: OutOfRangePolicy
+    """What to do with values that the target cannot carry, for assignments that do not say it
+    themselves."""
+
+    def eContainer(self) -> Bridge | None:
+        """Returns the element that owns this one, None for a root."""
+
 class Bridge(jaus.Component):
     """One process that is a JAUS component and a ROS 2 node at the same time and services many
     connections.
@@ -597,7 +760,13 @@ class Bridge(jaus.Component):
     """Attribute maps of this bridge."""
 
     bridgeConnections: abc.Sequence[Connection]
-    """What the bridge carries across."""
+    """Messages of topics that the bridge carries across."""
+
+    serviceConnections: abc.Sequence[RosServiceConnection]
+    """ROS services whose calls the bridge carries across."""
+
+    actionConnections: abc.Sequence[RosActionConnection]
+    """ROS actions whose goals the bridge carries across."""
 
     quantities: abc.Sequence[Quantity]
     """Values for this bridge of quantities of its maps, by name."""

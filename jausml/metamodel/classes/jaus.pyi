@@ -719,5 +719,13 @@ class PeerSearch(EObject):
     One that is taken is kept while it lives, also when a nearer one is found later.
     """
 
-    def eContainer(self) -> ServiceConnection | bridge.Connection | None:
+    def eContainer(
+        self,
+    ) -> (
+        ServiceConnection
+        | bridge.Connection
+        | bridge.RosServiceConnection
+        | bridge.RosActionConnection
+        | None
+    ):
         """Returns the element that owns this one, None for a root."""

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
-    from ..base.simulated_clock import Timing
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
     from .completion import Completion
@@ -37,7 +36,6 @@ class Host(Protocol):
         services: Every service of the component, inherited ones included.
         component_type: Type that Discovery reports (AS5710, ReportIdentification).
         settings: Behaviour.
-        event_clock: Time by which its periodic events are due.
     """
 
     transport: Transport
@@ -46,7 +44,6 @@ class Host(Protocol):
     services: tuple[ServiceIdentity, ...]
     component_type: int
     settings: ComponentSettings
-    event_clock: Timing
 
     @property
     def loop(self) -> Loop:

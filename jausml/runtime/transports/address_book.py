@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..base.settings import Endpoint
 
 _MAX_LEARNT = 1024
-_NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
 _SEARCH_INTERVAL = 1.0
 
@@ -37,7 +36,7 @@ class Entry:
     """Where a component is, when it was heard there last, and when it was asked whether it is.
 
     Attributes:
-        endpoint: Where it is; nowhere once it is forgotten.
+        endpoint: Where it is.
         heard: When it was heard last.
         asked: When it was asked last, in doubt.
     """
@@ -97,8 +96,7 @@ class AddressBook:
         entry = self.learnt.get(address)
         if entry is None:
             if len(self.learnt) >= _MAX_LEARNT:
-                forgotten, former = self.learnt.popitem(last=False)
-                former.endpoint = _NOWHERE
+                forgotten, _ = self.learnt.popitem(last=False)
                 self._counters.count("transport.address_book_full", f"forgot {forgotten}")
             entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
         else:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from jausml.metamodel import FeatureKind
+from jausml.metamodel.classes import ros
 from jausml.metamodel.filling import count
 from jausml.model.documents import Document
 from jausml.model.names import NameFinder, name_of
@@ -114,7 +115,10 @@ class ReferenceNames:
         steps = _path(target)
         qualified_class = self._model.metamodels.class_of(target).qualified_name
         if qualified_class in _PACKAGED and target not in self._fragments and len(steps) > 1:
-            yield f"{steps[-2]}/{steps[-1]}"
+            if isinstance(target.eContainer(), ros.ServiceType | ros.ActionType):
+                yield f"{steps[-3]}/{steps[-2]}.{target.eContainmentFeature().name}"
+            else:
+                yield f"{steps[-2]}/{steps[-1]}"
         for length in range(1, len(steps) + 1):
             yield ".".join(steps[-length:])
 

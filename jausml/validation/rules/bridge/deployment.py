@@ -47,6 +47,23 @@ _POLICIES: dict[str, object] = {
 """Policies besides reliability, and what they are when no profile states them."""
 
 
+@rule("JML466", Severity.ERROR, "bridge that carries nothing")
+def something_carried(subject: Subject) -> Iterator[Finding]:
+    """A bridge has a connection: of topics, of a ROS service, or of a ROS action.
+
+    Without any it is a process that does nothing, which nobody means.
+
+    Bad: a bridge with maps, and no connection
+
+    Good: the same with a `bridgeConnections`, `serviceConnections` or `actionConnections`
+    """
+    needs = ("name", "bridgeConnections", "serviceConnections", "actionConnections")
+    for owner in subject.instances(bridge.Bridge, needs=needs):
+        if not (owner.bridgeConnections or owner.serviceConnections or owner.actionConnections):
+            message = f"'{owner.name}' carries nothing across"
+            yield Finding(owner, message, "bridgeConnections", "give it a connection")
+
+
 @rule("JML419", Severity.WARNING, "topic published to in two ways")
 def one_quality(subject: Subject) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
