@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import page_others
 from figures import rounded
 from names import (
     ALL_WAYS,
@@ -20,10 +21,11 @@ from names import (
     WAYS,
 )
 from plots import Panel, bars
+from tables import counted, table, times
 from targets import JUDGED_RATE, REMARKS, TAIL_RATE, TARGETS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 HERE = Path(__file__).resolve().parent
 NAME = "performance.md"
@@ -77,37 +79,16 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *_load(sections),
         *_translations(sections, plots),
         *_footprint(sections),
-        *_components(sections),
-        *_codecs(sections),
-        *_toolchain(sections),
+        *page_others.components(sections),
+        *page_others.codecs(sections),
+        *page_others.toolchain(sections),
         *_failed(data["failed"]),
     ]
     return {NAME: "\n".join(parts), **plots}
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Returns a table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines) + "\n"
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float | int):
-        return f"{value:,.0f}" if abs(value) >= 100 else f"{value:g}"
-    return "" if value is None else str(value)
-
-
 def _by_kind(found: Mapping[str, Any]) -> list[tuple[str, Any]]:
     return [(kind, found[kind]) for kind in KINDS if kind in found]
-
-
-def _times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") -> str:
-    """Returns a ratio with its span, or that it could not be measured."""
-    if name not in figures:
-        return ""
-    ends = figures.get(span) or []
-    told = f"{figures[name]:.2f}"
-    return f"{told} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else told
 
 
 # ------------------------------------------------------------------ parts of the page
@@ -178,7 +159,7 @@ def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[
 
 
 def _marked(figures: Mapping[str, Any]) -> str:
-    return _times(figures) + (" *" if figures.get("too_slow") else "")
+    return times(figures) + (" *" if figures.get("too_slow") else "")
 
 
 def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
@@ -288,7 +269,7 @@ def _load_rows(found: Mapping[str, Any], variants: Sequence[str]) -> Iterator[Se
         for each in variants:
             figures = found[way].get(each)
             if figures:
-                shown = (figures.get("median"), figures.get("tail"), _times(figures))
+                shown = (figures.get("median"), figures.get("tail"), times(figures))
                 yield (_WAY_NAMES[way], each, *shown, figures.get("tail_ratio"))
 
 
@@ -337,24 +318,20 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
             "the program is. Medians; processor time is that until then.\n"
         )
         rows = []
-        for count, variants in _counted(sections["footprint"]):
+        for count, variants in counted(sections["footprint"]):
             for each in (FLOOR, GENERATED, GENERIC):
                 if each in variants:
                     rows.append((count, each, *_rest(variants[each])))
         yield table(("connections", "variant", *_REST), rows)
         rows = [
             (count, found["code"]["lines"], rounded(found["code"]["bytes"] / count / 1e3))
-            for count, found in _counted(sections["footprint"])
+            for count, found in counted(sections["footprint"])
         ]
         yield table(("connections", "lines of generated code", "kB each connection"), rows)
     if "hosts" in sections:
         yield "JAUS components of one process, until the last one answers:\n"
-        rows = [(count, *_rest(found)) for count, found in _counted(sections["hosts"])]
+        rows = [(count, *_rest(found)) for count, found in counted(sections["hosts"])]
         yield table(("components", *_REST), rows)
-
-
-def _counted(found: Mapping[str, Any]) -> list[tuple[int, Any]]:
-    return sorted((int(count), each) for count, each in found.items())
 
 
 def _rest(found: Mapping[str, Any]) -> tuple[object, ...]:
@@ -362,71 +339,6 @@ def _rest(found: Mapping[str, Any]) -> tuple[object, ...]:
     ready = f"{found['ready_s']:g} ({span})" if span else ""
     shown = (found.get("through_s"), found["processor_s"], found["memory_mib"])
     return ready, *shown, rounded(100 * found["idle"])
-
-
-def _components(sections: Mapping[str, Any]) -> Iterator[str]:
-    found = sections.get("components")
-    if not found:
-        return
-    yield "## Between two JAUS components\n"
-    yield (
-        "Round trips between two processes: a raw datagram, a message that the handler of the "
-        "other component sends"
-        " back, and a query that the runtime answers.\n"
-    )
-    rows = [
-        (name, figures["median"], figures["tail"], _times(figures), figures.get("tail_ratio"))
-        for name, figures in sorted(found.items())
-    ]
-    yield table(("", "median, us", "99 %, us", "against datagrams", "99 % against 99 %"), rows)
-
-
-def _codecs(sections: Mapping[str, Any]) -> Iterator[str]:
-    found = sections.get("codecs")
-    if not found:
-        return
-    yield "## Message codecs\n"
-    rows = [
-        (name, each["bytes"], each["encode"], each["decode"], each["lines"])
-        for name, each in sorted(found["messages"].items())
-    ]
-    yield table(
-        ("message", "bytes", "encode, a second", "decode, a second", "generated lines"), rows
-    )
-    yield (
-        f"Bare `struct.pack` of six numbers does {found['bare']:,.0f} a second there: the rest "
-        f"buys range checks, optional"
-        " fields and typed objects. Lines are those of the message's class, docstrings included.\n"
-    )
-
-
-def _toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
-    found = sections.get("toolchain")
-    if not found:
-        return
-    yield "## The toolchain\n"
-    sizes = sorted({int(size) for each in found["generate"].values() for size in each})
-    rows = [
-        (f"generate, connections of {shape}", *(each.get(str(size)) for size in sizes))
-        for shape, each in sorted(found["generate"].items())
-    ]
-    yield table(("processor time, s", *(f"{size:,}" for size in sizes)), rows)
-    elements = _counted(found["validate"])
-    yield table(
-        ("processor time, s", *(f"{count:,} elements" for count, _ in elements)),
-        [("validate", *(seconds for _, seconds in elements))],
-    )
-    rows = [
-        (f"`{name}`", each["median"], _times(each))
-        for name, each in sorted(found["verbs"].items(), key=lambda each: each[1]["median"])
-    ]
-    yield table(("whole process", "s", "against an empty Python"), rows)
-    editor = found["editor"]
-    yield (
-        f"In the editor, in a text of a thousand lines, a letter takes {editor['letter_ms']:g} ms "
-        f"of a processor while"
-        f" typing goes on, and the check when it pauses {editor['pause_ms']:g} ms more.\n"
-    )
 
 
 def _failed(failed: Mapping[str, str]) -> Iterator[str]:

@@ -71,6 +71,7 @@ SECTIONS = (
     Section("footprint", "footprint", limit=300),
     Section("hosts", "footprint", "measure_components"),
     Section("components", "components"),
+    Section("one_processor", "components", "measure_on_one_processor"),
     Section("codecs", "message_codecs"),
     Section("toolchain", "toolchain", limit=600),
 )

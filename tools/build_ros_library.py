@@ -38,6 +38,7 @@ DEFAULT_PACKAGES = (
     "unique_identifier_msgs",
     "ackermann_msgs",
     "geographic_msgs",
+    "nav2_msgs",
 )
 FRAMES = ("forwardLeftUp", "eastNorthUp", "localUp", "geodetic")
 _RANGE = re.compile(r"(?P<minimum>-?[0-9.]+?)\.\.(?P<maximum>-?[0-9.]+)")

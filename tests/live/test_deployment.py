@@ -184,6 +184,16 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(parameter, words, bri
     assert not any("Traceback" in line for line in lines)
 
 
+def test_what_ros_does_not_know_is_one_line_and_status_2(bridge):
+    process = bridge("waypoints", "--ros-args", "--jaus-port", "3800")
+    assert process.popen.wait(timeout=30) == 2
+    lines = process.log.read_text().splitlines()
+    (said,) = [line for line in lines if "ERROR" in line]
+    assert "waypoint_vehicle cannot run: " in said
+    assert "--jaus-port" in said
+    assert not any("Traceback" in line for line in lines)
+
+
 def test_a_misspelt_name_is_told_and_the_bridge_runs(bridge):
     arguments = ["--jaus-port", str(free_port()), "--ros-args", "-p", "velocity_state.topc:=x"]
     process = running(bridge("waypoints", *arguments), "did you mean")

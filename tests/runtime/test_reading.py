@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import socket
-import struct
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -12,9 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
+from jausml.runtime.transports.udp.drops import KernelDrops
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
@@ -187,11 +188,52 @@ class TestUsual:
             packet = Packet(FIRST, PEERS[0], payload, number, acknowledge=acknowledge)
             host.step(0, packet.encode())
             host.step(0, packet.encode())
-        assert len(host.others) == 1  # the first one, by which the peer got known
+        # The first one, by which the peer got known, and those that came again.
+        assert len(host.others) == 1 + 5
         effects = host.effects()
         assert len(effects["delivered"]) == 5
         assert effects["counters"]["transport.duplicate"] == 5
         assert len(effects["answers"][0]) == (10 if acknowledge else 0)
+
+    @pytest.mark.parametrize("flags", [DataFlags.SINGLE, DataFlags.MIDDLE])
+    def test_what_is_known_of_a_way_does_not_outlive_what_it_rests_on(
+        self, host: Any, flags: DataFlags
+    ) -> None:
+        numbers = iter(range(100))
+
+        def is_usual() -> bool:
+            host.others.clear()
+            packet = Packet(FIRST, PEERS[0], b"\x02\x40", next(numbers), data_flags=flags)
+            host.step(0, packet.encode())
+            return not host.others
+
+        def flood(count: int) -> None:
+            for number in range(count):
+                packet = Packet(FIRST, JausAddress(9, 1 + number // 200, 1 + number % 200), LARGE)
+                host.transport.receive_datagram(packet.encode(), ("127.0.0.9", 9))
+
+        assert not is_usual()
+        assert is_usual()
+        flood(256)  # the window forgets it
+        assert not is_usual()
+        assert is_usual()
+        flood(1024)  # the address book forgets it
+        assert not is_usual()
+        assert is_usual()
+        host.attach(PEERS[0])
+        assert not is_usual()
+        assert not is_usual()
+        host.transport.detach(PEERS[0])
+        assert not is_usual()
+        assert is_usual()
+        host.transport.detach(FIRST)
+        assert not is_usual()
+
+    def test_ways_without_end_are_forgotten(self, host: Any) -> None:
+        for number in range(2100):
+            packet = Packet(FIRST, JausAddress(9, 1 + number % 250, 1), b"\x02\x40", number)
+            host.step(0, packet._replace(priority=Priority(number // 250 % 4)).encode())
+        assert len(host.transport.inbox.usual) <= 1024
 
 
 def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> None:
@@ -203,15 +245,39 @@ def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> N
             host.peers[0].sendto(packet, host._unicast.getsockname())
         while host.loop.run_once(0):
             pass
-        host.step(0, packet)  # the next one tells
+        host.step("pause", 1.1)
         counters = host.loop.counters.snapshot()
-        assert counters["judp.kernel_dropped"] == 51 - counters["judp.received"]
+        assert counters["judp.kernel_dropped"] == 50 - counters["judp.received"]
         assert "the receive buffer was full" in caplog.text
 
 
-def test_other_notes_of_the_kernel_are_passed_over() -> None:
+@pytest.mark.parametrize("option", [socket.SO_TYPE, 9999])  # answers otherwise, or not at all
+def test_where_the_kernel_is_not_asked_it_tells_with_datagrams(
+    option: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    counters = Counters()
+    drops = KernelDrops(counters)
+    with _socket() as here, _socket() as there:
+        receive = drops.receiver(here, option)
+        here.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+        for _ in range(50):
+            there.sendto(b"sent", here.getsockname())
+        arrived = 0
+        with suppress(BlockingIOError):
+            while receive(100) == (b"sent", there.getsockname()):
+                arrived += 1
+        there.sendto(b"next", here.getsockname())
+        assert receive(100) == (b"next", there.getsockname())
+        drops.look()
+    assert counters.snapshot() == {"judp.kernel_dropped": 50 - arrived}
+    assert "the receive buffer was full" in caplog.text
+
+
+def test_drops_until_the_end_are_counted() -> None:
     with ExitStack() as stack:
         host = Host(stack, by_packets=False)
-        host._unicast.setsockopt(socket.SOL_SOCKET, 29, 1)  # SO_TIMESTAMP
-        host.step(0, Packet(FIRST, PEERS[0], struct.pack("<H", 0x4002), 0).encode())
-        assert len(host.delivered) == 1
+        host._unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+        for _ in range(50):
+            host.peers[0].sendto(b"sent", host._unicast.getsockname())
+        host.transport.close()
+        assert host.loop.counters.snapshot()["judp.kernel_dropped"] > 0

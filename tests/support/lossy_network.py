@@ -55,10 +55,14 @@ class LossySocket:
         self._transport = transport
         self._sock = sock
 
-    def recvmsg(self, size: int, notes_size: int) -> Any:
+    def getsockopt(self, *arguments: int) -> Any:
+        """Return what the kernel says of the socket."""
+        return self._sock.getsockopt(*arguments)
+
+    def recvfrom(self, size: int) -> Any:
         """Return the next datagram that is not lost."""
         while True:
-            received = self._sock.recvmsg(size, notes_size)
+            received = self._sock.recvfrom(size)
             if not self._transport.loses():
                 return received
 

@@ -26,6 +26,7 @@ SECTIONS = (
     "footprint",
     "hosts",
     "components",
+    "one_processor",
     "codecs",
     "toolchain",
 )

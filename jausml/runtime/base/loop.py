@@ -179,41 +179,59 @@ class Loop:
         Returns:
             How many callbacks ran.
         """
+        return self._turn(timeout, is_only=True)
+
+    def _turn(  # noqa: C901 - what is called here delays each message
+        self, timeout: float | None, *, is_only: bool
+    ) -> int:
+        """Take one turn, or turns until the loop stops; return what the last one ran.
+
+        What is ready comes first: nobody looks at the time between a message and its callback.
+        """
         self._runner = threading.get_ident()
-        self._renewed.clear()
-        self._woken = False
-        callbacks, renewed, timers = self._callbacks, self._renewed, self._timers
-        with self._state:
-            first = timers[0] if timers else None
-        if first is None or first[2].callback is None or self._soon or timeout is not None:
-            wait = self._wait_time(timeout)
-        elif self._stopping or (wait := first[0] - self.now()) < 0.0:
-            wait = 0.0
-        ready = self._epoll.poll(wait, _AT_ONCE)
-        self._woken = True
-        ran = 0
-        with self.lock:
-            if timers and timers[0][0] <= self.now():
-                ran = self._run_due_timers()
-            for number, _ in ready:
-                callback = callbacks.get(number)
-                if callback is None or number in renewed:
-                    if number == self._wake_up:
-                        os.eventfd_read(number)
-                    continue
-                try:
-                    callback()
-                except Exception as error:
-                    self._failed(error)
-                ran += 1
-            for _ in range(len(self._soon)):
-                ran += self._run_callback(self._soon.popleft())
-        return ran
+        poll, lock, now = self._epoll.poll, self.lock, self.now
+        callbacks, renewed, timers, soon = (
+            self._callbacks,
+            self._renewed,
+            self._timers,
+            self._soon,
+        )
+        while True:
+            if renewed:
+                renewed.clear()
+            self._woken = False
+            with self._state:
+                first = timers[0] if timers else None
+            if first is None or first[2].callback is None or soon or timeout is not None:
+                wait = self._wait_time(timeout)
+            elif self._stopping or (wait := first[0] - now()) < 0.0:
+                wait = 0.0
+            ready = poll(wait, _AT_ONCE)
+            self._woken = True
+            ran = 0
+            with lock:
+                for number, _ in ready:
+                    callback = callbacks.get(number)
+                    if callback is None or (renewed and number in renewed):
+                        if number == self._wake_up:
+                            os.eventfd_read(number)
+                        continue
+                    try:
+                        callback()
+                    except Exception as error:
+                        self._failed(error)
+                    ran += 1
+                if timers and timers[0][0] <= now():
+                    ran += self._run_due_timers()
+                for _ in range(len(soon)):
+                    ran += self._run_callback(soon.popleft())
+            if is_only or self._stopping:
+                return ran
 
     def _run(self) -> None:
         while not self._stopping:
             try:
-                self.run_once()
+                self._turn(None, is_only=False)
             except BaseException as error:  # SystemExit of overridden methods too
                 self.on_failure(error)
         self._close()

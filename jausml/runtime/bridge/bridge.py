@@ -20,6 +20,7 @@ from ..services.definitions import Guard, Status
 from . import parameters
 from .diagnosing import Diagnosing
 from .sharing import SharedMessages, SharedTopics
+from .simulation import Simulation
 from .stops import Standing, StopReason
 from .transcoding import Form
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop
+    from ..base.simulated_clock import Timing
     from ..transports.transport import Transport
     from ..wire.message import Message
     from .connection import AnyConnection
@@ -46,10 +48,15 @@ class Bridge:
         parameters: Attributes that parameters of the node may change.
         ros: The ROS side, while the bridge is open.
         component: The JAUS side, while the bridge is open.
+        clock: The time by which messages are late, while the bridge is open: that of the loop, or
+            of a simulation.
+        simulation: What the bridge follows when the clock of ROS is simulated.
     """
 
     ros: RosSide
     component: JausComponent
+    clock: Timing
+    simulation: Simulation | None = None
 
     def __init__(self, settings: BridgeSettings) -> None:
         """Prepares a bridge; nothing is opened.
@@ -79,6 +86,8 @@ class Bridge:
         self.ros = ros
         self.component = _BridgeComponent(self, transport)
         ros.attach(transport.loop)
+        self.clock = self._chosen_clock()
+        self.component.event_clock = self.clock
         self._topics = SharedTopics(ros)
         self._messages = SharedMessages(self.component)
         frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
@@ -94,6 +103,17 @@ class Bridge:
                 connection.watch()
             self._measure_latency(ros.parameter(parameters.latency(), self._measure_latency))
             Diagnosing(self, period).start()
+
+    def _chosen_clock(self) -> Timing:
+        """Returns the time of the loop, or that of a simulation, which it begins to follow."""
+        if not self.ros.is_simulated:
+            return self.loop
+        self.simulation = Simulation(self.loop, self._stop_watched)
+        self.ros.follow_clock(self.simulation.take)
+        return self.simulation.clock
+
+    def _stop_watched(self, reason: StopReason) -> None:
+        self._log_stops([each for each in self.connections if each.lose(reason)], reason)
 
     def _open_connections(self) -> None:
         for connection in self.connections:

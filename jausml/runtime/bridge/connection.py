@@ -173,7 +173,7 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             return
         counts = self.statistics
         counts.arrivals += 1
-        counts.last_arrival = self._ends.loop.now()
+        counts.last_arrival = self._ends.clock.now()
         try:
             target = self._transcode(data)
             self.note_usable()
@@ -288,7 +288,7 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
 
     def status(self) -> ConnectionStatus:
         """Returns the state since the last call, for `/diagnostics`."""
-        return self._reporter.status(self._ends.loop.now(), str(self._ends.settings.address))
+        return self._reporter.status(self._ends.clock.now(), str(self._ends.settings.address))
 
     def note_losses(self) -> None:
         """Counts what was lost since the last status."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from .connection import AnyConnection
     from .diagnostics import ConnectionStatus
+    from .simulation import Simulation
 
 SLICE = 4
 """Connections that are looked at in one turn: messages must not wait for all of them."""
@@ -24,9 +25,11 @@ class Diagnosed(Ends, Protocol):
 
     Attributes:
         connections: What is carried across.
+        simulation: What it follows when the clock of ROS is simulated.
     """
 
     connections: list[AnyConnection]
+    simulation: Simulation | None
 
 
 class Diagnosing:
@@ -79,6 +82,8 @@ class Diagnosing:
         double = bridge.component.transport.double_of(bridge.settings.address)
         if double is not None:
             found.append(double_status(double, self._loop.now()))
+        if bridge.simulation is not None:
+            found.append(bridge.simulation.status(str(bridge.settings.address)))
         drops = bridge.component.counters.snapshot().get("judp.kernel_dropped", 0)
         if drops:
             is_new, self._kernel_drops = drops > self._kernel_drops, drops

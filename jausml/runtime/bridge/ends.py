@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop
+    from ..base.simulated_clock import Timing
     from ..component.component import JausComponent
     from ..conversions import Time
     from ..services.definitions import Guard
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
+    from .simulation import Simulation
     from .topics import Topic, TopicCounts
 
 
@@ -61,8 +63,15 @@ class RosSide(Protocol):
     def attach(self, loop: Loop) -> None:
         """Tells which loop waits; to be called before there are publishers and subscriptions."""
 
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the ROS clock follows `/clock`."""
+
     def now(self) -> Time:
         """Time of the ROS clock."""
+
+    def follow_clock(self, take: Callable[[float], None]) -> None:
+        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
 
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value; `changed` takes each later one."""
@@ -133,9 +142,13 @@ class Ends(Protocol):
         settings: What the model says.
         component: The JAUS side.
         ros: The ROS side.
+        clock: The time by which messages are late: that of the loop, or of a simulation.
+        simulation: What is followed when the clock of ROS is simulated.
     """
 
     settings: BridgeSettings
+    clock: Timing
+    simulation: Simulation | None
     ros: RosSide
     component: JausComponent
 

@@ -96,7 +96,7 @@ class JoinedTopic:
     def age(self) -> float | None:
         """Seconds since the latest message arrived; None before the first."""
         arrival = self._arrival
-        return None if arrival is None else self._ends.loop.now() - arrival
+        return None if arrival is None else self._ends.clock.now() - arrival
 
     @property
     def is_stale(self) -> bool:
@@ -108,4 +108,4 @@ class JoinedTopic:
         self.freshness = seconds
 
     def _keep(self, data: bytes, _stamp: int = 0) -> None:
-        self._arrival, self._data = self._ends.loop.now(), data
+        self._arrival, self._data = self._ends.clock.now(), data

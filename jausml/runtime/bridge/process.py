@@ -55,7 +55,12 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     from .ros_spin import without_ros_arguments  # noqa: PLC0415
 
     line = sys.argv[1:] if arguments is None else list(arguments)
-    own = given_options(without_ros_arguments(line))
+    try:
+        own = given_options(without_ros_arguments(line))
+    except ParameterError as error:
+        configure_log("error")  # the wanted level is not known yet
+        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
+        return EXIT_USAGE
     parser = _parser(bridge.settings)
     options = parser.parse_args(own)
     configure_log(options.log_level)

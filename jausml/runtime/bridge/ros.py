@@ -40,7 +40,7 @@ from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_
 from .ros_publisher import NodePublisher
 from .ros_taking import Subscription
 from .ros_wait_set import WaitSets
-from .topics import Qos, TopicCounts
+from .topics import Qos, Topic, TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from .parameter import Parameter
     from .quality import TopicFault
-    from .topics import Topic
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
@@ -131,6 +130,23 @@ class RosNode:
         if self._is_simulated:
             return Time(*self._clock.now().seconds_nanoseconds())
         return Time(*divmod(time.time_ns(), 10**9))
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the ROS clock follows `/clock`."""
+        return self._is_simulated
+
+    def follow_clock(self, take: Callable[[float], None]) -> None:
+        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
+        from rosgraph_msgs.msg import Clock  # noqa: PLC0415 - most bridges are in no simulation
+
+        decode = self.codec(Clock).decode
+
+        def hear(data: bytes, _stamp: int) -> None:
+            clock = decode(data).clock
+            take(clock.sec + clock.nanosec * 1e-9)
+
+        self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
 
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value.
@@ -353,7 +369,11 @@ class RosNode:
         try_shutdown(context=self._context)
 
     def _follow_simulation(self, _: object = None) -> None:
-        self._is_simulated = self._clock.ros_time_is_active
+        former, self._is_simulated = self._is_simulated, self._clock.ros_time_is_active
+        if self._thread is not None and former is not self._is_simulated:
+            LOGGER.warning(
+                "use_sim_time: stamps follow at once, rates and time-outs after a new start"
+            )
 
     def _spin(self, fail: Callable[[BaseException], None]) -> None:
         reason: BaseException = RosLostError("ROS was shut down under the bridge")

@@ -69,6 +69,11 @@ def _made(factory: Callable[[], Any]) -> Any:
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:
-    """Returns a command line, without the program's name, without what is meant for ROS."""
-    own: list[str] = remove_ros_args(["", *line])[1:]
+    """Returns a command line, without the program's name, without what is meant for ROS.
+
+    Raises:
+        ParameterError: What stands behind `--ros-args` is nothing that ROS knows.
+    """
+    with as_parameter_error():
+        own: list[str] = remove_ros_args(["", *line])[1:]
     return own

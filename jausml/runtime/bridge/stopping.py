@@ -133,7 +133,7 @@ class Stopping:
 
     def watch(self) -> None:
         """Starts to watch for silence, which a source that never spoke also is."""
-        self.statistics.heard = self._ends.loop.now()
+        self.statistics.heard = self._ends.clock.now()
         if self.is_command:
             self.stop(StopReason.START)
         else:
@@ -141,7 +141,7 @@ class Stopping:
 
     def note_usable(self) -> None:
         """Notes that the source has said something: one that sends nothing usable is silent."""
-        self.statistics.heard = self._ends.loop.now()
+        self.statistics.heard = self._ends.clock.now()
         if self.stopped is not None and self._halt is None:
             self.stopped = None
             self._arm(self.silence_timeout)
@@ -149,10 +149,10 @@ class Stopping:
 
     def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
-            self._watch = self._ends.loop.call_later(delay, self._check_silence)
+            self._watch = self._ends.clock.call_later(delay, self._check_silence)
 
     def _check_silence(self) -> None:
-        remaining = self.statistics.heard + self.silence_timeout - self._ends.loop.now()
+        remaining = self.statistics.heard + self.silence_timeout - self._ends.clock.now()
         if remaining > 0:
             self._arm(remaining)
         else:
@@ -166,12 +166,12 @@ class Stopping:
             if self._watch is not None:
                 self._watch.cancel()
             if self.stopped is None:
-                self.statistics.heard = self._ends.loop.now()
+                self.statistics.heard = self._ends.clock.now()
                 self._arm(seconds)
 
     def _log_silence(self) -> None:
         """Says what silence has done, at most once in a while: it may come and go."""
-        now = self._ends.loop.now()
+        now = self._ends.clock.now()
         if now >= self._next_log:
             self._next_log = now + _LOG_INTERVAL
             LOGGER.warning("%s: %s; %s", self.name, StopReason.SILENCE.value, self.when_lost)
@@ -223,6 +223,18 @@ class Stopping:
             Whether something was stopped.
         """
         return False
+
+    def lose(self, reason: StopReason) -> bool:
+        """Stops what is watched for silence: its time does not pass any more.
+
+        Args:
+            reason: Why.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
+        is_watched = self.is_command or self.silence_timeout > 0
+        return is_watched and self.stopped is None and self.stop(reason)
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.

@@ -19,6 +19,7 @@ class StopReason(Enum):
     SILENCE = "the source is silent"
     CONTROL_LOST = "control was released or lapsed"
     TAKEN_OVER = "another component took control"
+    CLOCK = "nobody says the time on /clock"
     STANDBY = "the bridge stands by"
     RESET = "the bridge is reset"
     EMERGENCY = "emergency"

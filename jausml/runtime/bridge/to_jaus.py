@@ -98,7 +98,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def make_take(self, switch: Switch) -> Take:
         """Returns the short way of messages, for which all peers obey."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.loop.now
+        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
         drop, fail, deliver, route = self.drop, self.fail, self.deliver, self._route
 
         def take(data: bytes, stamp: int = 0) -> None:

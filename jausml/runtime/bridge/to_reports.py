@@ -58,7 +58,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
     def make_take(self, switch: Switch) -> Take:
         """Returns the short way of messages."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.loop.now
+        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
         drop, fail, holder, message = self.drop, self.fail, self._report, self._message
         report_changed = self._ends.component.report_changed
 

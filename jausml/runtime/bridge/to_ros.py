@@ -11,6 +11,7 @@ from .connection import FILTERED, Connection
 from .diagnostics import UNHEARD
 from .latency import age_of_stamp
 from .light_message import is_light
+from .simulation import real_rate
 from .stops import StopReason
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
@@ -103,7 +104,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def make_take(self, switch: Switch) -> Take:
         """Returns the short way of messages."""
-        counts, transcode, now = self.statistics, self._transcode, self._ends.loop.now
+        counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
         drop, fail, publishers = self.drop, self.fail, self._publishers
         publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
         publish = publisher.publish
@@ -116,21 +117,30 @@ class ToTopics(Connection[SourceT, TargetT]):
             if switch.unusual is not None:
                 switch.unusual(data, sender)
                 return
-            counts.arrivals += 1
+            target, failure = None, None
             try:
                 target = transcode(data)
-                counts.heard = counts.last_arrival = now()
-                if target is None:
-                    drop(FILTERED)
-                    return
-                publish(target)
-                if not publisher.matched:
-                    publisher.unmatched += 1
             except Exception as error:
+                counts.arrivals += 1
                 counts.last_arrival = now()
                 fail(error)
                 return
-            counts.passed += 1
+            if target is not None:
+                try:
+                    publish(target)
+                except Exception as error:
+                    failure = error
+            # What is only counted is counted when the message has gone on.
+            counts.arrivals += 1
+            counts.heard = counts.last_arrival = now()
+            if target is None:
+                drop(FILTERED)
+            elif failure is not None:
+                fail(failure)
+            else:
+                counts.passed += 1
+                if not publisher.matched:
+                    publisher.unmatched += 1
 
         return take
 
@@ -159,7 +169,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         newcomer gets nothing: others may publish on the topic by then.
         """
         with self._ends.loop.lock:
-            is_new = self._ends.loop.now() - self._opened < _GREETING
+            is_new = self._ends.clock.now() - self._opened < _GREETING
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
@@ -230,11 +240,18 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
             self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+            if ends.simulation is not None:
+                ends.simulation.clock.follow_ratio(self._ask_anew)
         super().open(ends)
 
     def _set_rate(self, hertz: float) -> None:
         with self._ends.loop.lock:
             self.rate = hertz
+            self._ask_anew()
+
+    def _ask_anew(self) -> None:
+        """Has the events of all peers come at the present rate."""
+        if self._events:
             former, self._events = self._events, {}
             for peer, event in former.items():
                 self._join(peer)
@@ -242,8 +259,16 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def _join(self, peer: JausAddress) -> None:
         self._events[peer] = self._ends.component.subscribe(
-            peer, self._query, self._message, self._take, rate=self.rate, payloads=True
+            peer, self._query, self._message, self._take, rate=self._real_rate, payloads=True
         )
+
+    @property
+    def _real_rate(self) -> float | None:
+        """The rate that peers are asked for, whose clock is not that of a simulation."""
+        simulation = self._ends.simulation
+        if simulation is None or self.rate is None:
+            return self.rate
+        return real_rate(self.rate, simulation.clock.ratio)
 
     def _leave(self, peer: JausAddress) -> None:
         self._events.pop(peer).cancel()
@@ -292,17 +317,17 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         """Makes the publishers, then starts to ask."""
         super().open(ends)
         self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
-        self._next = ends.loop.now()
+        self._next = ends.clock.now()
         ends.loop.call_soon(self._ask)
 
     def _set_rate(self, hertz: float) -> None:
         self.rate = hertz
 
     def _ask(self) -> None:
-        loop = self._ends.loop
+        clock = self._ends.clock
         # Absolute times, so that the rate does not drift; a late loop does not catch up.
-        self._next = max(self._next + 1 / self.rate, loop.now())
-        loop.call_at(self._next, self._ask)
+        self._next = max(self._next + 1 / self.rate, clock.now())
+        clock.call_at(self._next, self._ask)
         for peer in self.peers:
             # Repetition is the next period's; a late answer counts as an answer.
             self._ends.component.query(

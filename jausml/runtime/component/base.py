@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
+    from ..base.simulated_clock import Timing
     from ..services.completion import Completion
     from ..services.dispatch import Handler
     from ..services.element_list import ElementList, ListElement
@@ -78,6 +79,7 @@ class ComponentBase(ComponentHooks):
         self.services = tuple(services)
         self.component_type = component_type
         self.settings = ComponentSettings() if settings is None else settings
+        self.event_clock: Timing = transport.loop
         # Sub-classes are user code: the prefix keeps their private attributes apart from these.
         self._jaus_running = False
         self._jaus_starters: list[Callable[[], None]] = []

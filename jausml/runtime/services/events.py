@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Timer
+    from ..base.simulated_clock import Timing
     from .dispatch import Provision
     from .host import Host
 
@@ -88,6 +89,11 @@ class EventsService:
         self._is_1_1 = component.core_version("Events") >= VERSION_1_1
         self._timeout = component.settings.event_timeout if self._is_1_1 else 0
         self._commands = CommandEvents(component, self._ids)
+
+    @property
+    def _clock(self) -> Timing:
+        """The time by which events are periodic."""
+        return self._component.event_clock
 
     def attach(self) -> None:
         """Take the messages of Events."""
@@ -209,7 +215,7 @@ class EventsService:
         if rephase:
             self._stop_timer(event)
             if setup.periodic:
-                event.due = self._loop.now()
+                event.due = self._clock.now()
                 self._schedule(event)
         if report:
             self._serve((event,), only_changes=False)
@@ -235,8 +241,8 @@ class EventsService:
     def _schedule(self, event: _Event) -> None:
         """Set the timer one period on; periods that were missed are skipped, not made up for."""
         period = 1.0 / event.setup.rate
-        event.due = max(event.due + period, self._loop.now())
-        event.timer = self._loop.call_at(event.due, lambda: self._tick(event))
+        event.due = max(event.due + period, self._clock.now())
+        event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
 
     def _tick(self, event: _Event) -> None:
         self._schedule(event)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.counters import Counters
     from ..base.loop import Loop
+    from ..base.simulated_clock import Timing
     from ..transports.transport import Transport
     from ..wire.message import DecodeError
     from .completion import Completion
@@ -36,6 +37,7 @@ class Host(Protocol):
         services: Every service of the component, inherited ones included.
         component_type: Type that Discovery reports (AS5710, ReportIdentification).
         settings: Behaviour.
+        event_clock: Time by which its periodic events are due.
     """
 
     transport: Transport
@@ -44,6 +46,7 @@ class Host(Protocol):
     services: tuple[ServiceIdentity, ...]
     component_type: int
     settings: ComponentSettings
+    event_clock: Timing
 
     @property
     def loop(self) -> Loop:

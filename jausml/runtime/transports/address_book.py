@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..base.settings import Endpoint
 
 _MAX_LEARNT = 1024
+_NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
 _SEARCH_INTERVAL = 1.0
 
@@ -36,7 +37,7 @@ class Entry:
     """Where a component is, when it was heard there last, and when it was asked whether it is.
 
     Attributes:
-        endpoint: Where it is.
+        endpoint: Where it is; nowhere once it is forgotten.
         heard: When it was heard last.
         asked: When it was asked last, in doubt.
     """
@@ -96,7 +97,8 @@ class AddressBook:
         entry = self.learnt.get(address)
         if entry is None:
             if len(self.learnt) >= _MAX_LEARNT:
-                forgotten, _ = self.learnt.popitem(last=False)
+                forgotten, former = self.learnt.popitem(last=False)
+                former.endpoint = _NOWHERE
                 self._counters.count("transport.address_book_full", f"forgot {forgotten}")
             entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
         else:

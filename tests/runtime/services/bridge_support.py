@@ -131,9 +131,11 @@ class Ros:
     Attributes:
         deliver: By topic, what gives the bridge a message.
         take: By topic, what gives the bridge a serialized message and its stamp.
+        is_simulated: Whether time is simulated; `say_time` says it then.
     """
 
     name = "/fleet/bridge"
+    is_simulated = False
 
     def __init__(self):
         self.made: list[tuple[str, str]] = []
@@ -161,6 +163,14 @@ class Ros:
         assert limits is None or limits[0] <= parameter.default <= limits[1]
         self.changed[parameter.name] = changed
         return self.parameters.get(parameter.name, parameter.default)
+
+    def follow_clock(self, take):
+        assert self.is_simulated
+        self._follow = take
+
+    def say_time(self, seconds):
+        with self.loop.lock:
+            self._follow(seconds)
 
     def faults(self, topic, *, publishes):
         return self.found_faults.get((topic.name, publishes), [])

@@ -34,7 +34,8 @@ class DuplicateWindow:
         seconds: How long a number is remembered.
         history: How many are remembered of each source.
         seen: By source, the one silent longest first: its numbers, the oldest first, with time and
-            content. That of a small payload is its hash and the destination.
+            content. That of a small payload is its hash and the destination. Those of a source
+            that is forgotten are empty.
     """
 
     def __init__(self, seconds: float = 1.5, history: int = 512, sources: int = 256) -> None:
@@ -61,7 +62,7 @@ class DuplicateWindow:
         numbers = self.seen.get(packet.source)
         if numbers is None:
             if len(self.seen) >= self._sources:
-                self.seen.popitem(last=False)
+                self.seen.popitem(last=False)[1].clear()
             numbers = self.seen[packet.source] = OrderedDict()
         else:
             self.seen.move_to_end(packet.source)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Generic
+from typing import TYPE_CHECKING, Any, Generic
 
 from ...base.counters import LOGGER
 from ..delivery import MESSAGE_CODE_SIZE, Double, ReceivedMessage
@@ -66,6 +66,8 @@ class Inbox(Generic[Origin]):
         """Components of this process; replaced when it changes, so any thread may read it."""
         self.takers: dict[int, Take] = {}
         """Those of them that want payload and sender alone."""
+        self.usual: dict[bytes, Any] = {}
+        """What readers know of usual packets; emptied by whoever changes what it rests on."""
 
     @property
     def remembered(self) -> int:
@@ -95,6 +97,7 @@ class Inbox(Generic[Origin]):
         self.receivers = {**self.receivers, address: receive}
         if take is not None:
             self.takers[address] = take
+        self.usual.clear()
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -102,6 +105,7 @@ class Inbox(Generic[Origin]):
             known: receive for known, receive in self.receivers.items() if known != address
         }
         self.takers.pop(address, None)
+        self.usual.clear()
 
     def close(self) -> None:
         """Stop to watch for incomplete messages."""

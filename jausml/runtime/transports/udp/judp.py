@@ -12,6 +12,7 @@ from ..packets.messenger import Messenger
 from ..packets.packet import Packet, Priority, parse_datagram
 from ..port_holder import manager_folder
 from ..transport import Transport
+from .drops import KernelDrops
 from .reading import reader
 from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 _MAX_PREPARED = 1024
 _MANAGER_INTERVAL_S = 5.0
+_DROPS_INTERVAL_S = 1.0
 
 
 class JudpTransport(Transport):
@@ -53,7 +55,9 @@ class JudpTransport(Transport):
         self._messenger = Messenger(settings, loop, self._sender)
         self._inbox = self._messenger.inbox
         self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
+        self._drops = KernelDrops(self.counters)
         self._takeover: Timer | None = None
+        self._drops_watch: Timer | None = None
         self._manager_watch: Timer | None = None
 
     def open(self) -> None:
@@ -69,14 +73,16 @@ class JudpTransport(Transport):
                 self._watch(sock)
             self._share_port()
             self._watch_for_manager()
+            self._watch_for_drops()
 
     def close(self) -> None:
         """Close the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
-            for timer in (self._takeover, self._manager_watch):
+            for timer in (self._takeover, self._manager_watch, self._drops_watch):
                 if timer is not None:
                     timer.cancel()
-            self._takeover = self._manager_watch = None
+            self._takeover = self._manager_watch = self._drops_watch = None
+            self._drops.look()
             for sock in (self._port.multicast, self._port.unicast, self._port.former):
                 if sock is not None:
                     self.loop.unregister(sock)
@@ -162,8 +168,9 @@ class JudpTransport(Transport):
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
+        receive = self._drops.receiver(sock)
         return reader(
-            sock, self.loop, self._port, self._book, self._inbox, self._sender.put, otherwise
+            receive, self.loop, self._port, self._book, self._inbox, self._sender.put, otherwise
         )
 
     def receive_datagram(
@@ -227,6 +234,7 @@ class JudpTransport(Transport):
         """Try to own the port; until then tell its owner again and again who lives here."""
         self._takeover = None
         if not self._port.is_owner and self._port.take_over():
+            self._inbox.usual.clear()
             self._watch(self._port.unicast)
             self.counters.add("judp.port_taken_over")
         if not self._port.is_owner:
@@ -254,6 +262,11 @@ class JudpTransport(Transport):
             folder,
             JUDP_PORT,
         )
+
+    def _watch_for_drops(self) -> None:
+        """Count each second what the kernel has dropped."""
+        self._drops.look()
+        self._drops_watch = self.loop.call_later(_DROPS_INTERVAL_S, self._watch_for_drops)
 
     def _announce(self) -> None:
         if self._inbox.receivers and self._port.unicast is not None and not self._port.is_owner:

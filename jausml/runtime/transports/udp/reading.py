@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import struct
 from typing import TYPE_CHECKING
 
@@ -10,38 +9,56 @@ from ...base.address import address_of
 from ..delivery import MESSAGE_CODE_SIZE
 from ..packets.duplicates import SMALL
 from ..packets.packet import EMPTY_MESSAGE_SIZE, FLAGS, JUDP_VERSION, Packet
-from .shared_port import SO_RXQ_OVFL
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ...base.counters import Counters
     from ...base.loop import Loop
     from ...base.settings import Endpoint
-    from ..address_book import AddressBook
+    from ..address_book import AddressBook, Entry
+    from ..delivery import Take
+    from ..packets.duplicates import Numbers
     from ..packets.inbox import Inbox
+    from .drops import Receiver
     from .shared_port import SharedPort
 
 
 _LARGEST_DATAGRAM = 65535
-_NOTES_SIZE = socket.CMSG_SPACE(4)
 _DATAGRAMS_PER_TURN = 32
 _PAUSE_S = 0.0002  # after which what comes has likely come alone
 
 _HEADER = struct.Struct("<HHBII")  # version and message type, size, flags, destination, source
 _ANSWER = struct.Struct("<HHBIIH")  # the same and the sequence number: a message without payload
+_ENDS = slice(4, _HEADER.size)  # flags, destination and source
 _PAYLOAD = slice(_HEADER.size, -2)
-_DROPPED = struct.Struct("I")
 _SHORTEST = EMPTY_MESSAGE_SIZE + MESSAGE_CODE_SIZE
 _PRIORITY = 0x03
 _ASKS = 0x10
 _ANSWERS = 0x20
 _ACK = 0x30
-_FRAGMENT = 0x40
+_PLACE = 6
+_MAX_WAYS = 1024
+
+
+class _Way:
+    """What is known of the datagrams with the same flags, destination and source."""
+
+    __slots__ = ("answers", "destination", "entry", "numbers", "place", "source", "take")
+
+    def __init__(
+        self, destination: int, source: int, flags: int, entry: Entry, numbers: Numbers, take: Take
+    ) -> None:
+        self.destination = address_of(destination)
+        self.source = address_of(source)
+        self.entry = entry
+        self.numbers = numbers
+        self.take = take
+        self.place = flags >> _PLACE
+        self.answers = flags & _PRIORITY | _ACK if flags & _ASKS else 0
 
 
 def reader(  # noqa: C901 - a call costs more than what it does, see below
-    sock: socket.socket,
+    receive: Receiver,
     loop: Loop,
     port: SharedPort,
     book: AddressBook,
@@ -53,15 +70,17 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
 
     A datagram is usual when it is one packet (JUDP version 2; a whole message, a fragment or an
     acknowledgement) to one component of this process, from a known component that is where it
-    was. It is taken here, in one function and on its bytes, with the effects that it has
+    was, and new. It is taken here, in one function and on its bytes, with the effects that it has
     as a packet: of the functions that a message meets after a pause each costs as much as all
-    that is done in it (docs/adr/0018).
+    that is done in it (docs/adr/0018). What all datagrams between two components have in
+    common is found out once, and kept in ``inbox.usual`` until anything of it changes; and what
+    only later datagrams ask for is written down when the message has been handed over.
 
     To find that nothing more has arrived costs more than a datagram, 30 us after a pause. So more
     than one are only looked for when one follows the other.
 
     Args:
-        sock: The socket, which does not block.
+        receive: Receives from the socket, which does not block.
         loop: Its clock and counters are used.
         port: Its own endpoints are those of this process.
         book: Where components are.
@@ -69,13 +88,35 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         answer: Sends an acknowledgement.
         otherwise: Takes a datagram that is not usual, and where it came from.
     """
-    receive, clock, counters = sock.recvmsg, loop.now, loop.counters
+    clock, counters = loop.now, loop.counters
     received = counters.tally("judp.received")
-    note_drops = _drops_counter(counters)
-    takers, learnt, window = inbox.takers, book.learnt, inbox.duplicates
+    learnt, window, usual = book.learnt, inbox.duplicates, inbox.usual
     seen, history = window.seen, window.history
-    unpack, pack_answer = _HEADER.unpack_from, _ANSWER.pack
+    pack_answer = _ANSWER.pack
     burst, latest = 1, clock()
+
+    def prepare(data: bytes, origin: Endpoint) -> None:
+        """Remember what the next datagram has in common with one that was taken as packets."""
+        if len(data) <= EMPTY_MESSAGE_SIZE:
+            return
+        start, stated, flags, destination, source = _HEADER.unpack_from(data)
+        entry, numbers = learnt.get(source), seen.get(source)
+        take = inbox.takers.get(destination)
+        if (
+            start == JUDP_VERSION  # of a message type other than 0 as well
+            and stated == len(data) - 1
+            and stated != EMPTY_MESSAGE_SIZE
+            and entry is not None
+            and entry.endpoint == origin
+            and numbers
+            and take is not None
+            and not flags & _ANSWERS
+            and source not in inbox.receivers
+            and origin not in port.endpoints
+        ):
+            if len(usual) >= _MAX_WAYS:
+                usual.clear()
+            usual[data[_ENDS]] = _Way(destination, source, flags, entry, numbers, take)
 
     def read() -> None:  # noqa: C901
         nonlocal burst, latest
@@ -88,7 +129,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
             if count == enough:
                 break
             try:
-                data, notes, _, origin = receive(_LARGEST_DATAGRAM, _NOTES_SIZE)
+                data, origin = receive(_LARGEST_DATAGRAM)
             except BlockingIOError:
                 burst = 1
                 return
@@ -96,89 +137,70 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 counters.count("judp.receive_failed", str(error))
                 return
             received.count += 1
-            if notes:
-                note_drops(notes)
             size = len(data) - 1
-            if size < EMPTY_MESSAGE_SIZE:
-                otherwise(data, origin)
-                continue
-            start, stated, flags, destination, source = unpack(data)
-            entry = learnt.get(source)
+            way = usual.get(data[_ENDS])
             if (
-                start != JUDP_VERSION  # of a message type other than 0 as well
-                or stated != size
-                or entry is None
-                or entry.endpoint != origin
-                or source in inbox.receivers
-                or origin in port.endpoints
+                way is None
+                or size < _SHORTEST
+                or data[2] | data[3] << 8 != size
+                or data[0] | data[1] << 8 != JUDP_VERSION
+                or way.entry.endpoint != origin
             ):
-                otherwise(data, origin)
-                continue
-            sequence = data[-2] | data[-1] << 8
-            if size == EMPTY_MESSAGE_SIZE:
-                if flags & _ACK != _ACK or destination not in inbox.receivers:
+                if size != EMPTY_MESSAGE_SIZE or not acknowledged(data, origin, now):
                     otherwise(data, origin)
-                    continue
-                entry.heard = now
-                learnt.move_to_end(source)
-                inbox.take_acknowledgement(destination, sequence, source)
+                    prepare(data, origin)
                 continue
-            take, numbers = takers.get(destination), seen.get(source)
-            if take is None or numbers is None or flags & _ANSWERS or size < _SHORTEST:
+            sequence, numbers = data[-2] | data[-1] << 8, way.numbers
+            if sequence in numbers or not numbers:
                 otherwise(data, origin)
+                prepare(data, origin)
                 continue
+            entry, source = way.entry, way.source
             entry.heard = now
-            learnt.move_to_end(source)
-            if flags & _ASKS:
-                how = flags & _PRIORITY | _ACK
-                answer(
-                    pack_answer(start, EMPTY_MESSAGE_SIZE, how, source, destination, sequence),
-                    origin,
-                )
+            if way.answers:
+                ends = source, way.destination, sequence
+                answer(pack_answer(JUDP_VERSION, EMPTY_MESSAGE_SIZE, way.answers, *ends), origin)
             payload = data[_PAYLOAD]
-            seen.move_to_end(source)
-            if size >= SMALL or sequence in numbers:
-                if window.is_known(numbers, sequence, destination, payload, now):
-                    counters.add("transport.duplicate")
-                    continue
-            else:
-                if len(numbers) >= history:
-                    numbers.popitem(last=False)
-                numbers[sequence] = now, hash(payload) ^ destination
-            sender = address_of(source)
-            if flags >= _FRAGMENT:
-                packet = Packet(address_of(destination), sender, payload, sequence, *FLAGS[flags])
-                whole = inbox.complete(packet, now)
-                if whole is None:
-                    enough = max(enough, count + 2)  # the next one is on its way
-                    continue
-                payload = whole.payload
+            whole: bytes | None = payload
+            if way.place:
+                fragment = Packet(way.destination, source, payload, sequence, *FLAGS[data[4]])
+                packet = inbox.complete(fragment, now)
+                whole = None if packet is None else packet.payload
+                enough = max(enough, count + 2)  # the next one is on its way
             try:
-                take(payload, sender)
+                if whole is not None:
+                    way.take(whole, source)
             except Exception as error:  # one component must not silence the others
-                inbox.count_failure(address_of(destination), error)
+                inbox.count_failure(way.destination, error)
+            finally:
+                learnt.move_to_end(source)
+                seen.move_to_end(source)
+                if len(payload) < SMALL:
+                    if len(numbers) >= history:
+                        numbers.popitem(last=False)
+                    numbers[sequence] = now, hash(payload) ^ way.destination
+                else:
+                    window.is_known(numbers, sequence, way.destination, payload, now)
         burst = min(2 * burst, _DATAGRAMS_PER_TURN)
 
+    def acknowledged(data: bytes, origin: Endpoint, now: float) -> bool:
+        """Take a usual acknowledgement; return whether it was one."""
+        start, stated, flags, destination, source = _HEADER.unpack_from(data)
+        entry = learnt.get(source)
+        if (
+            start != JUDP_VERSION
+            or stated != EMPTY_MESSAGE_SIZE
+            or flags & _ACK != _ACK
+            or entry is None
+            or entry.endpoint != origin
+            or destination not in inbox.receivers
+            or source in inbox.receivers
+            or origin in port.endpoints
+        ):
+            return False
+        entry.heard = now
+        learnt.move_to_end(source)
+        inbox.take_acknowledgement(destination, data[-2] | data[-1] << 8, source)
+        return True
+
     return read
-
-
-def _drops_counter(counters: Counters) -> Callable[[list[tuple[int, int, bytes]]], None]:
-    """Return what reads how many datagrams the kernel has dropped at a socket, and counts them."""
-    known = 0
-
-    def note(notes: list[tuple[int, int, bytes]]) -> None:
-        nonlocal known
-        for level, kind, data in notes:
-            if (level, kind) == (socket.SOL_SOCKET, SO_RXQ_OVFL):
-                (total,) = _DROPPED.unpack(data)
-                amount, known = total - known & 0xFFFFFFFF, total
-                if amount:
-                    counters.count(
-                        "judp.kernel_dropped",
-                        f"{amount} datagrams; the receive buffer was full: this process stood "
-                        "still or too much comes at once; the kernel allows no larger buffer "
-                        "than net.core.rmem_max",
-                        amount=amount,
-                    )
-
-    return note

@@ -32,9 +32,6 @@ _MAX_PRESENT = 256
 
 _IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
 
-SO_RXQ_OVFL = 40
-"""Linux: each datagram tells how many the kernel dropped; the socket module does not name it."""
-
 _NEIGHBOURS_OFFSET = 50_000
 _NEIGHBOURS = 32
 
@@ -149,7 +146,6 @@ class SharedPort:
         try:
             interface = socket.inet_aton(self._settings.interface)
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
-            _tell_drops(sock)
             sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
             sock.setsockopt(
                 socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, self._settings.multicast_ttl
@@ -174,7 +170,6 @@ class SharedPort:
                 # With a node manager that allows it as well (that of fkie).
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
-            _tell_drops(sock)
             sock.settimeout(0)
             sock.bind(self.group)
             sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
@@ -185,12 +180,6 @@ class SharedPort:
             sock.close()
             raise
         return sock
-
-
-def _tell_drops(sock: socket.socket) -> None:
-    """Let each datagram tell how many the kernel dropped before it."""
-    if sys.platform == "linux":
-        sock.setsockopt(socket.SOL_SOCKET, SO_RXQ_OVFL, 1)
 
 
 def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:
