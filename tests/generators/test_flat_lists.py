@@ -9,6 +9,8 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.generators.assignment_support import generated
 
@@ -173,6 +175,39 @@ def test_single_precision_to_steps(
     made: Generated, name: str, values: list[float], order: str
 ) -> None:
     check(made, name, scan(order, values))
+
+
+ORDERS = st.sampled_from("<>")
+SINGLES = st.lists(st.floats(0, 70, width=32) | st.floats(width=32) | st.sampled_from(ODD[:7]))
+DOUBLES = st.lists(st.floats(-1e5, 1e5) | st.floats() | st.sampled_from(ODD))
+
+
+@settings(max_examples=60, deadline=None)
+@given(values=SINGLES, order=ORDERS)
+def test_any_single_precision(made: Generated, values: list[float], order: str) -> None:
+    check(made, "scan_down", scan(order, values))
+    check(made, "strict_scan_down", scan(order, values))
+
+
+@settings(max_examples=60, deadline=None)
+@given(values=DOUBLES, order=ORDERS)
+def test_any_double_precision(made: Generated, values: list[float], order: str) -> None:
+    check(made, "joints_down", joints(order, values, []))
+    check(made, "bounds_down", joints(order, [], values))
+
+
+def test_no_loop_runs_over_numbers(made: Generated) -> None:
+    text = made.artifacts["flat_lists/flat_lists/transcoders.py"].text
+    scans = text[text.index("def scan_up(") : text.index("def joints_up(")]
+    assert "for " not in scans.replace("from None", "")
+
+
+def test_each_that_does_not_fit_is_counted(made: Generated) -> None:
+    flat, _ = forms(made, "scan_down")
+    values = [1.0, math.inf, -2.0, 65.0, 70.0]
+    result, counts = outcome(made, "scan_down", flat, scan("<", values))
+    assert result == struct.pack("<HB5H", 0xD101, 5, 1000, 65535, 0, 65000, 65535)
+    assert sum(counts.values()) == 3
 
 
 def test_numbers_that_signal(made: Generated) -> None:

@@ -24,6 +24,8 @@ CONVERSIONS = f"{FACE}.conversions"
 """Conversions of values, and the values that they know."""
 ARITHMETIC = f"{CONVERSIONS}.arithmetic"
 """Functions of expressions."""
+COLUMNS = f"{CONVERSIONS}.columns"
+"""Columns of numbers, by numpy."""
 LIGHT = f"{FACE}.bridge.light_message"
 """What light classes of ROS messages are made of."""
 OCTETS = f"{CONVERSIONS}.octets"
@@ -52,6 +54,7 @@ def names() -> Mapping[str, Origin]:
         **offered(FACE, *ast.literal_eval(lists[0])),
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
+        "columns": Origin(CONVERSIONS, "columns"),
         "octets": Origin(CONVERSIONS, "octets"),
         "rotations": Origin(CONVERSIONS, "rotations"),
         "stamps": Origin(CONVERSIONS, "stamps"),

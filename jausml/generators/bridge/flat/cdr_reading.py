@@ -113,7 +113,7 @@ class CdrSequenceReading:
         return f"[each[0] for each in {self.items}]"
 
     @property
-    def _letter(self) -> str:
+    def letter(self) -> str:
         """Letter of the elements in struct formats; empty when they are no numbers."""
         inner = tuple(element_leaves(self.leaf.field, ""))
         (first, *others) = inner
@@ -130,14 +130,14 @@ class CdrSequenceReading:
     @property
     def plain_octets(self) -> Octets | None:
         """What `octets` would return, which is not asked for yet; None where it refuses."""
-        letter = self._letter
+        letter = self.letter
         if letter not in {"b", "B"} or self.element.names:
             return None
         return Octets(self.items, "", is_signed=letter == "b")
 
     def numbers(self) -> Numbers:
         """Returns what the elements are, when they are real numbers."""
-        letter = self._letter
+        letter = self.letter
         if letter not in {"f", "d"} or self.element.names:
             raise NotFlatError(f"{self.leaf.path} has no real numbers")
         return Numbers("", letter)
@@ -393,13 +393,12 @@ class _Walk:
         walk.read(inner, element)
         if reading.is_bytes:
             self._add(f"{items} = data[{start}:offset]")
-        elif not element.names:
-            self._add(f"{items} = range(count)")
         elif reading.is_array:
-            (number,) = walk._format
-            orders = ", ".join(dtype(number, mark) for mark in "><")
+            orders = ", ".join(dtype(reading.letter, mark) for mark in "><")
             types = self._constants.named("_TYPES", f"({orders})")
             self._add(f"{items} = numpy.frombuffer(data, {types}[order], count, {start})")
+        elif not element.names:
+            self._add(f"{items} = range(count)")
         elif even.tail:
             reader = walk.reader("unpack_from")
             steps = f"range({start}, offset, {even.stride})"

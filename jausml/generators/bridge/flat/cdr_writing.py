@@ -282,6 +282,7 @@ class CdrSequenceWriting:
         self.rows = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.is_vector = False
         self.is_array = False
+        self.is_sure = False
         inner = tuple(_single(leaf.field, "", None))
         self.element = _Values(name, inner, constants, scope)
 
@@ -302,9 +303,9 @@ class CdrSequenceWriting:
             raise NotFlatError(f"{self.leaf.path} has no real numbers")
         return Numbers("", self.letter or "", "{}", *limits)
 
-    def take_array(self) -> str:
+    def take_array(self, *, is_sure: bool = False) -> str:
         """Returns the variable of the elements, which may be an array from now on."""
-        self.is_array = True
+        self.is_array, self.is_sure = True, is_sure
         return self.rows
 
     def vector(self, expression: str) -> None:
@@ -473,7 +474,9 @@ class _Walk:
         packed = f"memoryview({rows})"
         if not sequence.is_vector:
             packed = f'struct.pack(f"<{{len({rows})}}{letter}", *{rows})'
-        if sequence.is_array:
+        if sequence.is_sure:
+            packed = f"{rows}.tobytes()"
+        elif sequence.is_array:
             packed = f"{packed} if isinstance({rows}, list) else {rows}.tobytes()"
         self.lines.append(f"{self._out} += {packed}")
         self.chunk = Chunk(Start(min(size, 4), 0))

@@ -32,8 +32,8 @@ _ATTRIBUTE = re.compile(r"\bself\.(\w+)")
 # What the functions of the module use besides their own variables.
 _TAKEN = names_in(
     """
-    alike arithmetic bridge connection conversions count data each error limited math numpy octets
-    offset order position rotations self size source stamps struct target transcode
+    alike arithmetic bridge columns connection conversions count data each error limited math numpy
+    octets offset order position rotations self size source stamps struct target transcode
     """
 )
 

@@ -186,6 +186,7 @@ class JausSequenceWriting:
         self.name = name
         self.is_vector = False
         self.is_array = False
+        self.is_sure = False
         self.error = scope.claim(f"{name}_error")
         self.element = _ElementWriting(message, value.element, self, constants, scope)
 
@@ -213,9 +214,9 @@ class JausSequenceWriting:
         lower, upper = element.limits
         return Numbers(path, element.format, "{}", lower, upper)
 
-    def take_array(self) -> str:
+    def take_array(self, *, is_sure: bool = False) -> str:
         """Returns the variable of the elements, which may be an array from now on."""
-        self.is_array = True
+        self.is_array, self.is_sure = True, is_sure
         return self.name
 
     def vector(self, expression: str) -> None:
@@ -456,6 +457,10 @@ class _Block:
         if found.is_vector:
             self.pieces.append(Packed(value.count_format, value.sized(found.name, attribute)))
             self.pieces.append(Bytes(found.name))
+            return
+        if found.is_sure:
+            self.pieces.append(Packed(value.count_format, value.sized(found.name, attribute)))
+            self.pieces.append(Bytes(f"{found.name}.tobytes()"))
             return
         text = f"EncodeError({python_string(attribute)}, str({found.error}))"
         self.lines += [

@@ -50,13 +50,15 @@ class LimitCall:
                 ranges = ast.literal_eval(self.limits[0])
                 tests = (f"{a} <= {name} <= {b}" if a < b else f"{name} == {a}" for a, b in ranges)
                 return " or ".join(tests)
-            case "finite":
-                lower, upper = FINITE
-            case "single":
-                lower, upper = SINGLE
-            case _:
-                lower, upper = self.limits
+        lower, upper = self.bounds
         return f"{lower} <= {name} <= {upper}"
+
+    @property
+    def bounds(self) -> tuple[str, str]:
+        """Least and greatest of the values that fit, of a limit that is a range."""
+        known = {"finite": FINITE, "single": SINGLE}.get(self.method)
+        lower, upper = known or self.limits
+        return lower, upper
 
     def fitting(self, name: str) -> str:
         """Returns the expression of a value for which the test holds."""

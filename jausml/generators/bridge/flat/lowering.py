@@ -480,6 +480,9 @@ class Lowering:
         if is_whole and self._octets(body, item, (e.id, sequence), elements):
             return
         vector = self._at_once(body, item, (e.id, sequence), elements) if is_whole else None
+        if vector is not None and not vector.needs_loop:
+            self._add_all(vector.around(()))
+            return
         if not is_begun:
             self._first += sequence.begin()
         inner = Lowering(names, sequence.element, self._scope, e.id, self._constants)
@@ -489,13 +492,21 @@ class Lowering:
             lines = [*reading.loop([*lines, *sequence.append()], index, most)]
         else:
             names.variables.add(item)
-            head = f"for {item} in {self._text(elements)}:"
-            if index:
-                head = f"for {index}, {item} in enumerate({self._text(elements)}):"
+            head = self._head(index, item, elements)
             lines = inner.lower(body)
             lines = [head, *(_STEP + line for line in [*lines, *sequence.append()])]
         if vector is not None:
             lines = vector.around(lines)
+        self._add_all(lines)
+
+    def _head(self, index: str, item: str, elements: ast.expr) -> str:
+        """Returns the head of a loop over what is no list of the source."""
+        values = self._text(elements)
+        return (
+            f"for {index}, {item} in enumerate({values}):" if index else f"for {item} in {values}:"
+        )
+
+    def _add_all(self, lines: Iterable[str]) -> None:
         for line in lines:
             self._add(line)
 

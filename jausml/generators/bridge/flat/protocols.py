@@ -183,10 +183,13 @@ class SequenceWriting(Protocol):
             NotFlatError: They are not.
         """
 
-    def take_array(self) -> str:
+    def take_array(self, *, is_sure: bool = False) -> str:
         """Returns the variable of the elements, which may be an array of numpy from now on.
 
         It has what is packed, little endian; asked for before `begin`.
+
+        Args:
+            is_sure: Whether it is one whatever holds; nothing begins or appends then.
         """
 
     def begin(self) -> Sequence[str]:

@@ -27,7 +27,7 @@ _WIRE = """
     scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
 _TAKEN = names_in(
-    "arithmetic bridge connection conversions math numpy octets rotations stamps struct"
+    "arithmetic bridge columns connection conversions math numpy octets rotations stamps struct"
 )
 
 
@@ -147,7 +147,8 @@ class TranscodersModule:
     @property
     def uses_numpy(self) -> bool:
         """Whether a form goes through lists with numpy."""
-        return any("numpy." in line for each in self.factories for line in each.form.lines)
+        lines = [line for each in self.factories for line in each.form.lines]
+        return any(name in line for line in lines for name in ("numpy.", "columns."))
 
     @property
     def shared(self) -> tuple[Shared, ...]:

@@ -1,14 +1,17 @@
-"""Loops over numbers that numpy goes through at once, while all of them fit.
+"""Loops over numbers that numpy goes through at once.
 
 An element is one number made of one number by arithmetic with constants. Such arithmetic is
-monotonic, rounded too: while the least and the greatest number fit, the others do. Otherwise, and
-for values that are no numbers, the loop runs. The numbers are the same, since numpy does the same
-arithmetic with the same double precision.
+monotonic, rounded too: while the least and the greatest number fit, the others do. The numbers are
+the same, since numpy does the same arithmetic with the same double precision. Of integers it is
+known beforehand whether they fit. Others are asked for the least and the greatest, and the limit is
+called for those that do not fit; where it may leave one out, or let one through that cannot be
+packed, the loop runs instead.
 """
 
 from __future__ import annotations
 
 import ast
+import operator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,7 +23,7 @@ from jausml.generators.bridge.flat.octets import OctetValue
 from jausml.generators.bridge.flat.texts import text_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from jausml.generators.bridge.flat.expressions import Names
     from jausml.generators.bridge.flat.limits import LimitCall
@@ -31,6 +34,18 @@ _STEP = " " * 4
 _RAW = "raw"
 # Arithmetic with such constants stays finite, and exact where they are integers.
 _GREATEST = 1e15
+_OPERATIONS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+_UFUNCS: dict[type[ast.operator], str] = {
+    ast.Add: "add",
+    ast.Sub: "subtract",
+    ast.Mult: "multiply",
+    ast.Div: "divide",
+}
 _KINDS = {"f": "f", "d": "f"}
 _SIZES = {"B": 1, "H": 2, "I": 4, "f": 4, "d": 8}
 
@@ -64,18 +79,30 @@ class AtOnce:
 
     Attributes:
         before: Statements before the condition.
-        test: The condition that all numbers fit.
+        test: The condition that all numbers fit; empty where they do whatever they are.
         lines: Statements for these.
+        others: Statements where some do not; empty where the loop must run.
+        after: Statements behind both.
     """
 
     before: tuple[str, ...]
     test: str
     lines: tuple[str, ...]
+    others: tuple[str, ...] = ()
+    after: tuple[str, ...] = ()
+
+    @property
+    def needs_loop(self) -> bool:
+        """Whether the loop runs for numbers that do not fit."""
+        return bool(self.test) and not self.others
 
     def around(self, loop: Iterable[str]) -> list[str]:
         """Returns the statements, with the loop for numbers that do not fit."""
-        fitting, otherwise = ([_STEP + each for each in lines] for lines in (self.lines, loop))
-        return [*self.before, f"if {self.test}:", *fitting, "else:", *otherwise]
+        if not self.test:
+            return [*self.before, *self.lines, *self.after]
+        otherwise = self.others or loop
+        fitting, otherwise = ([_STEP + each for each in lines] for lines in (self.lines, otherwise))
+        return [*self.before, f"if {self.test}:", *fitting, "else:", *otherwise, *self.after]
 
 
 def at_once(
@@ -101,24 +128,108 @@ def at_once(
     """
     source, target = ends[0].numbers(), ends[1].numbers()
     made = _made(body, item, element, names, (source, target))
-    raw, low, high = (scope.claim(each) for each in ("numbers", "low", "high"))
-    reduced = [f"numpy.{each}.reduce({raw}).item()" for each in ("minimum", "maximum")]
+    raw = scope.claim("numbers")
     before = [f"{raw} = {ends[0].array()}"]
+    values = f"{raw} = {_with(_doubled(made.value), raw)}"
+    packed = target.value.format(raw)
+    if target.is_rounded:
+        packed = f"numpy.rint({packed})"
+    packed = f"{packed}.astype({dtype(target.letter)})"
+    if _always_fits(made, source, target):
+        taken = f"{ends[1].take_array(is_sure=True)} = {packed}"
+        return AtOnce(tuple(before), "", (values, taken))
+    low, high = (scope.claim(each) for each in ("low", "high"))
     tests = []
-    for name, extreme in zip((low, high), reduced, strict=True):
-        before.append(f"{name} = {extreme} if len({raw}) else math.nan")
+    is_packed = _is_packed(made.limit, target)
+    for name, extreme in ((low, "minimum"), (high, "maximum")):
+        reduced = f"numpy.{extreme}.reduce({raw}).item()"
+        before.append(f"{name} = {reduced} if len({raw}) else 0.0")
         if not isinstance(made.value, ast.Name):
             before.append(f"{name} = {_with(made.value, name)}")
         if made.limit is not None:
             tests.append(made.limit.test(name))
-        tests.append(f"{target.lower} <= {target.value.format(name)} <= {target.upper}")
-    values = f"{raw}.astype({dtype('d')})"
-    lines = [f"{raw} = {_with(made.value, values)}"]
-    packed = target.value.format(raw)
-    if target.is_rounded:
-        packed = f"numpy.rint({packed})"
-    lines.append(f"{ends[1].take_array()} = {packed}.astype({dtype(target.letter)})")
-    return AtOnce(tuple(before), " and ".join(tests), tuple(lines))
+        if not is_packed:
+            tests.append(f"{target.lower} <= {target.value.format(name)} <= {target.upper}")
+    test = " and ".join(tests)
+    if made.limit is None or not is_packed or made.limit.can_be_none:
+        return AtOnce(tuple(before), test, (values, f"{ends[1].take_array()} = {packed}"))
+    names.limits.setdefault(made.limit.policy)
+    lower, upper = made.limit.bounds
+    called = f"lambda value: {made.limit.outside('value')}"
+    others = (
+        'with numpy.errstate(all="ignore"):',
+        f"{_STEP}{values}",
+        f"{raw} = columns.limited({raw}, {lower}, {upper}, {called})",
+    )
+    taken = f"{ends[1].take_array(is_sure=True)} = {packed}"
+    return AtOnce(tuple(before), test, (values,), others, (taken,))
+
+
+def _is_packed(limit: LimitCall | None, target: Numbers) -> bool:
+    """Whether whatever a limit lets through can be packed."""
+    if limit is None:
+        return False
+    ends = [ast.literal_eval(each) for each in limit.bounds]
+    return all(_fits(target, each) for each in ends)
+
+
+def _fits(target: Numbers, number: float) -> bool:
+    """Whether a number can be packed."""
+    value = _computed(ast.parse(target.value.format(_RAW), mode="eval").body, number)
+    return float(_number(target.lower)) <= value <= float(_number(target.upper))
+
+
+def _number(text: str) -> float:
+    return _computed(ast.parse(text, mode="eval").body, 0.0)
+
+
+def _always_fits(made: _Element, source: Numbers, target: Numbers) -> bool:
+    """Whether all numbers fit that can stand in the bytes."""
+    if source.letter in _KINDS:
+        return False
+    values = [_computed(made.value, raw) for raw in (0, 2 ** (8 * _SIZES[source.letter]) - 1)]
+    if made.limit is not None:
+        lower, upper = (_number(each) for each in made.limit.bounds)
+        if not all(lower <= each <= upper for each in values):
+            return False
+    return all(_fits(target, each) for each in values)
+
+
+def _computed(node: ast.expr, raw: float) -> float:
+    """Returns the value of a linear function, or of arithmetic of numbers."""
+    match node:
+        case ast.Constant(value=float() | int() as number):
+            return number
+        case ast.Name(id=name) if name == _RAW:
+            return raw
+        case ast.UnaryOp(op=ast.USub()):
+            return -_computed(node.operand, raw)
+        case ast.BinOp(op=operation) if type(operation) in _OPERATIONS:
+            left, right = (_computed(each, raw) for each in (node.left, node.right))
+            return _OPERATIONS[type(operation)](left, right)
+    raise NotFlatError(f"{ast.unparse(node)} is no arithmetic")
+
+
+def _doubled(node: ast.expr) -> ast.expr:
+    """Returns a linear function with its first step in double precision, whatever is given."""
+    match node:
+        case ast.BinOp(left=ast.Name(id=name)) if name == _RAW:
+            return _ufunc(node.op, node.left, node.right)
+        case ast.BinOp(right=ast.Name(id=name)) if name == _RAW:
+            return _ufunc(node.op, node.left, node.right)
+        case ast.BinOp() if _is_constant(node.left):
+            return ast.BinOp(node.left, node.op, _doubled(node.right))
+        case ast.BinOp():
+            return ast.BinOp(_doubled(node.left), node.op, node.right)
+        case ast.UnaryOp(operand=ast.UnaryOp() | ast.BinOp()):
+            return ast.UnaryOp(node.op, _doubled(node.operand))
+    return ast.parse(_with(node, f"{_RAW}.astype({dtype('d')})"), mode="eval").body
+
+
+def _ufunc(operation: ast.operator, left: ast.expr, right: ast.expr) -> ast.expr:
+    function = ast.parse(f"numpy.{_UFUNCS[type(operation)]}", mode="eval").body
+    kind = ast.keyword("dtype", ast.parse(dtype("d"), mode="eval").body)
+    return ast.Call(function, [left, right], [kind])
 
 
 def _made(
