@@ -5,13 +5,15 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ..base.deadlines import Deadlines
+from ..wire.message import DecodeError
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Timer
     from ..services.host import Host
-    from ..wire.message import DecodeError, Message
+    from ..wire.message import Message
 
 
 class PendingQuery:
@@ -19,69 +21,54 @@ class PendingQuery:
 
     Attributes:
         target: The component that was asked.
+        report_class: Generated codec of the report.
+        payload: The encoded query.
+        on_report: Takes the report and its sender.
         takes_payloads: Whether the encoded report is wanted.
+        on_failure: Called when every attempt stayed unanswered.
+        timeout: Seconds to wait before the query is repeated.
+        attempts: How often it may still be sent.
     """
+
+    __slots__ = (
+        "_client",
+        "attempts",
+        "on_failure",
+        "on_report",
+        "payload",
+        "report_class",
+        "takes_payloads",
+        "target",
+        "timeout",
+    )
 
     def __init__(
         self,
         client: QueryClient,
         target: JausAddress,
+        report_class: type[Message],
         payload: bytes,
         on_report: Callable[[Any, JausAddress], None],
+        takes_payloads: bool,  # noqa: FBT001 - one caller
         on_failure: Callable[[], None] | None,
         timeout: float,
         attempts: int,
-        *,
-        takes_payloads: bool,
     ) -> None:
         """Use ``JausComponent.query`` instead."""
-        self.target = target
-        self.takes_payloads = takes_payloads
         self._client = client
-        self._payload = payload
-        component = client.component
-        self._take: Callable[[Any, JausAddress], object] = (
-            component.payload_caller(on_report, self._count_bad)
-            if takes_payloads
-            else partial(component.call, on_report)
-        )
-        self._on_failure = on_failure
-        self._timeout = timeout
-        self._attempts = attempts
-        self._timer: Timer | None = None
+        self.target = target
+        self.report_class = report_class
+        self.payload = payload
+        self.on_report = on_report
+        self.takes_payloads = takes_payloads
+        self.on_failure = on_failure
+        self.timeout = timeout
+        self.attempts = attempts
 
     def cancel(self) -> None:
         """Wait no longer; neither callback is called."""
         with self._client.component.loop.lock:
             self._client.forget(self)
-            self.stop_waiting()
-
-    def ask(self) -> None:
-        """Send the query, or give up after the last attempt."""
-        component = self._client.component
-        if self._attempts <= 0:
-            self._client.forget(self)
-            component.counters.add("query_client.unanswered")
-            if self._on_failure is not None:
-                component.call(self._on_failure)
-            return
-        self._attempts -= 1
-        self._timer = component.loop.call_later(self._timeout, self.ask)
-        component.transport.send(component.address, self.target, self._payload)
-
-    def answered(self, report: Message | bytes, sender: JausAddress) -> None:
-        """Hand over the report."""
-        self.stop_waiting()
-        self._take(report, sender)
-
-    def _count_bad(self, sender: JausAddress, error: DecodeError) -> None:
-        self._client.component.counters.count("component.bad_message", f"{sender}: {error}")
-
-    def stop_waiting(self) -> None:
-        """Send the query no more."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
 
 
 class QueryClient:
@@ -95,6 +82,7 @@ class QueryClient:
         """Start without queries."""
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}
+        self._deadlines: Deadlines[PendingQuery] = Deadlines(component.loop, self._send)
 
     def ask(
         self,
@@ -111,45 +99,94 @@ class QueryClient:
         """Send a query as soon as the component runs."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
-        if report_class not in self._pending:
-            self._pending[report_class] = []
-            self.component.on_payload(report_class, partial(self._reported, report_class))
+        queries = self._pending.get(report_class)
+        if queries is None:
+            queries = self._pending[report_class] = []
+            self.component.on_payload(
+                report_class, partial(self._reported, queries), is_robust=True
+            )
+        payload = query.encode()
         pending = PendingQuery(
             self,
             target,
-            query.encode(),
+            report_class,
+            payload,
             on_report,
+            payloads,
             on_failure,
             timeout,
             retries + 1,
-            takes_payloads=payloads,
         )
-        self._pending[report_class].append(pending)
-        self.component.when_started(lambda: self._start(pending))
+        queries.append(pending)
+        if self.component.running:
+            self._send(pending)
+        else:
+            self.component.when_started(partial(self._start, pending))
         return pending
 
     def forget(self, pending: PendingQuery) -> None:
-        """Drop a query that is answered, given up or cancelled."""
-        for queries in self._pending.values():
-            if pending in queries:
-                queries.remove(pending)
+        """Drop a query that is given up or cancelled; no effect when it does not wait."""
+        queries = self._pending[pending.report_class]
+        if pending in queries:
+            queries.remove(pending)
+            self._deadlines.discard(pending, pending.timeout)
 
     def stop(self) -> None:
         """Cancel all queries."""
         for queries in self._pending.values():
-            for pending in queries:
-                pending.stop_waiting()
-            queries.clear()
+            for pending in list(queries):
+                self.forget(pending)
 
     def _start(self, pending: PendingQuery) -> None:
-        if any(pending in queries for queries in self._pending.values()):
-            pending.ask()
+        """Send a query at the start of the component, unless it was cancelled before."""
+        if pending in self._pending[pending.report_class]:
+            self._send(pending)
 
-    def _reported(self, report_class: type[Message], payload: bytes, sender: JausAddress) -> None:
-        queries = self._pending[report_class]
+    def _send(self, pending: PendingQuery) -> None:
+        """Send a query, or give up after the last attempt."""
+        component = self.component
+        if pending.attempts <= 0:
+            self.forget(pending)
+            component.counters.add("query_client.unanswered")
+            if pending.on_failure is not None:
+                component.call(pending.on_failure)
+            return
+        pending.attempts -= 1
+        self._deadlines.add(pending, pending.timeout)
+        component.transport.send(component.address, pending.target, pending.payload)
+
+    def _reported(self, queries: list[PendingQuery], payload: bytes, sender: JausAddress) -> None:
+        """Give a report to the first query that waits for one of its sender."""
         for pending in queries:
             if pending.target == sender:
-                report = payload if pending.takes_payloads else report_class.decode(payload)
-                queries.remove(pending)
-                pending.answered(report, sender)
+                self._answered(pending, queries, payload, sender)
                 return
+
+    def _answered(
+        self,
+        pending: PendingQuery,
+        queries: list[PendingQuery],
+        payload: bytes,
+        sender: JausAddress,
+    ) -> None:
+        """Hand over a report; the query goes on waiting if it is none."""
+        report_class = pending.report_class
+        try:
+            report = payload if pending.takes_payloads else report_class.decode(payload)
+        except DecodeError as error:
+            self._count_bad(report_class, sender, error)
+            return
+        queries.remove(pending)
+        self._deadlines.discard(pending, pending.timeout)
+        if pending.takes_payloads:
+            on_bad = partial(self._count_bad, report_class)
+            self.component.payload_caller(pending.on_report, on_bad)(payload, sender)
+        else:
+            self.component.call(pending.on_report, report, sender)
+
+    def _count_bad(
+        self, report_class: type[Message], sender: JausAddress, error: DecodeError
+    ) -> None:
+        self.component.counters.count(
+            "component.bad_message", f"{report_class.NAME} of {sender}: {error}"
+        )

@@ -88,7 +88,11 @@ class Host(Protocol):
         """Call a callback for each message of a class, next to its handler."""
 
     def on_payload(
-        self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
+        self,
+        message_class: type[Message],
+        callback: Callable[[bytes, JausAddress], None],
+        *,
+        is_robust: bool = False,
     ) -> None:
         """Call a callback with the bytes of each message of a class, next to its handler."""
 

@@ -519,6 +519,57 @@ class TestQuery:
         assert answers == []
         assert world.count(QueryStatus.CODE) == 1
 
+    def test_cancel_before_the_start(self, world):
+        target(world)
+        late = world.component("2.1.1", services=())
+        answers = []
+        late.query(TARGET, QueryStatus(), ReportStatus, lambda *_: answers.append(1)).cancel()
+        late.start()
+        world.run(3.0)
+        assert answers == []
+        assert world.count(QueryStatus.CODE) == 0
+
+    def test_failure_of_one_cancels_another(self, world, client):
+        failed, asked = [], []
+
+        def fail():
+            failed.append(world.time)
+            asked[1].cancel()
+
+        for _ in range(2):
+            asked.append(
+                client.query(TARGET, QueryStatus(), ReportStatus, print, retries=0, on_failure=fail)
+            )
+        world.run(5.0)
+        assert len(failed) == 1
+        assert world.counters.snapshot()["query_client.unanswered"] == 1
+
+    def test_what_is_no_report_is_counted_and_the_query_repeated(self, world, client):
+        answers = []
+        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
+        spoilt = ReportStatus(status=2, reserved=0).encode()[:-1]
+        world.send(TARGET, client.address, spoilt)
+        world.settle()
+        assert "component.bad_message" in world.counters.drops()
+        target(world)
+        world.run(1.5)
+        assert answers == [(ReportStatus(status=2, reserved=0), TARGET)]
+
+    def test_queries_of_different_patience_fail_each_in_its_time(self, world, client):
+        failed, start = [], world.time
+        for seconds in (0.5, 0.2, 0.5):
+            client.query(
+                TARGET,
+                QueryStatus(),
+                ReportStatus,
+                print,
+                timeout=seconds,
+                retries=1,
+                on_failure=lambda: failed.append(world.time - start),
+            )
+        world.run(5.0)
+        assert failed == [pytest.approx(each, abs=0.05) for each in (0.4, 1.0, 1.0)]
+
     def test_before_the_start(self, world):
         target(world)
         late = world.component("2.1.1", services=())

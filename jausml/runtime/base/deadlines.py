@@ -1,0 +1,67 @@
+"""Deadlines that are rarely met: most answers come in time."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import takewhile
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .loop import Loop
+
+T = TypeVar("T")
+
+
+class Deadlines(Generic[T]):
+    """Deadlines of what waits for answers, to be used while the lock of the loop is held.
+
+    All that wait for the same time share one timer of the loop: what came later is due later, and
+    a timer for each would be made and cancelled in vain.
+    """
+
+    def __init__(self, loop: Loop, on_due: Callable[[T], None]) -> None:
+        """Wait for nothing.
+
+        Args:
+            loop: Runs the timers.
+            on_due: Told what has waited in vain.
+        """
+        self._loop = loop
+        self._on_due = on_due
+        self._due: dict[float, dict[T, float]] = {}  # by delay, in the order in which they are due
+
+    def add(self, item: T, delay: float) -> None:
+        """Wait for an answer; nothing may wait twice for the same time.
+
+        Args:
+            item: What waits.
+            delay: For how many seconds.
+        """
+        due = self._loop.now() + delay
+        waiting = self._due.get(delay)
+        if waiting is None:
+            waiting = self._due[delay] = {}
+            self._loop.call_at(due, partial(self._expire, delay))
+        waiting[item] = due
+
+    def discard(self, item: T, delay: float) -> None:
+        """Wait no longer; no effect for what does not wait."""
+        waiting = self._due.get(delay)
+        if waiting is not None:
+            waiting.pop(item, None)
+
+    def _expire(self, delay: float) -> None:
+        """Tell what is due; the next that will be has the timer then."""
+        waiting, now = self._due[delay], self._loop.now()
+        late = list(takewhile(lambda item: waiting[item] <= now, waiting))
+        try:
+            for item in late:
+                if waiting.pop(item, None) is not None:  # an earlier one may have ended its wait
+                    self._on_due(item)
+        finally:
+            if waiting:
+                self._loop.call_at(next(iter(waiting.values())), partial(self._expire, delay))
+            else:
+                del self._due[delay]
