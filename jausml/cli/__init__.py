@@ -24,6 +24,7 @@ VERBS = {
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
+    "report": "Tell what load and which worst-case times a system has.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",
     "import": "Make models of foreign descriptions.",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections import defaultdict
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -29,14 +28,13 @@ from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import long_string
-from jausml.metamodel.classes import bridge, jaus
-from jausml.semantics.paths import source_paths
+from jausml.semantics.requests import requested_fields
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import ros
+    from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import System
 
@@ -110,13 +108,14 @@ class BridgeView:
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
         """The connections in model order, under names that are unique in Python."""
+        requested = requested_fields(self.bridge)
         pairs = zip(self.bridge.bridgeConnections, self.translations.connections, strict=True)
         return tuple(
             ConnectionView(
                 connection,
                 translated,
                 self.message_of,
-                self._requested.get(connection.map.message, frozenset()),
+                requested.get(connection.map.message, frozenset()),
             )
             for connection, translated in pairs
         )
@@ -241,27 +240,6 @@ class BridgeView:
         return SkeletonContract(
             self.class_name, self.base_name, (*translations, *hooks, *conversions)
         )
-
-    @functools.cached_property
-    def _requested(self) -> dict[jaus.MessageDef, frozenset[str]]:
-        """Fields of each report that some connection of the bridge reads."""
-        incoming = (c.map for c in self.bridge.bridgeConnections if c.direction.name == "jausToRos")
-        fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
-        for each in dict.fromkeys(incoming):
-            fields[each.message] |= {
-                path.split(".")[0].partition("[")[0] for path in _read_paths(each.toRos)
-            }
-        return {message: frozenset(names) for message, names in fields.items()}
-
-
-def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
-    """Yields the source paths that start at the message, those in lists included."""
-    for assignment in assignments:
-        yield from source_paths(assignment)
-        nested = assignment.assignments if isinstance(assignment, bridge.ListAssignment) else ()
-        for inner in _read_paths(nested):
-            if inner.startswith("/"):
-                yield inner[1:]
 
 
 def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:

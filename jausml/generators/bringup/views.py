@@ -12,7 +12,6 @@ from jausml.generators.bridge.parameters import ParameterLine, parameter_lines
 from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.components import (
     TRANSPORTS,
-    host_of,
     own_bridges,
     plain_components,
 )
@@ -20,6 +19,7 @@ from jausml.generators.common.ros import parameter_value
 from jausml.generators.python.names import package_name
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.semantics.hosts import host_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

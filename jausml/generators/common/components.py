@@ -8,13 +8,13 @@ from jausml.generation.literals import python_string
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.core_services import CORE
+from jausml.semantics.hosts import host_of
 from jausml.semantics.services import query_name
 from jausml.semantics.standard_services import answers_for_subsystem, with_standard
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.metamodel.classes import ros
     from jausml.metamodel.classes.system import Host, System
 
 SUBSYSTEM_TYPES = {
@@ -155,23 +155,6 @@ TRANSPORTS = {"judp": "judp", "jtcp": "jtcp", "nodeManager": "node-manager"}
 
 _FRAGMENT_SIZE = 4079
 _TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
-
-
-def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
-    """Returns the host that an element runs on, the first one without a placement, or None.
-
-    Where an external component runs is known by its placement alone.
-
-    Args:
-        system: The system.
-        element: A component, bridge or node of the system.
-    """
-    for placement in system.placements:
-        if element in (*placement.components, *placement.nodes):
-            return placement.host
-    if isinstance(element, jaus.Component) and element.external:
-        return None  # it is wherever somebody else has put it
-    return system.hosts[0] if system.hosts else None
 
 
 def transport_settings(system: System, component: jaus.Component) -> str:

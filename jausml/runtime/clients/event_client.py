@@ -33,7 +33,7 @@ COMMAND_REQUESTS = range(224, 255)
 STRAY_REQUEST = 255
 """Request id with which events that nobody here wants are cancelled."""
 
-_EVENT_HEADER = 8
+EVENT_HEADER = 8
 """Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
 
 DEFAULT_EVENT_TIMEOUT = 1
@@ -139,8 +139,8 @@ class EventClient:
     def _event(self, payload: bytes, sender: JausAddress) -> None:
         """Hand the report of an event to its stream; the event itself is read on its bytes."""
         if (
-            len(payload) < _EVENT_HEADER
-            or int.from_bytes(payload[4:8], "little") != len(payload) - _EVENT_HEADER
+            len(payload) < EVENT_HEADER
+            or int.from_bytes(payload[4:8], "little") != len(payload) - EVENT_HEADER
         ):
             Event.decode(payload)  # raises
         event_id = payload[2]
@@ -148,7 +148,7 @@ class EventClient:
         if stream is None:
             self._stray(event_id, sender)
         else:
-            stream.receive(payload[3], payload[_EVENT_HEADER:])
+            stream.receive(payload[3], payload[EVENT_HEADER:])
 
     def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
         stream = self._by_request.get((sender, message.request_id))

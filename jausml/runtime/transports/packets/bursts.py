@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ...base.address import JausAddress
 
-_AT_ONCE = 10
-_PER_SECOND = 8000
+AT_ONCE = 10
+"""Packets that a receiver takes in one go."""
+
+PER_SECOND = 8000
+"""Packets that it takes in a second."""
+
 _MAX_DESTINATIONS = 256
 
 
@@ -32,8 +36,8 @@ class Bursts:
             now: Time in seconds.
         """
         level, since = self._levels.get(destination, (0.0, now))
-        level = max(0.0, level - (now - since) * _PER_SECOND) + count
-        if level > _AT_ONCE:
+        level = max(0.0, level - (now - since) * PER_SECOND) + count
+        if level > AT_ONCE:
             return False
         if len(self._levels) >= _MAX_DESTINATIONS:
             self._levels.clear()

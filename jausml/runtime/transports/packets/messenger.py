@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from ...base.settings import TransportSettings
     from ..delivery import OnResult
 
-_HELD_BY_PEERS = 50
+HELD_BY_PEERS = 50
+"""Packets of an unfinished message that Junior and the JAUS Tool Set hold."""
 
 
 class Messenger(Generic[Origin]):
@@ -116,7 +117,7 @@ class Messenger(Generic[Origin]):
             self._outbox.send(packets, on_result, best_effort=not acknowledge)
         else:
             self._send_all(packets, on_result)
-        if count > _HELD_BY_PEERS:
+        if count > HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
 
     def _send_one(
@@ -168,5 +169,5 @@ class Messenger(Generic[Origin]):
                 "unfinished message and lose it, though they acknowledge each (said once)",
                 packet.destination,
                 count,
-                _HELD_BY_PEERS,
+                HELD_BY_PEERS,
             )

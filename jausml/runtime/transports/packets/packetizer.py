@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from .packet import AckNak, Priority
 
 _MAX_FRAGMENTS = 32768
-_MOST_SMALL_FRAGMENTS = 40
+MOST_SMALL_FRAGMENTS = 40
+"""Packets of a message from which on they are larger than wished for."""
 
 
 class Packetizer:
@@ -87,7 +88,7 @@ class Packetizer:
             return self._fragment_size
         if destination.is_wildcard:
             return MAX_FRAGMENT_SIZE
-        needed = -(-size // _MOST_SMALL_FRAGMENTS)
+        needed = -(-size // MOST_SMALL_FRAGMENTS)
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
     def reserve(self, source: JausAddress, amount: int) -> int:

@@ -1,0 +1,128 @@
+"""Figures of the runtime that the analysis needs, read where the runtime states them.
+
+Nothing but the live tools imports the runtime; its files are data here, as they are for `generate`,
+which copies them.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+
+import jausml
+
+
+@dataclass(frozen=True)
+class RuntimeConstants:
+    """Sizes in bytes, times in seconds, rates in hertz.
+
+    Attributes:
+        empty_message: Bytes of a message without payload (AS5669A): header and sequence number.
+        largest_fragment: Largest payload of one packet.
+        most_small_fragments: Packets of a message from which on they are larger than wished for.
+        at_once: Packets of a message that go out without acknowledgement; more are acknowledged.
+        held_by_peers: Packets of an unfinished message that peers of other makes hold.
+        largest_message: Bytes of a message that receivers put together.
+        event_header: Bytes before the report in an Event.
+        acknowledge_timeout: Time after which a packet is repeated.
+        acknowledge_retries: Repetitions of a packet.
+        event_rate_min: Slowest periodic event that a component offers.
+        event_rate_max: Fastest periodic event that a component offers.
+        highest_event_rate: Fastest periodic event that the standard knows.
+        check_interval: Longest time between two renewals of an every-change event.
+        watch_interval: Longest time between two renewals of control.
+        renewals: Renewals of control within the time in which it lapses.
+        queue_age_limit: Time after which a ROS message that waits is too old.
+        least_depth: Messages that the queue of a topic holds at least, unless it is latched.
+    """
+
+    empty_message: int
+    largest_fragment: int
+    most_small_fragments: int
+    at_once: int
+    held_by_peers: int
+    largest_message: int
+    event_header: int
+    acknowledge_timeout: float
+    acknowledge_retries: int
+    event_rate_min: float
+    event_rate_max: float
+    highest_event_rate: float
+    check_interval: float
+    watch_interval: float
+    renewals: int
+    queue_age_limit: float
+    least_depth: int
+
+
+@functools.cache
+def runtime_constants() -> RuntimeConstants:
+    """Returns the figures of the runtime that this installation copies."""
+    settings = _File("base/settings.py")
+    definitions = _File("services/definitions.py")
+    packets = "transports/packets"
+    events = _File("clients/event_client.py")
+    return RuntimeConstants(
+        empty_message=int(_File(f"{packets}/packet.py").value("EMPTY_MESSAGE_SIZE")),
+        largest_fragment=int(settings.value("MAX_FRAGMENT_SIZE")),
+        most_small_fragments=int(_File(f"{packets}/packetizer.py").value("MOST_SMALL_FRAGMENTS")),
+        at_once=int(_File(f"{packets}/bursts.py").value("AT_ONCE")),
+        held_by_peers=int(_File(f"{packets}/messenger.py").value("HELD_BY_PEERS")),
+        largest_message=int(settings.default("TransportSettings", "reassembly_limit")),
+        event_header=int(events.value("EVENT_HEADER")),
+        acknowledge_timeout=settings.default("TransportSettings", "acknowledge_timeout"),
+        acknowledge_retries=int(settings.default("TransportSettings", "acknowledge_retries")),
+        event_rate_min=definitions.default("ComponentSettings", "event_rate_min"),
+        event_rate_max=definitions.default("ComponentSettings", "event_rate_max"),
+        highest_event_rate=definitions.value("MAX_EVENT_RATE"),
+        check_interval=definitions.default("ComponentSettings", "check_interval"),
+        watch_interval=definitions.default("ComponentSettings", "watch_interval"),
+        renewals=int(_File("clients/controlled_target.py").value("RENEWALS")),
+        queue_age_limit=_File("bridge/parameters.py").value("QUEUE_AGE_LIMIT"),
+        least_depth=int(_File("bridge/ros_profiles.py").value("LEAST_DEPTH")),
+    )
+
+
+class _File:
+    """A file of the runtime.
+
+    Args:
+        path: Its path below the runtime.
+    """
+
+    def __init__(self, path: str) -> None:
+        text = (Path(jausml.__file__).parent / "runtime" / path).read_text("utf-8")
+        self._body = ast.parse(text).body
+
+    def value(self, name: str) -> float:
+        """Returns the number that a module gives a name."""
+        return self._number(_assigned(self._body, name))
+
+    def default(self, owner: str, name: str) -> float:
+        """Returns the number that a class gives an attribute."""
+        classes = (each for each in self._body if isinstance(each, ast.ClassDef))
+        body = next(each.body for each in classes if each.name == owner)
+        return self._number(_assigned(body, name))
+
+    def _number(self, node: ast.expr) -> float:
+        if isinstance(node, ast.Name):
+            return self.value(node.id)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.LShift):
+            return int(self._number(node.left)) << int(self._number(node.right))
+        number: float = ast.literal_eval(node)
+        return number
+
+
+def _assigned(body: list[ast.stmt], name: str) -> ast.expr:
+    for node in body:
+        if isinstance(node, ast.Assign):
+            target: ast.expr = node.targets[0]
+        elif isinstance(node, ast.AnnAssign):
+            target = node.target
+        else:
+            continue
+        if isinstance(target, ast.Name) and target.id == name and node.value is not None:
+            return node.value
+    raise LookupError(f"the runtime has no {name}")

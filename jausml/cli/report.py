@@ -1,0 +1,64 @@
+"""`jausml report`: tells what load and which worst-case times the system of a model has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import reading_options, write_report
+from jausml.cli.systems import assumption_options
+
+if TYPE_CHECKING:
+    from jausml.analysis.assumptions import Assumptions
+    from jausml.cli.common import Reading
+
+FORMATS = ("text", "json", "html")
+
+
+@click.command("report")
+@click.argument("model", metavar="MODEL")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(FORMATS),
+    default="text",
+    show_default=True,
+    help="Format of the report; HTML is one page that needs nothing else.",
+)
+@click.option("-o", "--output", metavar="FILE", help="Write to a file, not to stdout.")
+@click.option("--bridge", "bridge_name", metavar="NAME", help="Tell of this bridge alone.")
+@assumption_options
+@reading_options
+def command(
+    model: str,
+    output_format: str,
+    output: str | None,
+    bridge_name: str | None,
+    assumptions: Assumptions,
+    reading: Reading,
+) -> None:
+    """Tell what load and which worst-case times the system in MODEL has.
+
+    For each connection: rates, sizes on the wire, packets, bandwidth, and how old a value may be on
+    the other side. Nothing is started; what the model does not say is assumed, and marked so.
+
+    Exit status: 0 done, 1 errors in the model, 2 usage or environment, 3 internal error.
+    """
+    from dataclasses import replace  # noqa: PLC0415 - what --help does not need
+    from importlib import import_module  # noqa: PLC0415
+
+    from jausml.analysis.report import report_of  # noqa: PLC0415
+    from jausml.cli.systems import check_names, read_system  # noqa: PLC0415
+
+    _, system = read_system(model, reading)
+    check_names(assumptions, system)
+    report = report_of(system, assumptions)
+    if bridge_name is not None:
+        chosen = tuple(each for each in report.bridges if each.name == bridge_name)
+        if not chosen:
+            known = ", ".join(each.name for each in report.bridges) or "none"
+            raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
+        report = replace(report, components=chosen, hosts=())
+    render = import_module(f"jausml.analysis.formats.{output_format}").render
+    write_report(render(report), output)

@@ -1,0 +1,142 @@
+"""Shared parts of the verbs that look at a whole system: reading it, and what they assume."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jausml.analysis.assumptions import Assumptions
+    from jausml.cli.common import Reading
+    from jausml.metamodel.classes.system import System
+    from jausml.model.model import Model
+
+Number = TypeVar("Number", int, float)
+
+_LARGEST_RATE = 1e6
+_LARGEST_LENGTH = 1 << 32
+
+
+def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of what a model does not say; the verb takes them as `assumptions`."""
+
+    @click.option(
+        "--assume-rate",
+        "rates",
+        multiple=True,
+        metavar="[NAME=]HZ",
+        help="Messages each second of topics and senders of which nothing is said, 10 by default; "
+        "or those of the connection NAME or BRIDGE.NAME. May be repeated.",
+    )
+    @click.option(
+        "--assume-length",
+        "lengths",
+        multiple=True,
+        metavar="[NAME=]N",
+        help="Elements of lists without a bound, 100 by default; or those in the messages of a "
+        "connection. May be repeated.",
+    )
+    @functools.wraps(command)
+    def with_assumptions(
+        *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
+    ) -> None:
+        from jausml.analysis.assumptions import (  # noqa: PLC0415 - what --help does not need
+            DEFAULT_LENGTH,
+            DEFAULT_RATE,
+            Assumptions,
+        )
+
+        hertz = _named(rates, _rate)
+        elements = _named(lengths, _length)
+        assumptions = Assumptions(
+            hertz.pop("", DEFAULT_RATE), elements.pop("", DEFAULT_LENGTH), hertz, elements
+        )
+        command(*arguments, assumptions=assumptions, **others)
+
+    return with_assumptions
+
+
+def read_system(path: str, reading: Reading) -> tuple[Model, System]:
+    """Returns a valid model and the system of its file; what was found goes to stderr.
+
+    Args:
+        path: The model file.
+        reading: Where references may lead.
+
+    Raises:
+        EnvironmentFault: The file cannot be read, or has no system.
+    """
+    from pathlib import Path  # noqa: PLC0415 - what --help does not need
+
+    from jausml.generation.errors import NoSystemError  # noqa: PLC0415
+    from jausml.generation.system import system_of  # noqa: PLC0415
+    from jausml.model.reading.reader import read_models  # noqa: PLC0415
+    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
+    from jausml.validation.engine import check  # noqa: PLC0415
+    from jausml.validation.formats import text  # noqa: PLC0415
+
+    if Path(path).is_dir():
+        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
+    report = check(read_models(find_models([path]), notations=NOTATIONS, **reading))
+    if report.has_errors:
+        click.echo(text.render(report), nl=False, err=True)
+        click.echo(text.summary(report), err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+    try:
+        return report.model, system_of(report.model)
+    except NoSystemError as error:
+        raise EnvironmentFault(str(error)) from error
+
+
+def check_names(assumptions: Assumptions, system: System) -> None:
+    """Refuses assumptions about connections that a system does not have.
+
+    Args:
+        assumptions: What is assumed.
+        system: The system.
+
+    Raises:
+        UsageError: A name is that of no connection.
+    """
+    from jausml.analysis.assumptions import names_of  # noqa: PLC0415 - what --help does not need
+
+    known = {
+        name
+        for owner in (*system.components, *system.bridges)
+        for each in (*owner.connections, *getattr(owner, "bridgeConnections", ()))
+        for name in names_of(each)
+    }
+    for name in sorted(assumptions.names - known):
+        raise click.UsageError(f"no connection {name!a} of which to assume something")
+
+
+def _named(values: tuple[str, ...], parse: Callable[[str], Number]) -> dict[str, Number]:
+    """Returns values by the names before them, the empty one for all."""
+    found = {}
+    for value in values:
+        name, _, number = value.rpartition("=")
+        found[name] = parse(number)
+    return found
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not 0 < rate <= _LARGEST_RATE:
+        raise click.UsageError(f"--assume-rate: {text!a} is no rate above 0 in hertz")
+    return rate
+
+
+def _length(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= _LARGEST_LENGTH):
+        raise click.UsageError(f"--assume-length: {text!a} is no number of elements")
+    return int(text)

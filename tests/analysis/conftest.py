@@ -1,0 +1,34 @@
+"""Systems for the tests of the analysis."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.generation.system import system_of
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+from jausml.validation.engine import check
+
+HEAD = """\
+import `jaus.core-1.1`
+import mappings.velocity_state_sensor
+import mappings.velocity_state_driver
+import mappings.primitive_driver
+import mappings.local_pose_sensor
+import mappings.cost_map_2d
+
+"""
+
+
+@pytest.fixture
+def system(tmp_path):
+    """Returns the system of a text that follows the imports of some ready maps."""
+
+    def made(text, head=HEAD):
+        path = tmp_path / "model.ros2jaus"
+        path.write_text(head + text, encoding="utf-8")
+        report = check(read_models([path], notations=NOTATIONS))
+        assert not report.has_errors, [str(each) for each in report.diagnostics]
+        return system_of(report.model)
+
+    return made

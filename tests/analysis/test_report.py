@@ -1,0 +1,185 @@
+"""Reports: loads, budgets and warnings of systems, against figures that were worked out by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.analysis.assumptions import Assumptions
+from jausml.analysis.report import report_of
+
+PAIR = """
+bridge vehicle {
+    address: 10.1.1
+    controlTimeout: 4
+    provides: VelocityStateSensor, VelocityStateDriver
+    connection velocity { map: velocity_state  topic odom { qos: { depth: 5 } } }
+    connection drive { map: velocity_command  silenceTimeout: 0.6  topic cmd_vel }
+}
+
+bridge station {
+    address: 10.1.2
+    uses: VelocityStateSensor, VelocityStateDriver
+    provides: Management
+    connection seen { map: velocity_state  peers: vehicle  rate: RATE  topic odom_seen  topic copy }
+    connection wanted { map: velocity_command  peers: vehicle  acknowledge: ACK  topic stick }
+}
+"""
+
+
+def pair(system, rate="25", acknowledge="false", **assumptions):
+    text = PAIR.replace("RATE", rate).replace("ACK", acknowledge)
+    report = report_of(system(text), Assumptions(**assumptions))
+    found = {
+        f"{owner.name}.{each.name}": each for owner in report.bridges for each in owner.connections
+    }
+    return report, found
+
+
+def test_both_ends_see_one_stream(system):
+    _, found = pair(system)
+    assert found["station.seen"].flows == found["vehicle.velocity"].flows
+    assert found["station.wanted"].flows == found["vehicle.drive"].flows
+    (event,) = found["station.seen"].flows
+    assert (event.sender, event.receiver, event.kind) == ("vehicle", "station", "event")
+    assert (event.hertz, event.basis) == (25, "declared")
+    (command,) = found["vehicle.drive"].flows
+    assert (command.hertz, command.basis) == (10, "assumed")
+
+
+def test_what_one_end_sends_the_other_receives(system):
+    _, found = pair(system)
+    seen, velocity = found["station.seen"].load, found["vehicle.velocity"].load
+    assert seen.received == velocity.sent
+    (event,) = found["station.seen"].flows
+    assert seen.received.packets == 25
+    assert seen.received.judp == 25 * event.datagram_bytes
+    assert seen.received.ip == 25 * (event.datagram_bytes + 28)
+
+
+def test_fan_out_counts_topics_and_peers(system):
+    _, found = pair(system)
+    assert found["station.seen"].fan_out == 2
+    assert found["station.seen"].ros_rate == 50
+    assert found["station.wanted"].fan_out == 1
+
+
+def test_acknowledgements_go_back(system):
+    _, found = pair(system, acknowledge="true")
+    load = found["station.wanted"].load
+    assert (load.sent.packets, load.received.packets) == (10, 10)
+    assert load.received.judp == 10 * 15
+
+
+def test_assumptions_are_of_all_or_of_one(system):
+    _, found = pair(system, rate="25", rates={"station.wanted": 50.0})
+    assert found["station.wanted"].flows[0].hertz == 50
+    _, found = pair(system, rate="25")
+    assert found["station.wanted"].flows[0].hertz == 10
+
+
+def test_upkeep_is_in_the_sums(system):
+    report, _ = pair(system)
+    station = next(each for each in report.components if each.name == "station")
+    # Control of the vehicle is renewed each second, a quarter of its 4 seconds: a request that is
+    # acknowledged, and a query; two answers. Its event is renewed twice a minute.
+    assert station.upkeep.messages_sent == pytest.approx(2 + 1 / 30)
+    assert station.upkeep.messages_received == pytest.approx(2 + 1 / 30)
+
+
+def test_a_rate_that_the_provider_does_not_give(system):
+    _, found = pair(system, rate="400")
+    assert found["station.seen"].flows[0].hertz == 100
+    assert found["station.seen"].warnings == ("vehicle gives 100 Hz at most, 400 Hz are asked",)
+    _, found = pair(system, rate="0.05")
+    assert "vehicle gives 0.1 Hz at least, 0.05 Hz are asked" in found["station.seen"].warnings
+
+
+def test_a_silence_time_out_must_hold_two_periods(system):
+    _, found = pair(system)
+    assert found["vehicle.drive"].warnings == ()
+    _, found = pair(system, rate="25", rates={"wanted": 2.0})
+    assert found["vehicle.drive"].warnings == (
+        "silence time-out of 0.6 s is shorter than 2 times the assumed period of 0.5 s",
+    )
+
+
+def test_a_freshness_must_hold_a_period(system):
+    _, found = pair(system, rate="25", rates={"velocity": 0.5})
+    (warning,) = found["vehicle.velocity"].warnings
+    assert warning == "freshness of 1 s is shorter than the assumed period of 2 s"
+
+
+def budgets(connection):
+    return {each.case: each for each in connection.budgets}
+
+
+def test_budgets_of_a_command(system):
+    _, found = pair(system)
+    wanted = budgets(found["station.wanted"])
+    assert wanted["normal"].seconds == 0
+    assert wanted["one_lost_packet"].seconds == pytest.approx(0.1)  # the next message
+    assert wanted["queue_full"].seconds == 2  # what is older is dropped
+    # 1 second of silence, and the stop repeated three times, a tenth of a second apart.
+    assert wanted["source_dead"].seconds == pytest.approx(1.0 + 0.3)
+    assert wanted["controller_dead"].seconds == 4
+    drive = budgets(found["vehicle.drive"])
+    assert drive["source_dead"].seconds == pytest.approx(0.6)
+    assert drive["controller_dead"].seconds == 4
+
+
+def test_a_command_that_is_acknowledged_is_repeated(system):
+    _, found = pair(system, acknowledge="true")
+    (step,) = budgets(found["station.wanted"])["one_lost_packet"].steps
+    assert (step.name, step.seconds) == ("repetition of the packet", 0.1)
+
+
+def test_budgets_of_a_report(system):
+    _, found = pair(system, rate="20", rates={"velocity": 200.0})
+    velocity = budgets(found["vehicle.velocity"])
+    assert velocity["normal"].seconds == pytest.approx(0.05)
+    assert velocity["queue_full"].seconds == pytest.approx(0.05 + 100 / 200)
+    assert velocity["one_lost_packet"].seconds == pytest.approx(0.1)
+    assert velocity["source_dead"].seconds == pytest.approx(1.0 + 0.05)
+
+
+def test_no_bound_has_a_reason(system):
+    _, found = pair(system)
+    dead = budgets(found["station.seen"])["source_dead"]
+    assert dead.seconds is None
+    assert dead.never == "nothing is published any more, and no safe value is stated"
+
+
+MAP = """
+bridge mapper {
+    address: 10.1.1
+    provides: CostMap2D
+    connection costs { map: cost_map  direction: rosToJaus  exchange: EXCHANGE  topic grid }
+}
+"""
+
+
+def test_large_messages_are_cut_and_acknowledged(system):
+    text = MAP.replace("EXCHANGE", "everyChangeEvent")
+    report = report_of(system(text), Assumptions(length=160_000, rate=2.0))
+    (costs,) = report.bridges[0].connections
+    (event,) = costs.flows
+    assert event.size.most == event.size.expected == 131_102  # its count has 16 bits
+    assert event.packets == -(-event.size.expected // 4079)
+    assert event.is_acknowledged
+    assert costs.load.received.packets == 2 * event.packets
+    assert costs.load.sent.packets == 2 * event.packets
+
+
+def test_who_is_not_modelled_asks_once(system):
+    report = report_of(system(MAP.replace("EXCHANGE", "query")), Assumptions())
+    (costs,) = report.bridges[0].connections
+    assert [(each.kind, each.sender) for each in costs.flows] == [
+        ("query", "anybody"),
+        ("report", "mapper"),
+    ]
+    assert costs.peers == ("anybody",)
+
+
+def test_a_host_sums_what_runs_there(system):
+    report, _ = pair(system)
+    assert report.hosts == ()

@@ -1,0 +1,155 @@
+"""Sizes are those that codecs, the packetizer and the middleware make."""
+
+from __future__ import annotations
+
+import functools
+
+import pytest
+
+from jausml import wire
+from jausml.analysis.cdr import ros_size
+from jausml.analysis.datagrams import on_wire, packet_count
+from jausml.analysis.sizes import jaus_size
+from jausml.live.messages import load_catalogue
+from jausml.live.messages.samples import example, sample
+from jausml.metamodel.classes import ros
+from jausml.model import library_root, read_models
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.transports.packets.packet import AckNak, Priority
+from jausml.runtime.transports.packets.packetizer import Packetizer
+
+HERE, THERE = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
+
+
+@functools.cache
+def catalogue():
+    return load_catalogue()
+
+
+def messages():
+    return catalogue().messages
+
+
+def test_encoded_messages_lie_within_their_bounds():
+    assert len(messages()) > 300
+    for entry in messages():
+        layout = wire.resolve(entry.definition)
+        size = jaus_size(layout, 1)
+        for fields in (sample(entry.codec), example(entry)):
+            encoded = len(entry.encode(fields))
+            assert size.least <= encoded, entry.name
+            assert size.most is None or encoded <= size.most, entry.name
+
+
+def test_messages_of_one_size_have_exactly_that():
+    exact = 0
+    for entry in messages():
+        size = jaus_size(wire.resolve(entry.definition), 1)
+        if size.least == size.most:
+            assert len(entry.encode(example(entry))) == size.expected == size.least, entry.name
+            exact += 1
+    assert exact > 50
+
+
+def test_fields_that_may_not_be_there_count_nothing():
+    entry = catalogue().message("ReportVelocityState")
+    layout = wire.resolve(entry.definition)
+    assert jaus_size(layout, 1, {"Velocity_X"}).most == 2 + 2 + 4
+    assert jaus_size(layout, 1, frozenset()).expected == jaus_size(layout, 1).least == 4
+
+
+@pytest.mark.parametrize("fragment_size", [64, 1400, 4079])
+@pytest.mark.parametrize("size", [2, 63, 64, 65, 1400, 1401, 4079, 4080, 50_000, 400_000])
+def test_datagrams_are_those_of_the_packetizer(size, fragment_size):
+    packets = Packetizer(fragment_size).packets(
+        HERE, THERE, bytes(size), Priority.STANDARD, AckNak.NONE
+    )
+    assert packet_count(size, fragment_size) == len(packets)
+    found = on_wire(size, fragment_size)
+    assert found.packets == len(packets)
+    assert found.judp == sum(len(each.encode()) for each in packets)
+
+
+def test_headers_of_ip_and_ethernet():
+    small = on_wire(100, 4079)
+    assert (small.judp, small.ip, small.ethernet) == (115, 143, 181)
+    tiny = on_wire(2, 4079)
+    assert (tiny.ip, tiny.ethernet) == (45, 46 + 38)  # Ethernet pads to 46
+    # 4094 bytes and the header of UDP stand in fragments of 1480, each with a header of IP.
+    large = on_wire(4079, 4079)
+    assert (large.judp, large.ip, large.ethernet) == (4094, 4102 + 3 * 20, 4162 + 3 * 38)
+
+
+@functools.cache
+def ros_types():
+    model = read_models(sorted((library_root() / "ros").glob("*.xmi"))).model
+    found = (each for each in model.instances(ros.MessageType))
+    return {
+        f"{each.eContainer().name}/{each.name}": each
+        for each in found
+        if isinstance(each.eContainer(), ros.InterfacePackage)
+    }
+
+
+TYPES = [
+    "geometry_msgs/Twist",
+    "geometry_msgs/PoseStamped",
+    "nav_msgs/Odometry",
+    "sensor_msgs/Imu",
+    "sensor_msgs/NavSatFix",
+    "std_msgs/Empty",
+    "std_msgs/Bool",
+    "std_msgs/Float64",
+    "std_msgs/UInt16",
+    "std_msgs/String",
+    "diagnostic_msgs/DiagnosticArray",
+    "nav_msgs/Path",
+    "sensor_msgs/LaserScan",
+    "nav_msgs/OccupancyGrid",
+]
+
+
+@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+@pytest.mark.parametrize("name", TYPES)
+def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
+    pytest.importorskip("rclpy")
+    message = message_class(name)()
+    assert len(serialized(message)) == ros_size(ros_types()[name], 0).least
+
+
+@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+@pytest.mark.parametrize("count", [0, 1, 2, 7, 100])
+def test_sequences_are_counted_with_their_alignment(count):
+    pytest.importorskip("rclpy")
+    from geometry_msgs.msg import PoseStamped
+
+    text = "a" * 16
+    scan = message_class("sensor_msgs/LaserScan")()
+    scan.header.frame_id = text
+    scan.ranges = scan.intensities = [1.0] * count
+    assert len(serialized(scan)) == ros_size(ros_types()["sensor_msgs/LaserScan"], count).expected
+    path = message_class("nav_msgs/Path")()
+    path.header.frame_id = text
+    pose = PoseStamped()
+    pose.header.frame_id = text
+    path.poses = [pose] * count
+    assert len(serialized(path)) == ros_size(ros_types()["nav_msgs/Path"], count).expected
+
+
+def test_what_nothing_limits_has_no_greatest_size():
+    assert ros_size(ros_types()["nav_msgs/Path"], 10).most is None
+    bounded = ros_size(ros_types()["geometry_msgs/Twist"], 10)
+    assert bounded.least == bounded.expected == bounded.most == 4 + 48
+
+
+def message_class(name):
+    from importlib import import_module
+
+    package, _, kind = name.partition("/")
+    return getattr(import_module(f"{package}.msg"), kind)
+
+
+def serialized(message):
+    from rclpy.serialization import serialize_message
+
+    return serialize_message(message)

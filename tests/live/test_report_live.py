@@ -1,0 +1,179 @@
+"""What `jausml report` tells of a system is what its sockets carry."""
+
+from __future__ import annotations
+
+import os
+import socket
+import struct
+import sys
+import threading
+import time
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.analysis.assumptions import Assumptions
+from jausml.analysis.report import report_of
+from jausml.generation.system import system_of
+from jausml.live.traffic.captures import Frame
+from jausml.live.traffic.frames import UdpReader
+from jausml.model import read_models
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
+
+from .bridge_support import MODEL, Process, RosPeer, free_port, generate, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+VEHICLE = str(Path(__file__).resolve().parent / "bridge_vehicle.py")
+ETH_P_ALL, PACKET_OUTGOING, ETHERNET = 3, 4, 1
+HOST_FRAMES = b"\0"  # between the jausml processes of one host
+CODES = {"ReportVelocityState": 0x4404, "ReportLocalPose": 0x4403, "QueryLocalPose": 0x2403}
+PUBLISHED = 20.0
+
+
+class Capture:
+    """What goes over the loopback interface: time and size of datagrams by sender and message."""
+
+    def __init__(self, port: int) -> None:
+        try:
+            self._socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
+        except (PermissionError, AttributeError) as error:
+            pytest.skip(f"no capture here: {error}")
+        self._socket.bind(("lo", 0))
+        self._socket.settimeout(0.1)
+        self._reader = UdpReader(port)
+        self._stopped = threading.Event()
+        self.seen: dict[tuple[str, str, int], list[tuple[float, int]]] = defaultdict(list)
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        number = 0
+        while not self._stopped.is_set():
+            try:
+                data, (_, _, kind, *_) = self._socket.recvfrom(65536)
+            except TimeoutError:
+                continue
+            if kind != PACKET_OUTGOING:
+                number += 1
+                self._take(self._reader.read(Frame(number, time.monotonic(), ETHERNET, data)))
+
+    def _take(self, datagram) -> None:
+        if datagram is None or datagram.data.startswith(HOST_FRAMES):
+            return
+        for packet in parse_datagram(datagram.data, Counters()):
+            if packet.acknowledge < AckNak.NAK and len(packet.payload) >= 2:
+                (code,) = struct.unpack_from("<H", packet.payload)
+                if code == 0x41F1:  # an Event has the report behind its header
+                    (code,) = struct.unpack_from("<H", packet.payload, 8)
+                key = str(packet.source), str(packet.destination), code
+                self.seen[key].append((datagram.time, len(datagram.data)))
+
+    def close(self) -> None:
+        self._stopped.set()
+        self._thread.join()
+        self._socket.close()
+
+
+class Metronome:
+    """Does something so many times each second; what is late is made up for."""
+
+    def __init__(self, act, hertz: float) -> None:
+        self._act, self._period = act, 1 / hertz
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        due = time.monotonic()
+        while not self._stopped.wait(max(0.0, due - time.monotonic())):
+            self._act()
+            due += self._period
+
+    def close(self) -> None:
+        self._stopped.set()
+        self._thread.join()
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory):
+    path = generate(tmp_path_factory.mktemp("workspace"))
+    logs = tmp_path_factory.mktemp("logs")
+    port = free_port()
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 21) % 90))
+        listening = Capture(port)
+        ros = RosPeer()
+        starts = [
+            ("-m", "loop_bridge.main"),
+            *((VEHICLE, "--address", f"10.1.{n}") for n in (1, 2)),
+        ]
+        processes = [
+            Process([*line, "--jaus-port", str(port)], path, logs / f"{number}.log")
+            for number, line in enumerate(starts)
+        ]
+        from geometry_msgs.msg import Twist
+
+        publisher = ros.publisher(Twist, "cmd_vel")
+        metronome = Metronome(lambda: publisher.publish(Twist()), PUBLISHED)
+        yield listening
+        metronome.close()
+        for process in processes:
+            process.close()
+            sys.stderr.write(process.log.read_text())
+        ros.close()
+        listening.close()
+
+
+@pytest.fixture(scope="module")
+def flows():
+    """What the report foretells, by sender, receiver and message."""
+    system = system_of(read_models([MODEL]).model)
+    report = report_of(system, Assumptions(rates={"drive": PUBLISHED}))
+    addresses = {each.name: each.address for each in report.components}
+    return {
+        (addresses[flow.sender], addresses[flow.receiver], flow.message): flow
+        for owner in report.bridges
+        for connection in owner.connections
+        for flow in connection.flows
+        if {flow.sender, flow.receiver} <= set(addresses)
+    }
+
+
+def steady(seen, rate: float):
+    """Returns the datagrams of two seconds in which they came at a rate, when there are some."""
+    recent = [each for each in list(seen) if each[0] > time.monotonic() - 2.5]
+    if len(recent) < 2 or recent[-1][0] - recent[0][0] < 2.0:
+        return None
+    measured = (len(recent) - 1) / (recent[-1][0] - recent[0][0])
+    return recent if abs(measured - rate) <= 0.05 * rate else None
+
+
+@pytest.mark.parametrize(
+    ("sender", "receiver", "message", "absent"),
+    [
+        ("10.1.1", "10.1.9", "ReportVelocityState", 4),  # of a field that it does not know
+        ("10.1.9", "10.1.1", "QueryLocalPose", 0),
+        ("10.1.1", "10.1.9", "ReportLocalPose", 0),
+        ("10.1.9", "10.1.1", "SetWrenchEffort", 0),
+        ("10.1.9", "10.1.2", "SetWrenchEffort", 0),
+    ],
+)
+def test_rates_and_sizes_are_as_foretold(capture, flows, sender, receiver, message, absent):
+    flow = flows[sender, receiver, message]
+    code = {**CODES, "SetWrenchEffort": 0x0405}[message]
+    seen = capture.seen[sender, receiver, code]
+    datagrams = wait_for(lambda: steady(seen, flow.hertz), f"{flow.hertz} Hz of {message}", 30)
+    overhead = flow.datagram_bytes - flow.size.expected
+    sizes = {size - overhead for _, size in datagrams}
+    assert sizes == {flow.size.expected - absent}
+    assert flow.size.least <= flow.size.expected - absent
+    assert flow.size.expected == flow.size.most
