@@ -23,7 +23,7 @@ _MAP = """<maps xmi:id="map_{n}" name="map_{n}">
  <message href="{library}/jaus/mobility.xmi#VelocityStateSensor.ReportVelocityState"/>
  <type href="{library}/ros/geometry_msgs.xmi#TwistStamped"/>
  <toRos xsi:type="bridge:ClockAssignment" target="header.stamp"/>
- <toRos xsi:type="bridge:ConstantAssignment" target="header.frame_id" value="base_link"/>
+ <toRos xsi:type="bridge:ConstantAssignment" target="header.frame_id" value="{frame}"/>
  <toRos xsi:type="bridge:FieldAssignment" target="twist.linear.x" source="Velocity_X"
   whenAbsent="dropMessage"/>
  <toRos xsi:type="bridge:FieldAssignment" target="twist.angular.z" source="YawRate">
@@ -36,15 +36,19 @@ _CONNECTION = """<bridgeConnections name="c{n}" map="map_{map}" exchange="period
 """
 
 
-def connections(count: int, *, own_maps: bool) -> str:
+def connections(count: int, *, own_maps: bool, own_frames: bool = False) -> str:
     """Returns a model of a bridge with connections.
 
     Args:
         count: Number of connections.
         own_maps: Whether each has a map of its own; else all share one.
+        own_frames: Whether each map has a frame of its own; else they differ in their names alone.
     """
     uses = f'<uses href="{_LIBRARY}/jaus/mobility.xmi#VelocityStateSensor"/>'
-    maps = (_MAP.format(n=n, library=_LIBRARY) for n in range(count if own_maps else 1))
+    maps = (
+        _MAP.format(n=n, library=_LIBRARY, frame=f"link_{n}" if own_frames else "base_link")
+        for n in range(count if own_maps else 1)
+    )
     lines = (_CONNECTION.format(n=n, map=n if own_maps else 0) for n in range(count))
     provider = uses.replace("uses", "provides")
     return (
@@ -93,6 +97,9 @@ def main() -> None:
     shapes = {
         "connections of one map": [(n, connections(n, own_maps=False)) for n in sizes],
         "connections of own maps": [(n, connections(n, own_maps=True)) for n in sizes],
+        "own maps, own frames": [
+            (n, connections(n, own_maps=True, own_frames=True)) for n in sizes
+        ],
         "nested sequences": [(n, nested(n)) for n in (10, 20, 60)],
         "types that double": [(n, doubling(n)) for n in (4, 8, 11)],
     }

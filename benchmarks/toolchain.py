@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parent.parent
 MODEL = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 SIZES = (100, 1000, 3000)
+SHAPES = {
+    "one map": {"own_maps": False},
+    "own maps": {"own_maps": True},
+    "own maps and frames": {"own_maps": True, "own_frames": True},
+}
 ELEMENTS = (1_000, 10_000, 100_000)
 LINES = 1000
 EMPTY = "python -c pass"
@@ -63,11 +68,9 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         (`letter_ms`) and for the check when typing pauses (`pause_ms`).
     """
     found: dict[str, Any] = {"generate": {}, "validate": {}}
-    for name, own_maps in (("one map", False), ("own maps", True)):
+    for name, shape in SHAPES.items():
         found["generate"][name] = {
-            str(size): rounded(
-                growth.seconds_to_generate(growth.connections(size, own_maps=own_maps))
-            )
+            str(size): rounded(growth.seconds_to_generate(growth.connections(size, **shape)))
             for size in scale.cases(SIZES, 1)
         }
         print(f"  generate, {name}: {found['generate'][name]}", flush=True)

@@ -10,7 +10,7 @@ from jausml.metamodel.filling import contents
 from jausml.model.diagnostics import Location
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from jausml.metamodel import FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EClass, EObject
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from jausml.model.xmi.parsing import Node
 
 ElementT = TypeVar("ElementT", bound="EObject")
+MadeT = TypeVar("MadeT")
 
 UNKNOWN_PATH = "<model>"
 """The path of elements that no document holds."""
@@ -42,10 +43,12 @@ class Model:
         self._origin: dict[EObject, tuple[Document, Node]] = {}
         self._ids: dict[EObject, str] = {}
         self._by_class: dict[EClass, list[tuple[int, Any]]] | None = None
+        self._made: dict[Any, Any] = {}
 
     def adopt(self, document: Document, node: Node) -> None:
         """Remembers where an element was read; for the reader."""
         self._by_class = None
+        self._made.clear()
         self._origin[node.obj] = (document, node)
 
     def name_by_id(self, obj: EObject, identifier: str) -> None:
@@ -117,6 +120,17 @@ class Model:
         lists = [each for eclass, each in self._by_class.items() if eclass in wanted]
         found = [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
         return found if library else [obj for obj in found if not self.is_library(obj)]
+
+    def made(self, make: Callable[[Model], MadeT]) -> MadeT:
+        """Returns what a function makes of the model, once for all who ask while nothing is read.
+
+        Args:
+            make: The function; it makes the same whenever it is called.
+        """
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: MadeT = self._made[make]
+        return made
 
     def location(self, obj: EObject | None, feature: str | None = None) -> Location:
         """Returns where an element, or the value of one of its features, is written.

@@ -87,6 +87,14 @@ def test_pieces_that_differ_in_a_word_are_parsed_once(parses):
     assert once < 12
 
 
+def test_a_word_counts_in_attributes_of_anything(parses):
+    text = "def make(bridge: object) -> object:\n    return bridge.{0}_speed\n\n\n"
+    names = [f"c{number}" for number in range(10, 60)]
+    Modules().finished("".join(text.format(each) for each in names), None, names)
+
+    assert len(parses) < 5
+
+
 def test_each_piece_is_parsed_once_and_again_where_it_was_broken(parses):
     names = ["one", "other"]
     Modules().finished(module(names), IMPORTS)

@@ -52,10 +52,11 @@ def calls(text, folder, work=rendering):
     return count
 
 
-@pytest.mark.parametrize("own_maps", [False, True])
-def test_generation_is_linear_in_connections(growth, tmp_path, own_maps):
+@pytest.mark.parametrize(("own_maps", "own_frames"), [(False, False), (True, False), (True, True)])
+def test_generation_is_linear_in_connections(growth, tmp_path, own_maps, own_frames):
     few, more, most = (
-        calls(growth.connections(n, own_maps=own_maps), tmp_path) for n in (1, 31, 91)
+        calls(growth.connections(n, own_maps=own_maps, own_frames=own_frames), tmp_path)
+        for n in (1, 31, 91)
     )
     assert most - few < 3.3 * (more - few)
 

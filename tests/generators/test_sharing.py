@@ -11,7 +11,9 @@ import pytest
 from jausml.generation.system import system_of
 from jausml.generators.bridge.checks.module import TestModule as Tests
 from jausml.generators.bridge.translation import maps
-from jausml.generators.bridge.views import BridgeView
+from jausml.generators.bridge.views import BridgeView, bridge_views
+from jausml.generators.bringup import target as bringup
+from jausml.generators.bringup.views import ConfigView
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 
@@ -118,3 +120,76 @@ def test_a_map_is_translated_twice_at_most(tmp_path):
     finally:
         sys.setprofile(None)
     assert set(called.values()) == {2}
+
+
+NUMBERS = """
+import ros.std_msgs
+
+plain { JAUS ReportVelocityState ROS std_msgs/Float64 JAUS->ROS ( Velocity_X -> data ) }
+
+again {
+  JAUS ReportVelocityState
+  ROS std_msgs/Float64
+  JAUS->ROS ( Velocity_X -> data )
+}
+
+other { JAUS ReportVelocityState ROS std_msgs/Float64 JAUS->ROS ( Velocity_X -> data : scale(2) ) }
+
+bridge numbers {
+  address: 10.1.1
+  connection plain { map: plain direction: jausToRos exchange: periodicEvent peers: robot topic a }
+  connection again { map: again direction: jausToRos exchange: periodicEvent peers: robot topic b }
+  connection other { map: other direction: jausToRos exchange: periodicEvent peers: robot topic c }
+}
+
+component robot { address: 10.1.2 provides: VelocityStateSensor }
+"""
+
+
+def test_maps_that_say_the_same_share_as_one_map_does(tmp_path):
+    view = viewed(NUMBERS, tmp_path)
+    plain, again, other = view.connections
+
+    assert plain.connection.map is not again.connection.map
+    assert plain.alike == again.alike != other.alike
+    factories = {each.name: each for each in view.transcoders.factories}
+    assert factories["plain"].form is factories["again"].form
+    assert factories["plain"].form.lines != factories["other"].form.lines
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "{ whenAbsent: useDefault defaultValue: 1 }",
+        "{ whenAbsent: dropMessage }",
+        ": negate",
+    ],
+)
+def test_whatever_an_assignment_says_tells_maps_apart(words, tmp_path):
+    text = NUMBERS.replace("Velocity_X -> data )\n}", f"Velocity_X -> data {words} )\n}}")
+    plain, again, _ = viewed(text, tmp_path).connections
+
+    assert plain.alike != again.alike
+    assert plain.translated.lines != again.translated.lines
+
+
+def test_maps_with_vectors_are_told_apart_by_their_names(tmp_path):
+    vector = "vector one JAUS->ROS ( Velocity_X = 1 => data = 1 )"
+    text = NUMBERS.replace("-> data )\n}", f"-> data )\n  {vector}\n}}")
+    text = text.replace("-> data ) }\n\nagain", f"-> data ) {vector} }}\n\nagain")
+    view = viewed(text, tmp_path)
+
+    about = [each.documentation for each in Tests(view).checks]
+    assert [each for each in about if "map plain" in each]
+    assert [each for each in about if "map again" in each]
+
+
+def test_targets_share_the_views_of_a_model(tmp_path):
+    path = tmp_path / "shared.ros2jaus"
+    path.write_text(NUMBERS, encoding="utf-8")
+    model = read_models([path], notations=NOTATIONS).model
+
+    assert model.made(bridge_views)[0] is model.made(bridge_views)[0]
+    views = [view for task in bringup.tasks(model) for view in task.views]
+    (config,) = (each for each in views if isinstance(each, ConfigView))
+    assert config.process.bridge is model.made(bridge_views)[0]

@@ -98,7 +98,7 @@ class ConnectionView:
     @property
     def alike(self) -> object:
         """What connections share whose translations differ in the name of the connection alone."""
-        return self.connection.map, self.to_ros, self.connection.outOfRange.name
+        return self.translated.alike
 
     @property
     def ros_name(self) -> str:

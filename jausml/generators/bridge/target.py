@@ -8,8 +8,7 @@ from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
 from jausml.generators.bridge.checks.module import TestModule
-from jausml.generators.bridge.views import BridgeView
-from jausml.generators.common.components import own_bridges
+from jausml.generators.bridge.views import bridge_views
 from jausml.generators.messages.views import SystemMessages
 from jausml.generators.python.package import (
     PACKAGE_TEMPLATES,
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every bridge."""
     system, source = system_of(model), source_of(model)
-    bridges = [BridgeView(bridge, system, source) for bridge in own_bridges(system)]
+    bridges = model.made(bridge_views)
     messages = SystemMessages(system, source)
     tests = [TestModule(bridge) for bridge in bridges]
     packages = [

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
+from jausml.generation.system import source_of, system_of
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
@@ -21,6 +22,7 @@ from jausml.generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
     component_settings,
+    own_bridges,
     service_identities,
     transport_settings,
 )
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes import bridge, jaus, ros
     from jausml.metamodel.classes.bridge import Bridge
     from jausml.metamodel.classes.system import System
+    from jausml.model.model import Model
 
 
 @dataclass(frozen=True)
@@ -240,6 +243,19 @@ class BridgeView:
         return SkeletonContract(
             self.class_name, self.base_name, (*translations, *hooks, *conversions)
         )
+
+
+def bridge_views(model: Model) -> tuple[BridgeView, ...]:
+    """Returns the bridges of the system that is generated; `model.made` shares them.
+
+    Args:
+        model: A valid model.
+
+    Raises:
+        NoSystemError: It has no system, or several.
+    """
+    system, source = system_of(model), source_of(model)
+    return tuple(BridgeView(each, system, source) for each in own_bridges(system))
 
 
 def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.system import source_of, system_of
 from jausml.generation.target import Target
 from jausml.generation.tasks import FileTask, Task, templates_beside
+from jausml.generators.bridge.views import bridge_views
 from jausml.generators.bringup.views import LAUNCH_IMPORTS, BringupView, ProcessView
 from jausml.generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
 
@@ -18,8 +19,7 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of the package `<system>_bringup`."""
-    system = system_of(model)
-    bringup = BringupView(system, source_of(model))
+    system, bringup = system_of(model), _view(model)
     package = package_view(
         system,
         bringup.name,
@@ -49,8 +49,12 @@ def tasks(model: Model) -> list[Task]:
 
 def processes(model: Model) -> list[Mapping[str, Any]]:
     """Returns what `jausml run` starts, as the manifest records it."""
-    bringup = BringupView(system_of(model), source_of(model))
+    bringup = _view(model)
     return [_entry(bringup, process) for process in bringup.processes]
+
+
+def _view(model: Model) -> BringupView:
+    return BringupView(system_of(model), source_of(model), model.made(bridge_views))
 
 
 def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:

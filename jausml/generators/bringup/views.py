@@ -9,21 +9,20 @@ from typing import TYPE_CHECKING
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
 from jausml.generators.bridge.parameters import ParameterLine, parameter_lines
-from jausml.generators.bridge.views import BridgeView
 from jausml.generators.common.components import (
     TRANSPORTS,
-    own_bridges,
     plain_components,
 )
 from jausml.generators.common.ros import parameter_value
 from jausml.generators.python.names import package_name
 from jausml.generators.python.statements import call
-from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.metamodel.classes import jaus, ros
 from jausml.semantics.hosts import host_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from jausml.generators.bridge.views import BridgeView
     from jausml.metamodel.classes.system import Host, System
 
 LAUNCH_IMPORTS = Imports(
@@ -308,10 +307,12 @@ class BringupView:
     Args:
         system: The system.
         source: Model file.
+        bridges: Its bridges.
     """
 
     system: System
     source: str
+    bridges: tuple[BridgeView, ...]
 
     @property
     def element_id(self) -> str:
@@ -328,7 +329,8 @@ class BringupView:
         """Components, bridges and nodes, in the order in which they are started."""
         components = [self._process(item, "component") for item in plain_components(self.system)]
         bridges = [
-            self._process(item, "bridge", item.namespace) for item in own_bridges(self.system)
+            self._process(view.bridge, "bridge", view.bridge.namespace, view)
+            for view in self.bridges
         ]
         nodes = [self._process(item, "node", item.namespace) for item in self.system.nodes]
         return tuple(components + bridges + nodes)
@@ -378,7 +380,11 @@ class BringupView:
         )
 
     def _process(
-        self, element: jaus.Component | ros.Node, kind: str, namespace: str | None = ""
+        self,
+        element: jaus.Component | ros.Node,
+        kind: str,
+        namespace: str | None = "",
+        view: BridgeView | None = None,
     ) -> ProcessView:
         host = host_of(self.system, element)
         parameters = element.parameters if isinstance(element, ros.Node) else ()
@@ -390,13 +396,8 @@ class BringupView:
             transport=_transport(host),
             parameters={each.name: parameter_value(each) for each in parameters},
             address="" if isinstance(element, ros.Node) else str(element.address),
-            bridge=self._bridge(element),
+            bridge=view,
         )
-
-    def _bridge(self, element: jaus.Component | ros.Node) -> BridgeView | None:
-        if not isinstance(element, bridge.Bridge):
-            return None
-        return BridgeView(element, self.system, self.source)
 
 
 def _transport(host: Host | None) -> tuple[str, ...]:

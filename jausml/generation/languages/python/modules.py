@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.generation.languages.python.imports import Imports
 
 _START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
-_HEAD = re.compile(r"(?:def |class |self\.)(\w+)")
+_HEAD = re.compile(r"(?:def |class |\.)(\w+)")
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_IN = "\u01c2"
@@ -138,11 +138,11 @@ def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
 
 def _word_in(text: str, words: Collection[str]) -> str:
     """Returns the first of some words in the name of a function, method or attribute."""
-    head = _HEAD.search(text)
-    parts = head[1].split("_") if head else []
-    for start in range(len(parts)):
-        for end in range(len(parts), start, -1):
-            word = "_".join(parts[start:end])
-            if word in words:
-                return word
+    for name in dict.fromkeys(_HEAD.findall(text)):
+        parts = name.split("_")
+        for start in range(len(parts)):
+            for end in range(len(parts), start, -1):
+                word = "_".join(parts[start:end])
+                if word in words:
+                    return word
     return ""

@@ -203,8 +203,10 @@ class TranscodersModule:
         return Constants()
 
     def _key(self, view: ConnectionView) -> object:
-        """What is the same for connections that have the same form."""
-        return view.connection.map, view.to_ros, readable(view.translated).text
+        """What is the same for connections that have the same form, whichever maps they have."""
+        used = view.connection.map
+        joins = tuple((each.name, each.type) for each in view.joins)
+        return used.message, used.type, view.to_ros, joins, readable(view.translated).text
 
     @functools.cached_property
     def _found(self) -> dict[object, FlatForm | str]:

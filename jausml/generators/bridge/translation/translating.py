@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.ros_classes import RosClasses
+from jausml.generators.bridge.translation.alike import AlikeMaps
 from jausml.generators.bridge.translation.body import OWN_NAMES
 from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros, used_maps
 from jausml.generators.bridge.translation.sharing import SharedTranslations
@@ -14,7 +15,7 @@ from jausml.generators.python.names import Scope, names_in, snake_case
 from jausml.semantics.stops import has_stop
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Hashable, Iterable
 
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus
@@ -54,6 +55,7 @@ class Translated:
         lines: The statements that make `target` from `source`.
         safe_lines: The statements that make `target` when the source is lost; none without a safe
             value.
+        alike: What is equal for connections whose translations differ in the name alone.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Translated:
     joins: tuple[TranslatedJoin, ...]
     lines: tuple[str, ...]
     safe_lines: tuple[str, ...]
+    alike: Hashable
 
 
 @dataclass(frozen=True)
@@ -102,8 +105,8 @@ def translate(
         (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
         for each in element.bridgeConnections
     ]
-    shared = SharedTranslations(uses)
-    translated = tuple(_translated(*each, uses, shared) for each in named)
+    shared, maps = SharedTranslations(uses), AlikeMaps()
+    translated = tuple(_translated(*each, uses, shared, maps) for each in named)
     return Translations(translated, uses, ros_classes)
 
 
@@ -113,6 +116,7 @@ def _translated(
     ros_name: str,
     uses: Surroundings,
     shared: SharedTranslations,
+    maps: AlikeMaps,
 ) -> Translated:
     used, message = connection.map, uses.view_of(connection.map.message)
     is_to_ros = connection.direction.name == "jausToRos"
@@ -128,12 +132,13 @@ def _translated(
         parameters = {str(each.join.name): (each.name, each.join.type) for each in joins}
         return to_jaus(connection, message, f"self.{name}", parameters, around).lines
 
+    alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
         lines = make(name, uses)
     else:
-        lines = shared.lines((used, is_to_ros, connection.outOfRange.name), name, make)
+        lines = shared.lines(alike, name, make)
     safe_lines: tuple[str, ...] = ()
     if has_stop(connection):
         safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
-    return Translated(name, ros_name, joins, lines, safe_lines)
+    return Translated(name, ros_name, joins, lines, safe_lines, alike)
