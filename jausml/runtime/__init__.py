@@ -36,7 +36,7 @@ from .bridge.transcoding import Transcode, ros_classes, transcoded
 from .bridge.values import by_name, set_quaternion, set_time
 from .clients.command_client import PendingCommand
 from .clients.control_session import ControlSession
-from .clients.controlled_target import ControlState
+from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscription import EventSubscription
 from .clients.list_client import ListRequest

@@ -26,7 +26,7 @@ from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.clients.control_session import ControlState
+from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Standby

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..clients.controlled_target import ControlState
+from ..clients.control_state import ControlState
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from ..transports.packets.packet import Priority

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
-from .controlled_target import ControlledTarget, ControlState
+from .controlled_target import ControlledTarget
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.definitions import Status
     from ..services.host import Host
+    from .control_state import ControlState
     from .event_client import EventClient
     from .presence import Presence
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..messages import (
@@ -18,7 +17,9 @@ from ..messages import (
     Resume,
 )
 from ..services.definitions import Status
+from .control_state import ControlState, Session
 from .presence import QUICK_TRIES, Pace
+from .questions import Questions
 from .target_watch import TargetWatch
 
 if TYPE_CHECKING:
@@ -39,34 +40,6 @@ _NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
 _LONG_AGO = float("-inf")
 _STATES = frozenset(Status)
 _NOBODY = (0, 0, 0)  # what a component without a controller reports
-
-
-class ControlState(Enum):
-    """What a component knows of its control over another one."""
-
-    SEEKING = "seeking"
-    """The target does not answer, or control was lost; it is requested."""
-    CONTROLLED = "controlled"
-    """The target is controlled, and not (yet) Ready."""
-    READY = "ready"
-    """The target is controlled and obeys every command."""
-    REFUSED = "refused"
-    """The target is not available or has a controller of the same or higher authority."""
-
-
-class Session(Protocol):
-    """One user's share, as the control sees it.
-
-    Attributes:
-        authority: Authority code that was asked for.
-        resume: Whether the target is to be resumed.
-    """
-
-    authority: int
-    resume: bool
-
-    def changed(self) -> None:
-        """Learn that the state is another one."""
 
 
 class ControlledTarget:
@@ -115,9 +88,7 @@ class ControlledTarget:
         self._sessions: list[Session] = []
         self._is_permitted = True
         self._is_started = False
-        # Questions that wait for an answer, and how often each was asked in vain in a row.
-        self._open: set[type[Message]] = set()
-        self._tries: dict[type[Message], int] = {}
+        self._questions = Questions(component, target, presence)
         self._timeout: int | None = None
         self._refusal: int = _ACCEPTED
         self._authority_in_force: int | None = None
@@ -215,13 +186,12 @@ class ControlledTarget:
         if self._holds:
             self._answered(RequestControl)
             return
-        self._open.clear()
-        self._tries.clear()
+        self._questions.forget()
         self._resumes = 0
         if self._change(ControlState.CONTROLLED):
             self._watch.start()
-            self._ask(QueryTimeout())
-            self._ask(QueryStatus())
+            self._questions.ask(QueryTimeout())
+            self._questions.ask(QueryStatus())
             self._check_in(self._settings.retry_min)
 
     def rejected(self) -> None:
@@ -250,14 +220,13 @@ class ControlledTarget:
             self._answered(QueryStatus)
             self._try_again()
             return
-        if status is Status.READY:
+        obeys = status is Status.READY
+        if obeys:
             self._resumes = 0
-        if not self._change(
-            ControlState.READY if status is Status.READY else ControlState.CONTROLLED
-        ):
+        if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
         if status is Status.STANDBY and any(each.resume for each in self._sessions):
-            self._tries[QueryStatus] = 0
+            self._questions.go_on(QueryStatus)
             self._resume()
         else:
             self._answered(QueryStatus)
@@ -302,24 +271,21 @@ class ControlledTarget:
         if self._loop.now() >= self._confirmed_at + RENEWALS * self._interval:
             self._lose()
             return
-        missing = [kind for kind in self._open if self._tries.get(kind, 0) < QUICK_TRIES]
+        missing = self._questions.urgent
         if not missing:
             missing = [RequestControl, QueryStatus]
-            if self._timeout is None and self._tries.get(QueryTimeout, 0) < QUICK_TRIES:
+            if self._timeout is None and self._questions.are_worth(QueryTimeout):
                 missing.append(QueryTimeout)
         if RequestControl in missing:
             self._request()
-        if QueryStatus in missing:
-            self._ask(QueryStatus())
-        if QueryTimeout in missing:
-            self._ask(QueryTimeout())
-        is_urgent = any(self._tries[kind] < QUICK_TRIES for kind in self._open)
-        self._check_in(self._settings.retry_min if is_urgent else self._interval)
+        for kind in (QueryStatus, QueryTimeout):
+            if kind in missing:
+                self._questions.ask(kind())
+        self._check_in(self._settings.retry_min if self._questions.urgent else self._interval)
 
     def _look(self) -> None:
         """Ask why control is refused, and now and then for control itself."""
-        now = self._loop.now()
-        settings = self._settings
+        now, settings = self._loop.now(), self._settings
         silence = max(settings.refused_retry, RENEWALS * settings.watch_interval)
         if not self._presence.heard_since(self.target, now - silence):
             self._lose()
@@ -327,14 +293,13 @@ class ControlledTarget:
         if now >= self._requested_at + settings.refused_retry:
             self._request()
         for question in (QueryStatus(), QueryControl()):
-            if self._tries.get(type(question), 0) < QUICK_TRIES:
-                self._ask(question)
+            if self._questions.are_worth(type(question)):
+                self._questions.ask(question)
         self._check_in(settings.watch_interval)
 
     def _lose(self) -> None:
         self.component.counters.add("control_client.lost")
-        self._open.clear()
-        self._tries.clear()
+        self._questions.forget()
         self._pace.answered()
         if self._change(ControlState.SEEKING):
             self._seek_when_due()
@@ -342,15 +307,15 @@ class ControlledTarget:
     def _refused(self, code: int) -> None:
         self.component.counters.add("control_client.refused")
         self._refusal = code
-        self._open.clear()
+        self._questions.close()
         if self.state is ControlState.REFUSED:
             return
-        self._tries.clear()
+        self._questions.forget()
         self._authority_in_force = None
         if self._change(ControlState.REFUSED):
             self._watch.start()
-            self._ask(QueryStatus())
-            self._ask(QueryControl())
+            self._questions.ask(QueryStatus())
+            self._questions.ask(QueryControl())
             self._check_in(self._settings.watch_interval)
 
     def _try_again(self) -> None:
@@ -364,11 +329,10 @@ class ControlledTarget:
 
     @property
     def _is_free(self) -> bool:
-        if self._authority_in_force is None:
-            return False
-        if self.status is None and self._refusal == _NOT_AVAILABLE:
-            return False
-        if self.status not in (None, Status.STANDBY, Status.READY):
+        is_available = self.status in (Status.STANDBY, Status.READY) or (
+            self.status is None and self._refusal != _NOT_AVAILABLE
+        )
+        if self._authority_in_force is None or not is_available:
             return False
         if self.controller in (None, self.component.address):
             return self._authority_in_force <= self.authority
@@ -391,9 +355,9 @@ class ControlledTarget:
             return
         self._resumes += 1
         self._resumed_at = self._loop.now()
-        self._send(Resume())
+        self._questions.send(Resume())
         if is_quick:
-            self._ask(QueryStatus())
+            self._questions.ask(QueryStatus())
             self._check_in(settings.retry_min)
         else:
             self._answered(QueryStatus)
@@ -401,21 +365,12 @@ class ControlledTarget:
     def _request(self) -> None:
         self._awaits_answer = True
         self._requested_at = self._loop.now()
-        self._ask(RequestControl(authority_code=self.authority))
-
-    def _ask(self, question: Message) -> None:
-        kind = type(question)
-        self._open.add(kind)
-        self._tries[kind] = self._tries.get(kind, 0) + 1
-        self._send(question)
+        self._questions.ask(RequestControl(authority_code=self.authority))
 
     def _answered(self, kind: type[Message]) -> None:
-        """Take a question off the list; after the last one the next round begins in time."""
-        self._tries[kind] = 0
-        if kind in self._open:
-            self._open.discard(kind)
-            if self._holds and not self._open:
-                self._check_in(self._interval)
+        """Take an answer; after the last one the next round begins in time."""
+        if self._questions.answered(kind) and self._holds:
+            self._check_in(self._interval)
 
     def _release(self) -> None:
         if self._timer is not None:
@@ -423,7 +378,7 @@ class ControlledTarget:
             self._timer = None
         is_asked = self._requested_at > _LONG_AGO
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
-            self._send(ReleaseControl())
+            self._questions.send(ReleaseControl())
 
     @property
     def _interval(self) -> float:
@@ -435,16 +390,6 @@ class ControlledTarget:
         if self._timer is not None:
             self._timer.cancel()
         self._timer = self._loop.call_later(delay, self._check)
-
-    def _send(self, message: Message) -> None:
-        """Send a message.
-
-        The transport repeats commands until they are acknowledged, as long as anyone may be there.
-        """
-        is_command = not message.NAME.startswith("Query")
-        is_new = self._tries.get(RequestControl, 0) <= QUICK_TRIES
-        is_hopeful = is_new or self._presence.heard_lately(self.target)
-        self.component.send(message, self.target, acknowledge=is_command and is_hopeful)
 
     def _change(self, state: ControlState) -> bool:
         """Tell the sessions a new state; return whether control is wanted any longer then."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..clients.command_client import PendingCommand
     from ..clients.control_session import ControlSession
-    from ..clients.controlled_target import ControlState
+    from ..clients.control_state import ControlState
     from ..clients.discovery_client import FoundComponent
     from ..clients.event_subscription import EventSubscription
     from ..clients.list_client import ListRequest
