@@ -79,8 +79,10 @@ def toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
     ]
     yield table(("whole process", "s", "against an empty Python"), rows)
     editor = found["editor"]
+    completing = editor.get("completion_ms")
+    with_them = f", with its completions {completing:g} ms" if completing is not None else ""
     yield (
         f"In the editor, in a text of a thousand lines, a letter takes {editor['letter_ms']:g} ms "
-        f"of a processor while"
-        f" typing goes on, and the check when it pauses {editor['pause_ms']:g} ms more.\n"
+        f"of a processor while typing goes on{with_them}, "
+        f"and the check when it pauses {editor['pause_ms']:g} ms more.\n"
     )

@@ -172,6 +172,8 @@ def _letter(sections: Sections) -> Iterator[Finding]:
     found = sections.get("toolchain", {}).get("editor")
     if found:
         yield "a letter while typing", found["letter_ms"]
+        if "completion_ms" in found:
+            yield "a letter with its completions", found["completion_ms"]
 
 
 TARGETS = (

@@ -51,6 +51,7 @@ _RUNS = 7
 _LETTERS, _PAUSES = 40, 4
 _BETWEEN_LETTERS = 0.08
 _TYPED_AT = "/** A point"
+_COMPLETED_AT = "nanoseconds -> "
 _LONGEST = 300.0
 """Seconds after which a process is given up."""
 
@@ -65,7 +66,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     Returns:
         `generate` by shape and size and `validate` by elements, in seconds of processor time;
         `verbs`, in seconds; `editor`, in milliseconds of processor time for each letter
-        (`letter_ms`) and for the check when typing pauses (`pause_ms`).
+        (`letter_ms`), for one whose completions are asked for (`completion_ms`), and for the check
+        when typing pauses (`pause_ms`).
     """
     found: dict[str, Any] = {"generate": {}, "validate": {}}
     for name, shape in SHAPES.items():
@@ -131,7 +133,6 @@ def _keystrokes(scale: Scale, folder: Path) -> dict[str, float]:
     path = folder / "edited.ros2jaus"
     text = text_of(LINES)
     path.write_text(text, encoding="utf-8")
-    before, after = text.split(_TYPED_AT, 1)
     server = _Server(folder)
     try:
         uri = path.as_uri()
@@ -140,16 +141,23 @@ def _keystrokes(scale: Scale, folder: Path) -> dict[str, float]:
         server.until_published(1)
         version = 1
 
-        def type_letters(count: int) -> float:
+        def type_letters(count: int, place: str = _TYPED_AT, *, complete: bool = False) -> float:
             nonlocal version
+            before, after = text.split(place, 1)
+            line, column = before.count("\n"), len(before.rpartition("\n")[2]) + len(place)
             began = server.processor_time()
-            for _ in range(count):
+            for number in range(1, count + 1):
                 version += 1
                 server.tell(
                     "textDocument/didChange",
                     textDocument={"uri": uri, "version": version},
-                    contentChanges=[{"text": f"{before}{_TYPED_AT}{'a' * version}{after}"}],
+                    contentChanges=[{"text": f"{before}{place}{'a' * number}{after}"}],
                 )
+                if complete:
+                    position = {"line": line, "character": column + number}
+                    server.ask(
+                        "textDocument/completion", textDocument={"uri": uri}, position=position
+                    )
                 time.sleep(_BETWEEN_LETTERS)
             server.until_published(version)
             time.sleep(0.1)
@@ -158,9 +166,17 @@ def _keystrokes(scale: Scale, folder: Path) -> dict[str, float]:
         single = statistics.mean(type_letters(1) for _ in range(scale.count(_PAUSES, 1)))
         letters = scale.count(_LETTERS, 3)
         typing = (type_letters(letters) - single) / (letters - 1)
+        # The first one reads the library.
+        once = type_letters(1, _COMPLETED_AT, complete=True)
+        once = type_letters(1, _COMPLETED_AT, complete=True)
+        completing = (type_letters(letters, _COMPLETED_AT, complete=True) - once) / (letters - 1)
     finally:
         server.end()
-    found = {"letter_ms": rounded(1e3 * typing), "pause_ms": rounded(1e3 * (single - typing))}
+    found = {
+        "letter_ms": rounded(1e3 * typing),
+        "completion_ms": rounded(1e3 * completing),
+        "pause_ms": rounded(1e3 * (single - typing)),
+    }
     print(f"  {text.count(chr(10))} lines: {found}", flush=True)
     return found
 
@@ -177,14 +193,20 @@ class _Server:
             stderr=subprocess.DEVNULL,
         )
         params = {"processId": None, "rootUri": None, "capabilities": {}}
-        self._send(id=1, method="initialize", params=params)
-        while self._receive().get("id") != 1:
-            pass
+        self._asked = 0
+        self.ask("initialize", **params)
         self.tell("initialized")
 
     def tell(self, method: str, **params: Any) -> None:
         """Sends a notification."""
         self._send(method=method, params=params)
+
+    def ask(self, method: str, **params: Any) -> None:
+        """Sends a request and waits for its answer."""
+        self._asked += 1
+        self._send(id=self._asked, method=method, params=params)
+        while self._receive().get("id") != self._asked:
+            pass
 
     def until_published(self, version: int) -> None:
         """Waits for the problems of a version of the text."""

@@ -11,7 +11,7 @@ from jausml.editor.classes import contained_classes, features_of, keywords, tabl
 from jausml.editor.context import Part, context_at
 from jausml.editor.paths import facts, fields_of, sides_at
 from jausml.editor.positions import Place
-from jausml.editor.workbench import names_in, parsed_text
+from jausml.editor.workbench import names_in, sketched_text
 from jausml.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.metamodel.classes import jaus, ros
 from jausml.model.values import show
@@ -107,7 +107,7 @@ def complete(bench: Workbench, path: Path, place: Place) -> Offer:
         place: The place.
     """
     text = bench.text(path)
-    context = context_at(text, parsed_text(text), place)
+    context = context_at(text, sketched_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
     for each in completions:

@@ -11,7 +11,7 @@ from jausml.editor.definition import declaration_at, word_at
 from jausml.editor.descriptions import described, described_map
 from jausml.editor.paths import facts, sides_at
 from jausml.editor.positions import Place
-from jausml.editor.workbench import names_in, parsed_text
+from jausml.editor.workbench import names_in, sketched_text
 from jausml.metamodel import documentation
 from jausml.semantics.conversions import CONVERSIONS
 from jausml.text.keywords import snake_case
@@ -52,7 +52,7 @@ def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
     token = word_at(text, place)
     if token is None:
         return None
-    context = context_at(text, parsed_text(text), place)
+    context = context_at(text, sketched_text(text), place)
     for explain in (_path, _conversion, _message, _feature, _literal, _named, _keyword):
         said = explain(bench, path, context, token)
         if said:

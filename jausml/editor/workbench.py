@@ -14,6 +14,7 @@ from jausml.model.uris import LIBRARY_URI, library_root
 from jausml.text.notation import SUFFIX, Ros2Jaus, decode
 from jausml.text.reading.imports import resolve
 from jausml.text.reading.parsing import Parsed, parse
+from jausml.text.reading.pieces import joined, parse_piece, pieces_of
 from jausml.text.tree import Import, Text
 from jausml.validation.engine import RuleError, check
 
@@ -27,16 +28,43 @@ if TYPE_CHECKING:
     from jausml.text.tree import SyntaxTree
 
 
+class _Pieces:
+    """The pieces of the text that was parsed last, which mostly is an earlier state of the next."""
+
+    def __init__(self) -> None:
+        self._last: dict[tuple[int, str], Parsed] = {}
+
+    def parsed(self, text: str) -> Parsed:
+        """Returns the tree of a text; where something is wrong, the pieces behind do not suffer."""
+        last = self._last
+        found = {each: last.get(each) or parse_piece(*each) for each in pieces_of(text)}
+        self._last = found
+        return joined(list(found.values()))
+
+
+_PIECES = _Pieces()
+
+
+@lru_cache(maxsize=32)
+def sketched_text(text: str) -> Parsed:
+    """Returns the tree of a text as soon as a key was pressed: parsed is the piece that changed.
+
+    It is that of `parsed_text` unless there are syntax errors, which are not those to be shown.
+    """
+    return _PIECES.parsed(text)
+
+
 @lru_cache(maxsize=32)
 def parsed_text(text: str) -> Parsed:
-    """Returns the tree of a text; that of a text just seen is kept."""
-    return parse(text)
+    """Returns the tree of a text with its syntax errors; that of a text just seen is kept."""
+    sketched = sketched_text(text)
+    return parse(text) if sketched.faults else sketched
 
 
 @lru_cache(maxsize=32)
 def names_in(text: str) -> Names:
     """Returns the names in a text; those of a text just seen are kept."""
-    return names_of(parsed_text(text).document)
+    return names_of(sketched_text(text).document)
 
 
 ElementT = TypeVar("ElementT", bound="EObject")
@@ -119,7 +147,7 @@ class Workbench:
 
     def tree(self, path: Path) -> SyntaxTree:
         """Returns the syntax tree of a text."""
-        return parsed_text(self.text(path)).document
+        return sketched_text(self.text(path)).document
 
     def module_of(self, element: EObject) -> str:
         """Returns what a text imports for an element of the library; empty for another element."""
@@ -140,7 +168,7 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        items = parsed_text(self.text(path)).document.items
+        items = self.tree(path).items
         found = (imported_file(each, path) for each in items if isinstance(each, Import))
         return [each for each in found if each is not None]
 

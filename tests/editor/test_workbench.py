@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from jausml.editor.completion import complete
 from jausml.editor.diagnosing import all_problems, syntax_problems
 from jausml.editor.outline import outline
+from jausml.editor.positions import Place
 from jausml.editor.workbench import Workbench, parsed_text
 from jausml.text.reading import parsing
 
@@ -50,3 +52,31 @@ def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
         sys.setprofile(None)
     assert parsed[text] == 1
     assert set(parsed.values()) == {1}
+
+
+def test_a_letter_has_the_element_around_it_parsed_alone(bench, tmp_path):
+    path = tmp_path / "robot.ros2jaus"
+    elements = [f"component c{n} {{\n  address: 1.1.{n}\n}}\n" for n in range(1, 100)]
+    bench.texts[path] = "".join(elements)
+    bench.tree(path)
+    parsed = []
+
+    def noted(frame, event, _argument):
+        if event == "call" and frame.f_code is parsing.parse.__code__:
+            parsed.append(frame.f_locals["text"].lstrip())
+
+    elements[50] = elements[50].replace("address", "addre")
+    bench.texts[path] = "".join(elements)
+    sys.setprofile(noted)
+    try:
+        complete(bench, path, Place(152, 8))
+    finally:
+        sys.setprofile(None)
+    assert parsed == [elements[50]]
+
+
+@pytest.mark.parametrize("wrong", ["", "}", "{", "x: "])
+def test_problems_are_those_of_the_whole_text(wrong):
+    text = f"component a {{ }}\n{wrong}\ncomponent b {{ }}\n"
+
+    assert parsed_text(text) == parsing.parse(text)

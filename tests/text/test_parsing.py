@@ -312,6 +312,14 @@ def test_missing_brackets_are_added_and_surplus_ones_left_out():
     assert len(items[0].items[0].assignments) == 1
 
 
+@pytest.mark.parametrize("text", ["struct [ uint8 x ]\n}", "struct [ uint8 x ] )"])
+def test_a_surplus_bracket_behind_a_struct_is_left_out(text):
+    parsed = parse(text)
+
+    assert len(parsed.faults) == 1
+    assert parsed.document.items == parse(text[:-1]).document.items
+
+
 def test_a_broken_item_at_the_end_of_a_whole_one_keeps_that():
     (element,) = parse("m { } )").document.items
     assert element.name.text == "m"

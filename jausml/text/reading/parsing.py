@@ -160,7 +160,7 @@ class _Run:
         if token.type not in _VALUES or len(self._values) < 2:
             return False
         mark, value = self._values[-2:]
-        if getattr(mark, "type", "") not in ("COLON", "COMMA") or not isinstance(value, Token):
+        if _kind(mark) not in ("COLON", "COMMA") or not isinstance(value, Token):
             return False
         following = self._type(position + 1)
         if value.type not in _VALUES or following in _ITEM_GOES_ON:
@@ -257,7 +257,7 @@ class _Run:
         brackets = []
         closed = 0
         for value in reversed(self._values):
-            type_ = getattr(value, "type", "")
+            type_ = _kind(value)
             if type_ in _OPENERS:
                 closed += 1
             elif type_ in _CLOSERS:
@@ -284,7 +284,7 @@ class _Run:
         """
         closed = dropped = 0
         while self._values and (closed or not isinstance(self._values[-1], Items)):
-            type_ = getattr(self._drop(), "type", "")
+            type_ = _kind(self._drop())
             if type_ in _OPENERS:
                 closed += 1
             elif type_ in _CLOSERS:
@@ -312,3 +312,8 @@ class _Run:
         while self._drop() is not bracket:
             pass
         self._drop_item()
+
+
+def _kind(value: Any) -> str:
+    """Returns the type of a token, and nothing for what was made of several."""
+    return value.type if isinstance(value, Token) else ""
