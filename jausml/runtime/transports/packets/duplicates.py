@@ -86,7 +86,14 @@ class DuplicateWindow:
             if now - since < self.seconds and known == _content(known, destination, payload):
                 return True
             del numbers[sequence]
-        elif len(numbers) >= self.history:
+        self.remember(numbers, sequence, destination, payload, now)
+        return False
+
+    def remember(
+        self, numbers: Numbers, sequence: int, destination: int, payload: bytes, now: float
+    ) -> None:
+        """Remember a packet that is new, whose number is none of ``numbers``."""
+        if len(numbers) >= self.history:
             numbers.popitem(last=False)
         if len(payload) < SMALL:
             numbers[sequence] = now, hash(payload) ^ destination
@@ -94,7 +101,6 @@ class DuplicateWindow:
             large = destination, payload
             numbers[sequence] = now, large
             self._keep(now, numbers, sequence, large)
-        return False
 
     def _keep(self, now: float, numbers: Numbers, sequence: int, large: tuple[int, bytes]) -> None:
         """Keep a large payload, and let go of the oldest ones when there are too many."""

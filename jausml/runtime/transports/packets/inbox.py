@@ -201,16 +201,30 @@ class Inbox(Generic[Origin]):
         if self.duplicates.is_duplicate(packet, now):
             self._counters.add("transport.duplicate")
             return
-        whole = self.complete(packet, now) if packet.data_flags else packet
+        whole: Packet | None = packet
+        if packet.data_flags:
+            whole = self._reassembly.add(packet, now)
+            self._plan_expiry()
         if whole is not None:
             self.deliver(whole, receivers)
 
-    def complete(self, fragment: Packet, now: float) -> Packet | None:
-        """Take a fragment and return the whole message that it completes, if it does."""
-        whole = self._reassembly.add(fragment, now)
+    def complete(
+        self, source: int, destination: int, flags: int, sequence: int, payload: bytes, now: float
+    ) -> bytes | None:
+        """Take a fragment and return the payload of the message that it completes, if it does.
+
+        Args:
+            source: Who sends it.
+            destination: Component that it is for.
+            flags: Flags of the packet.
+            sequence: Number of the packet.
+            payload: What it carries.
+            now: Time in seconds.
+        """
+        whole = self._reassembly.put(source, destination, flags, sequence, payload, now)
         if self._expiry is None:
             self._plan_expiry()
-        return whole
+        return None if whole is None else whole.payload
 
     def _acknowledge(self, packet: Packet, receivers: Receivers, origin: Origin) -> None:
         for address, _ in receivers:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 JUDP_VERSION = 2
 """First byte of every datagram (AS5669A)."""
 
+PLACE_MASK = 0xC0
+"""Bits of the flags that tell the place of a packet in a message of several packets."""
+
 EMPTY_MESSAGE_SIZE = 14
 """Bytes of a message without payload: header 12, sequence number 2."""
 
@@ -85,6 +88,11 @@ class Packet(NamedTuple):
     data_flags: DataFlags = DataFlags.SINGLE
     message_type: int = 0
 
+    @property
+    def flags(self) -> int:
+        """The flags as they are on the wire."""
+        return self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6
+
     def encode(self) -> bytes:
         """Return the datagram with this message alone, as every peer can read it.
 
@@ -99,7 +107,7 @@ class Packet(NamedTuple):
             JUDP_VERSION,
             self.message_type,
             EMPTY_MESSAGE_SIZE + len(self.payload),
-            self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6,
+            self.flags,
             self.destination.packed,
             self.source.packed,
         )

@@ -3,32 +3,53 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from .packet import DataFlags, Packet
+from ...base.address import address_of
+from .packet import FLAGS, PLACE_MASK, DataFlags, Packet
 
 if TYPE_CHECKING:
-    from ...base.address import JausAddress
     from ...base.counters import Counters
 
-    Way = tuple[JausAddress, JausAddress]
+    Way = tuple[int, int]
     """Source and destination."""
 
+_FIRST, _LAST = (place << 6 for place in (DataFlags.FIRST, DataFlags.LAST))
 _FRAGMENT_OVERHEAD = 400
 _MAX_STREAMS = 256
 _MAX_FRAGMENTS = 32768
 _TOTAL_FACTOR = 4
 
 
+class Whole(NamedTuple):
+    """A message of several packets.
+
+    Attributes:
+        payload: That of all of them.
+        sequence: Number of the first one.
+        flags: Flags of the first one.
+    """
+
+    payload: bytes
+    sequence: int
+    flags: int
+
+
 class _Run:
-    """Fragments with consecutive sequence numbers, from ``start`` to ``end``."""
+    """Fragments with consecutive sequence numbers, from ``start`` to ``end``.
 
-    __slots__ = ("end", "start", "updated")
+    ``flags`` are those of the first packet of a message where the run has it, else 0; it is
+    ``closed`` with the last one.
+    """
 
-    def __init__(self, start: int, end: int, updated: float) -> None:
+    __slots__ = ("closed", "end", "flags", "start", "updated")
+
+    def __init__(self, start: int, updated: float) -> None:
         self.start = start
-        self.end = end
+        self.end = start
         self.updated = updated
+        self.flags = 0
+        self.closed = False
 
 
 class _Stream:
@@ -37,52 +58,48 @@ class _Stream:
     __slots__ = ("by_end", "by_start", "fragments", "size")
 
     def __init__(self) -> None:
-        self.fragments: dict[int, Packet] = {}
+        self.fragments: dict[int, bytes] = {}
         self.by_start: dict[int, _Run] = {}
         self.by_end: dict[int, _Run] = {}
         self.size = 0
 
-    def add(self, packet: Packet, now: float) -> _Run:
+    def add(self, flags: int, number: int, payload: bytes, now: float) -> _Run:
         """Keep a fragment and return the run that it belongs to now."""
-        number = packet.sequence
-        self.fragments[number] = packet
-        self.size += _cost(packet)
-        run = _Run(number, number, now)
-        before = None
-        if packet.data_flags != DataFlags.FIRST:
-            before = self.by_end.get(_following(number, -1))
-        if before and self.fragments[before.end].data_flags != DataFlags.LAST:
-            del self.by_end[before.end]
-            run = before
+        by_start, by_end, place = self.by_start, self.by_end, flags & PLACE_MASK
+        self.fragments[number] = payload
+        self.size += len(payload) + _FRAGMENT_OVERHEAD
+        run = None if place == _FIRST else by_end.get(number - 1 & 0xFFFF)
+        if run is None or run.closed:
+            run = by_start[number] = _Run(number, now)
+            if place == _FIRST:
+                run.flags = flags
+        else:
+            del by_end[run.end]
             run.end, run.updated = number, now
-        after = None
-        if packet.data_flags != DataFlags.LAST:
-            after = self.by_start.get(_following(number))
-        if after and self.fragments[after.start].data_flags != DataFlags.FIRST:
-            del self.by_start[after.start]
-            run.end = after.end
-        self.by_start[run.start] = run
-        self.by_end[run.end] = run
+        if place == _LAST:
+            run.closed = True
+        else:
+            after = by_start.get(number + 1 & 0xFFFF)
+            if after is not None and not after.flags:
+                del by_start[after.start]
+                run.end, run.closed = after.end, after.closed
+        by_end[run.end] = run
         return run
 
     def run_of(self, number: int) -> _Run:
         """Return the run that a kept fragment belongs to."""
         while number not in self.by_start:
-            number = _following(number, -1)
+            number = number - 1 & 0xFFFF
         return self.by_start[number]
 
-    def is_complete(self, run: _Run) -> bool:
-        """Return whether a run is a whole message."""
-        first, last = self.fragments[run.start], self.fragments[run.end]
-        return first.data_flags == DataFlags.FIRST and last.data_flags == DataFlags.LAST
-
-    def remove(self, run: _Run) -> list[Packet]:
+    def remove(self, run: _Run) -> list[bytes]:
         """Forget a run and return its fragments in order."""
         del self.by_start[run.start], self.by_end[run.end]
         count = (run.end - run.start & 0xFFFF) + 1
-        packets = [self.fragments.pop(_following(run.start, n)) for n in range(count)]
-        self.size -= sum(map(_cost, packets))
-        return packets
+        take = self.fragments.pop
+        parts = [take(number & 0xFFFF) for number in range(run.start, run.start + count)]
+        self.size -= sum(map(len, parts)) + count * _FRAGMENT_OVERHEAD
+        return parts
 
 
 class Reassembly:
@@ -107,6 +124,7 @@ class Reassembly:
         self._timeout = timeout
         self._limit = limit
         self._counters = counters
+        self._taken = counters.tally("transport.fragments")
         self._streams: OrderedDict[Way, _Stream] = OrderedDict()
         self._size = 0
 
@@ -124,20 +142,40 @@ class Reassembly:
 
         The message has the sequence number, priority and destination of its first packet.
         """
-        way = (packet.source, packet.destination)
+        flags = packet.flags
+        whole = self.put(
+            packet.source, packet.destination, flags, packet.sequence, packet.payload, now
+        )
+        if whole is None:
+            return None
+        said = FLAGS[whole.flags & ~PLACE_MASK]
+        return Packet(packet.destination, packet.source, whole.payload, whole.sequence, *said)
+
+    def put(
+        self,
+        source: int,
+        destination: int,
+        flags: int,
+        sequence: int,
+        payload: bytes,
+        now: float,
+    ) -> Whole | None:
+        """Take what is told of a fragment by its bytes, as ``add`` does."""
+        way = (source, destination)
         stream = self._streams.get(way)
         if stream is None:
             stream = self._streams[way] = _Stream()
-        elif packet.sequence in stream.fragments:
-            if stream.fragments[packet.sequence].payload == packet.payload:
-                self._counters.add("transport.duplicate")
-                return None
-            self._discard_stale(stream, packet)
-        self._counters.add("transport.fragments")
-        self._streams.move_to_end(way)
-        self._size += _cost(packet)
-        run = stream.add(packet, now)
-        if stream.is_complete(run):
+        else:
+            if sequence in stream.fragments:
+                if stream.fragments[sequence] == payload:
+                    self._counters.add("transport.duplicate")
+                    return None
+                self._discard_stale(way, stream, sequence)
+            self._streams.move_to_end(way)
+        self._taken.count += 1
+        self._size += len(payload) + _FRAGMENT_OVERHEAD
+        run = stream.add(flags, sequence, payload, now)
+        if run.closed and run.flags:
             return self._finish(way, stream, run)
         self._enforce_limits(way, stream)
         return None
@@ -150,31 +188,32 @@ class Reassembly:
                 count = len(self._remove(stream, run))
                 self._counters.add("transport.fragments_discarded", count)
                 self._counters.count(
-                    "transport.reassembly_timeout", f"{count} fragments of {way[0]}"
+                    "transport.reassembly_timeout", f"{count} fragments of {address_of(way[0])}"
                 )
             if not stream.fragments:
                 del self._streams[way]
 
-    def _discard_stale(self, stream: _Stream, packet: Packet) -> None:
+    def _discard_stale(self, way: Way, stream: _Stream, sequence: int) -> None:
         """Discard what a source left behind that restarted, and uses its numbers again."""
-        count = len(self._remove(stream, stream.run_of(packet.sequence)))
+        count = len(self._remove(stream, stream.run_of(sequence)))
         self._counters.add("transport.fragments_discarded", count)
-        self._counters.count("transport.reassembly_stale", f"{count} fragments of {packet.source}")
+        self._counters.count(
+            "transport.reassembly_stale", f"{count} fragments of {address_of(way[0])}"
+        )
 
-    def _finish(self, way: Way, stream: _Stream, run: _Run) -> Packet:
-        packets = self._remove(stream, run)
+    def _finish(self, way: Way, stream: _Stream, run: _Run) -> Whole:
+        parts = self._remove(stream, run)
         if not stream.fragments:
             del self._streams[way]
-        self._counters.add("transport.fragments_assembled", len(packets))
+        self._counters.add("transport.fragments_assembled", len(parts))
         self._counters.add("transport.reassembled")
-        payload = b"".join([packet.payload for packet in packets])
-        return packets[0]._replace(payload=payload, data_flags=DataFlags.SINGLE)
+        return Whole(b"".join(parts), run.start, run.flags)
 
-    def _remove(self, stream: _Stream, run: _Run) -> list[Packet]:
+    def _remove(self, stream: _Stream, run: _Run) -> list[bytes]:
         before = stream.size
-        packets = stream.remove(run)
+        parts = stream.remove(run)
         self._size -= before - stream.size
-        return packets
+        return parts
 
     def _enforce_limits(self, way: Way, stream: _Stream) -> None:
         if stream.size > self._limit or len(stream.fragments) > _MAX_FRAGMENTS:
@@ -186,12 +225,6 @@ class Reassembly:
         stream = self._streams.pop(way)
         self._size -= stream.size
         self._counters.add("transport.fragments_discarded", len(stream.fragments))
-        self._counters.count("transport.reassembly_overflow", f"{stream.size} bytes of {way[0]}")
-
-
-def _cost(packet: Packet) -> int:
-    return len(packet.payload) + _FRAGMENT_OVERHEAD
-
-
-def _following(number: int, steps: int = 1) -> int:
-    return number + steps & 0xFFFF
+        self._counters.count(
+            "transport.reassembly_overflow", f"{stream.size} bytes of {address_of(way[0])}"
+        )

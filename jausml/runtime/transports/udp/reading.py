@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...base.address import address_of
 from ..delivery import MESSAGE_CODE_SIZE
 from ..packets.duplicates import SMALL
-from ..packets.packet import EMPTY_MESSAGE_SIZE, FLAGS, JUDP_VERSION, Packet
+from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -163,9 +163,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
             payload = data[_PAYLOAD]
             whole: bytes | None = payload
             if way.place:
-                fragment = Packet(way.destination, source, payload, sequence, *FLAGS[data[4]])
-                packet = inbox.complete(fragment, now)
-                whole = None if packet is None else packet.payload
+                whole = inbox.complete(source, way.destination, data[4], sequence, payload, now)
                 enough = max(enough, count + 2)  # the next one is on its way
             try:
                 if whole is not None:
@@ -180,7 +178,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                         numbers.popitem(last=False)
                     numbers[sequence] = now, hash(payload) ^ way.destination
                 else:
-                    window.is_known(numbers, sequence, way.destination, payload, now)
+                    window.remember(numbers, sequence, way.destination, payload, now)
         burst = min(2 * burst, _DATAGRAMS_PER_TURN)
 
     def acknowledged(data: bytes, origin: Endpoint, now: float) -> bool:
