@@ -161,7 +161,7 @@ def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
         source = JausAddress(subsystem, 1, 1)
         reassembly.add(fragments(2, 0, source=source, size=4000)[0], 0.0)
         assert reassembly.size <= 4 << 16
-        assert len(reassembly._streams) <= 256
+        assert len(reassembly._held) <= 256
     assert counters.snapshot()["transport.reassembly_overflow"] > 1900
 
 
@@ -188,7 +188,7 @@ def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
             reassembly.expire(index * 0.2)
     reassembly.expire(1000.0)
     assert reassembly.size == 0
-    assert not reassembly._streams
+    assert not reassembly._held
 
 
 def test_a_full_circle_of_numbers_does_not_close(counters: Counters) -> None:

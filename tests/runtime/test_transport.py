@@ -453,7 +453,7 @@ class TestFragments:
         driver = station(reassembly_timeout=0.05).attach(DRIVER)
         peer.send(from_peer(b"\x02\x40a", 1, data_flags=DataFlags.FIRST))
         wait_until(lambda: driver.counter("transport.reassembly_timeout") == 1)
-        assert driver.transport._inbox._reassembly.size == 0
+        assert driver.transport.inbox.reassembly.size == 0
         peer.send(from_peer(b"b", 2, data_flags=DataFlags.LAST))
         peer.send(from_peer(sequence=3))
         wait_until(lambda: driver.received)
@@ -557,7 +557,7 @@ class TestBadDatagrams:
             quiet.receive_datagram(bytes(damaged), sender, by_multicast=by_multicast)
         assert len(quiet._book) <= 1024
         assert len(quiet._inbox.duplicates) <= 256 * 16
-        assert quiet._inbox._reassembly.size <= 4 << 16
+        assert quiet.inbox.reassembly.size <= 4 << 16
 
 
 class TestThreads:

@@ -26,9 +26,8 @@ class DuplicateWindow:
     and then dropped is lost for good. At most ``sources`` sources are remembered; the one
     silent longest goes first.
 
-    Large payloads are kept, and compared when their number comes again, which is rare: a hash
-    would cost as much as all else that is done about them. Of more than 4 MiB the oldest are
-    replaced by their hash.
+    Large payloads are kept at first: a hash would cost as much as all else that is done about them.
+    They are replaced by their hash when there is time, and the oldest when they exceed 4 MiB.
 
     Attributes:
         seconds: How long a number is remembered.
@@ -102,18 +101,26 @@ class DuplicateWindow:
             numbers[sequence] = now, large
             self._keep(now, numbers, sequence, large)
 
+    def settle(self) -> None:
+        """Let go of the payloads that are kept; to be called when there is time."""
+        while self._kept:
+            self._let_go()
+
     def _keep(self, now: float, numbers: Numbers, sequence: int, large: tuple[int, bytes]) -> None:
         """Keep a large payload, and let go of the oldest ones when there are too many."""
         self._kept.append((now, numbers, sequence, large))
         self._kept_size += len(large[1])
         while self._kept_size > _KEPT_BYTES:
-            since, numbers, sequence, large = self._kept.popleft()
-            destination, payload = large
-            self._kept_size -= len(payload)
-            entry = numbers.get(sequence)
-            if entry is not None and entry[1] is large:
-                is_over = now - since >= self.seconds
-                numbers[sequence] = since, 0 if is_over else hash(payload) ^ destination
+            self._let_go()
+
+    def _let_go(self) -> None:
+        """Replace the oldest payload that is kept by its hash, which suffices."""
+        since, numbers, sequence, large = self._kept.popleft()
+        destination, payload = large
+        self._kept_size -= len(payload)
+        entry = numbers.get(sequence)
+        if entry is not None and entry[1] is large:
+            numbers[sequence] = since, hash(payload) ^ destination
 
 
 def _content(known: Content, destination: int, payload: bytes) -> Content:

@@ -56,11 +56,12 @@ class Inbox(Generic[Origin]):
         self._matched = loop.counters.tally("transport.acknowledgement")
         self._carrier = carrier
         self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
-        self._reassembly = Reassembly(
+        self.reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
-        self._expiry: Timer | None = None
+        self.expiry: Timer | None = None
+        """Set while incomplete messages are watched."""
         self._doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Receive] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
@@ -77,12 +78,12 @@ class Inbox(Generic[Origin]):
     @property
     def incomplete(self) -> int:
         """Bytes held for incomplete messages, with bookkeeping."""
-        return self._reassembly.size
+        return self.reassembly.size
 
     @property
     def fragments(self) -> int:
         """Fragments held for incomplete messages."""
-        return len(self._reassembly)
+        return len(self.reassembly)
 
     def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
         """Receive messages for a component from now on.
@@ -109,9 +110,9 @@ class Inbox(Generic[Origin]):
 
     def close(self) -> None:
         """Stop to watch for incomplete messages."""
-        if self._expiry is not None:
-            self._expiry.cancel()
-            self._expiry = None
+        if self.expiry is not None:
+            self.expiry.cancel()
+            self.expiry = None
 
     def refuses(self, packet: Packet, origin: Origin) -> bool:
         """Return whether the source of a packet cannot be true; it is counted then."""
@@ -203,28 +204,11 @@ class Inbox(Generic[Origin]):
             return
         whole: Packet | None = packet
         if packet.data_flags:
-            whole = self._reassembly.add(packet, now)
-            self._plan_expiry()
+            whole = self.reassembly.add(packet, now)
+            if self.expiry is None:
+                self.plan_expiry()
         if whole is not None:
             self.deliver(whole, receivers)
-
-    def complete(
-        self, source: int, destination: int, flags: int, sequence: int, payload: bytes, now: float
-    ) -> bytes | None:
-        """Take a fragment and return the payload of the message that it completes, if it does.
-
-        Args:
-            source: Who sends it.
-            destination: Component that it is for.
-            flags: Flags of the packet.
-            sequence: Number of the packet.
-            payload: What it carries.
-            now: Time in seconds.
-        """
-        whole = self._reassembly.put(source, destination, flags, sequence, payload, now)
-        if self._expiry is None:
-            self._plan_expiry()
-        return None if whole is None else whole.payload
 
     def _acknowledge(self, packet: Packet, receivers: Receivers, origin: Origin) -> None:
         for address, _ in receivers:
@@ -269,11 +253,12 @@ class Inbox(Generic[Origin]):
         if message is not None:
             self._accept(message, receivers, now)
 
-    def _plan_expiry(self) -> None:
-        if self._reassembly.size and self._expiry is None:
-            self._expiry = self._loop.call_later(self._timeout / 2, self._expire_fragments)
+    def plan_expiry(self) -> None:
+        """Watch for incomplete messages, if there are any."""
+        if self.reassembly.size and self.expiry is None:
+            self.expiry = self._loop.call_later(self._timeout / 2, self._expire_fragments)
 
     def _expire_fragments(self) -> None:
-        self._expiry = None
-        self._reassembly.expire(self._loop.now())
-        self._plan_expiry()
+        self.expiry = None
+        self.reassembly.expire(self._loop.now())
+        self.plan_expiry()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ...base.address import address_of
 from .packet import FLAGS, PLACE_MASK, DataFlags, Packet
@@ -14,25 +14,31 @@ if TYPE_CHECKING:
     Way = tuple[int, int]
     """Source and destination."""
 
-_FIRST, _LAST = (place << 6 for place in (DataFlags.FIRST, DataFlags.LAST))
+    Whole = tuple[bytes, int, int]
+    """Payload of a message, and number and flags of its first packet."""
+
+_FIRST, _MIDDLE, _LAST = (place << 6 for place in list(DataFlags)[1:])
 _FRAGMENT_OVERHEAD = 400
 _MAX_STREAMS = 256
 _MAX_FRAGMENTS = 32768
 _TOTAL_FACTOR = 4
 
 
-class Whole(NamedTuple):
-    """A message of several packets.
+class _Line:
+    """Fragments of one message that came in their order, from the first one on."""
 
-    Attributes:
-        payload: That of all of them.
-        sequence: Number of the first one.
-        flags: Flags of the first one.
-    """
+    __slots__ = ("flags", "following", "parts", "size", "start", "updated")
 
-    payload: bytes
-    sequence: int
-    flags: int
+    def __init__(self, flags: int, start: int, payload: bytes, now: float) -> None:
+        self.flags = flags
+        self.start = start
+        self.following = start + 1 & 0xFFFF
+        self.parts = [payload]
+        self.size = len(payload) + _FRAGMENT_OVERHEAD
+        self.updated = now
+
+    def __len__(self) -> int:
+        return len(self.parts)
 
 
 class _Run:
@@ -62,6 +68,18 @@ class _Stream:
         self.by_start: dict[int, _Run] = {}
         self.by_end: dict[int, _Run] = {}
         self.size = 0
+
+    @classmethod
+    def of(cls, line: _Line) -> _Stream:
+        """Return a stream with what came in order so far."""
+        made, flags = cls(), line.flags
+        for number, payload in enumerate(line.parts, line.start):
+            made.add(flags, number & 0xFFFF, payload, line.updated)
+            flags = _MIDDLE
+        return made
+
+    def __len__(self) -> int:
+        return len(self.fragments)
 
     def add(self, flags: int, number: int, payload: bytes, now: float) -> _Run:
         """Keep a fragment and return the run that it belongs to now."""
@@ -125,7 +143,9 @@ class Reassembly:
         self._limit = limit
         self._counters = counters
         self._taken = counters.tally("transport.fragments")
-        self._streams: OrderedDict[Way, _Stream] = OrderedDict()
+        self._assembled = counters.tally("transport.fragments_assembled")
+        self._finished = counters.tally("transport.reassembled")
+        self._held: OrderedDict[Way, _Line | _Stream] = OrderedDict()
         self._size = 0
 
     @property
@@ -135,7 +155,7 @@ class Reassembly:
 
     def __len__(self) -> int:
         """Return how many fragments are held."""
-        return sum(len(stream.fragments) for stream in self._streams.values())
+        return sum(map(len, self._held.values()))
 
     def add(self, packet: Packet, now: float) -> Packet | None:
         """Take a fragment and return the whole message that it completes, if it does.
@@ -148,8 +168,9 @@ class Reassembly:
         )
         if whole is None:
             return None
-        said = FLAGS[whole.flags & ~PLACE_MASK]
-        return Packet(packet.destination, packet.source, whole.payload, whole.sequence, *said)
+        payload, sequence, first = whole
+        said = FLAGS[first & ~PLACE_MASK]
+        return Packet(packet.destination, packet.source, payload, sequence, *said)
 
     def put(
         self,
@@ -160,38 +181,82 @@ class Reassembly:
         payload: bytes,
         now: float,
     ) -> Whole | None:
-        """Take what is told of a fragment by its bytes, as ``add`` does."""
-        way = (source, destination)
-        stream = self._streams.get(way)
-        if stream is None:
-            stream = self._streams[way] = _Stream()
+        """Take what is told of a fragment by its bytes, as ``add`` does.
+
+        Nearly all come in their order: those of a message are in a line then, which ends with it.
+        """
+        way, place, held = (source, destination), flags & PLACE_MASK, self._held
+        line = held.get(way)
+        if line is None and place == _FIRST:
+            line = held[way] = _Line(flags, sequence, payload, now)
+            self._size += line.size
+        elif type(line) is _Line and line.following == sequence and place != _FIRST:
+            line.parts.append(payload)
+            if place == _LAST:
+                del held[way]
+                self._size -= line.size
+                self._taken.count += 1
+                return self._whole(line.parts, line.start, line.flags)
+            line.following, line.updated = sequence + 1 & 0xFFFF, now
+            cost = len(payload) + _FRAGMENT_OVERHEAD
+            line.size += cost
+            self._size += cost
+            held.move_to_end(way)
         else:
-            if sequence in stream.fragments:
-                if stream.fragments[sequence] == payload:
-                    self._counters.add("transport.duplicate")
-                    return None
-                self._discard_stale(way, stream, sequence)
-            self._streams.move_to_end(way)
+            return self._put_in_stream(way, flags, sequence, payload, now)
+        self._taken.count += 1
+        if self._size > self._limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
+            self._enforce_limits(way, line)
+        return None
+
+    def _put_in_stream(
+        self, way: Way, flags: int, sequence: int, payload: bytes, now: float
+    ) -> Whole | None:
+        stream = self._held.get(way)
+        if not isinstance(stream, _Stream):
+            stream = self._held[way] = _Stream() if stream is None else _Stream.of(stream)
+        if sequence in stream.fragments:
+            if stream.fragments[sequence] == payload:
+                self._counters.add("transport.duplicate")
+                return None
+            self._discard_stale(way, stream, sequence)
+        self._held.move_to_end(way)
         self._taken.count += 1
         self._size += len(payload) + _FRAGMENT_OVERHEAD
         run = stream.add(flags, sequence, payload, now)
         if run.closed and run.flags:
-            return self._finish(way, stream, run)
+            parts = self._remove(stream, run)
+            if not stream.fragments:
+                del self._held[way]
+            return self._whole(parts, run.start, run.flags)
         self._enforce_limits(way, stream)
         return None
 
+    def _whole(self, parts: list[bytes], start: int, flags: int) -> Whole:
+        self._assembled.count += len(parts)
+        self._finished.count += 1
+        return b"".join(parts), start, flags
+
     def expire(self, now: float) -> None:
         """Discard what has not grown for the timeout."""
-        for way, stream in list(self._streams.items()):
-            runs = stream.by_start.values()
+        for way, held in list(self._held.items()):
+            if isinstance(held, _Line):
+                if now - held.updated >= self._timeout:
+                    del self._held[way]
+                    self._size -= held.size
+                    self._count_expired(way, len(held))
+                continue
+            runs = held.by_start.values()
             for run in [run for run in runs if now - run.updated >= self._timeout]:
-                count = len(self._remove(stream, run))
-                self._counters.add("transport.fragments_discarded", count)
-                self._counters.count(
-                    "transport.reassembly_timeout", f"{count} fragments of {address_of(way[0])}"
-                )
-            if not stream.fragments:
-                del self._streams[way]
+                self._count_expired(way, len(self._remove(held, run)))
+            if not held.fragments:
+                del self._held[way]
+
+    def _count_expired(self, way: Way, count: int) -> None:
+        self._counters.add("transport.fragments_discarded", count)
+        self._counters.count(
+            "transport.reassembly_timeout", f"{count} fragments of {address_of(way[0])}"
+        )
 
     def _discard_stale(self, way: Way, stream: _Stream, sequence: int) -> None:
         """Discard what a source left behind that restarted, and uses its numbers again."""
@@ -201,30 +266,22 @@ class Reassembly:
             "transport.reassembly_stale", f"{count} fragments of {address_of(way[0])}"
         )
 
-    def _finish(self, way: Way, stream: _Stream, run: _Run) -> Whole:
-        parts = self._remove(stream, run)
-        if not stream.fragments:
-            del self._streams[way]
-        self._counters.add("transport.fragments_assembled", len(parts))
-        self._counters.add("transport.reassembled")
-        return Whole(b"".join(parts), run.start, run.flags)
-
     def _remove(self, stream: _Stream, run: _Run) -> list[bytes]:
         before = stream.size
         parts = stream.remove(run)
         self._size -= before - stream.size
         return parts
 
-    def _enforce_limits(self, way: Way, stream: _Stream) -> None:
-        if stream.size > self._limit or len(stream.fragments) > _MAX_FRAGMENTS:
+    def _enforce_limits(self, way: Way, held: _Line | _Stream) -> None:
+        if held.size > self._limit or len(held) > _MAX_FRAGMENTS:
             self._discard(way)
-        while self._size > self._limit * _TOTAL_FACTOR or len(self._streams) > _MAX_STREAMS:
-            self._discard(next(iter(self._streams)))
+        while self._size > self._limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
+            self._discard(next(iter(self._held)))
 
     def _discard(self, way: Way) -> None:
-        stream = self._streams.pop(way)
-        self._size -= stream.size
-        self._counters.add("transport.fragments_discarded", len(stream.fragments))
+        held = self._held.pop(way)
+        self._size -= held.size
+        self._counters.add("transport.fragments_discarded", len(held))
         self._counters.count(
-            "transport.reassembly_overflow", f"{stream.size} bytes of {address_of(way[0])}"
+            "transport.reassembly_overflow", f"{held.size} bytes of {address_of(way[0])}"
         )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from ...base.address import address_of
 from ..delivery import MESSAGE_CODE_SIZE
-from ..packets.duplicates import SMALL
 from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     received = counters.tally("judp.received")
     learnt, window, usual = book.learnt, inbox.duplicates, inbox.usual
     seen, history = window.seen, window.history
-    pack_answer = _ANSWER.pack
+    pack_answer, put = _ANSWER.pack, inbox.reassembly.put
     burst, latest = 1, clock()
 
     def prepare(data: bytes, origin: Endpoint) -> None:
@@ -161,24 +160,30 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 ends = source, way.destination, sequence
                 answer(pack_answer(JUDP_VERSION, EMPTY_MESSAGE_SIZE, way.answers, *ends), origin)
             payload = data[_PAYLOAD]
-            whole: bytes | None = payload
+            whole = payload
             if way.place:
-                whole = inbox.complete(source, way.destination, data[4], sequence, payload, now)
-                enough = max(enough, count + 2)  # the next one is on its way
+                found = put(source, way.destination, data[4], sequence, payload, now)
+                if found is None:
+                    learnt.move_to_end(source)
+                    seen.move_to_end(source)
+                    window.remember(numbers, sequence, way.destination, payload, now)
+                    if inbox.expiry is None:
+                        inbox.plan_expiry()
+                    enough = max(enough, count + 2)  # the next one is on its way
+                    continue
+                whole = found[0]
             try:
-                if whole is not None:
-                    way.take(whole, source)
+                way.take(whole, source)
             except Exception as error:  # one component must not silence the others
                 inbox.count_failure(way.destination, error)
             finally:
                 learnt.move_to_end(source)
                 seen.move_to_end(source)
-                if len(payload) < SMALL:
-                    if len(numbers) >= history:
-                        numbers.popitem(last=False)
-                    numbers[sequence] = now, hash(payload) ^ way.destination
-                else:
-                    window.remember(numbers, sequence, way.destination, payload, now)
+                if len(numbers) >= history:
+                    numbers.popitem(last=False)
+                numbers[sequence] = now, hash(payload) ^ way.destination
+                if way.place:
+                    window.settle()
         burst = min(2 * burst, _DATAGRAMS_PER_TURN)
 
     def acknowledged(data: bytes, origin: Endpoint, now: float) -> bool:
