@@ -163,8 +163,7 @@ class JausEnd:
             except BlockingIOError:
                 return False
             place = data[_FLAGS] >> 6
-            if data[_FLAGS] >> _ACKNOWLEDGE & 3 == AckNak.REQUESTED:
-                self._acknowledge(data)
+            self.heard(data)
             if place == DataFlags.LAST or (place == DataFlags.SINGLE and data[_CODE] == code):
                 return True
 
@@ -173,13 +172,14 @@ class JausEnd:
         count = 0
         with contextlib.suppress(BlockingIOError):
             while True:
-                data = self.sock.recv(65536, socket.MSG_DONTWAIT)
+                self.heard(self.sock.recv(65536, socket.MSG_DONTWAIT))
                 count += 1
-                if data[_FLAGS] >> _ACKNOWLEDGE & 3 == AckNak.REQUESTED:
-                    self._acknowledge(data)
         return count
 
-    def _acknowledge(self, data: bytes) -> None:
+    def heard(self, data: bytes) -> None:
+        """Acknowledges a datagram that asks for it."""
+        if data[_FLAGS] >> _ACKNOWLEDGE & 3 != AckNak.REQUESTED:
+            return
         destination, source = _ADDRESSES.unpack_from(data, _FLAGS + 1)
         header = struct.pack("<BBHBII", 2, 0, 14, 1 | AckNak.ACK << 4, source, destination)
         self.sock.sendto(header + data[-_SEQUENCE.size :], self._target)

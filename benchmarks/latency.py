@@ -13,11 +13,12 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from ends import RosEnd
+from events import EventLoop
 from figures import Blocks
 from names import FLOOR, GENERATED, GENERIC, KINDS, VARIANTS, WAYS
 from processes import Children
 from samples import sample
-from systems import MAPS, Measured, generate
+from systems import MAPS, REPORT, Measured, generate
 from variants import Loop, reached, settle
 
 if TYPE_CHECKING:
@@ -97,6 +98,24 @@ def measure_connections(scale: Scale, folder: Path) -> dict[str, Any]:
     return found
 
 
+def measure_events(scale: Scale, folder: Path) -> dict[str, Any]:
+    """Measures a report that goes as an event at every change, each way.
+
+    Args:
+        scale: How much.
+        folder: Where files may be written.
+
+    Returns:
+        Figures by rate, way and variant.
+    """
+    system = generate(folder, {"events": Measured((REPORT,))})
+    message = sample(system.model, REPORT)
+    with closing(RosEnd("meter")) as ros:
+        return side_by_side(
+            scale, folder, system, "events", message, ros, (FLOOR, GENERATED), loop=EventLoop
+        )
+
+
 def side_by_side(
     scale: Scale,
     folder: Path,
@@ -106,13 +125,14 @@ def side_by_side(
     ros: RosEnd,
     variants: Sequence[str],
     rates: Sequence[int] = tuple(_RATES),
+    loop: type[Loop] = Loop,
 ) -> dict[str, Any]:
     """Measures variants of one bridge; returns figures by rate, way and variant."""
     with Children(system.environment(), folder / "processes.log") as children:
-        routes = [Loop(each, ros, system, bridge, message) for each in variants]
+        routes = [loop(each, ros, system, bridge, message) for each in variants]
         for route in routes:
             route.start(children, folder)
-        routes = reached(routes, Loop.reach)
+        routes = reached(routes, loop.reach)
         settle(routes)
         paths = [(route, way) for route in routes for way in WAYS]
         usual = {(route, way): _usual(route, way) for route, way in paths}

@@ -6,10 +6,13 @@ FLOOR, GENERATED, TYPED, GENERIC = "floor", "generated", "typed", "generic"
 VARIANTS = (FLOOR, GENERATED, TYPED, GENERIC)
 """The bridges that stand side by side."""
 
+BRIDGES = (GENERATED, TYPED, GENERIC)
+
 WAYS = ("up", "down")
 """From JAUS to ROS, and from ROS to JAUS."""
 
 ALL_WAYS = (*WAYS, "both")
+WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
 
 FLAT, LIGHT = "flat", "light"
 FORMS = (FLAT, LIGHT, TYPED, GENERIC)

@@ -10,6 +10,7 @@ import page_others
 from figures import rounded
 from names import (
     ALL_WAYS,
+    BRIDGES,
     FLOOR,
     FORMS,
     GENERATED,
@@ -18,10 +19,11 @@ from names import (
     READY_MAPS,
     TYPED,
     VARIANTS,
+    WAY_NAMES,
     WAYS,
 )
-from plots import Panel, bars
-from tables import counted, table, times
+from pictures import pictures
+from tables import by_kind, counted, table, times
 from targets import JUDGED_RATE, REMARKS, TAIL_RATE, TARGETS
 
 if TYPE_CHECKING:
@@ -31,8 +33,6 @@ HERE = Path(__file__).resolve().parent
 NAME = "performance.md"
 _QUIET_LOAD = 0.7
 _OWN_FORMS = tuple(form for form in FORMS if form != GENERIC)
-_BRIDGES = (GENERATED, TYPED, GENERIC)
-_WAY_NAMES = {"up": "JAUS to ROS", "down": "ROS to JAUS", "both": "both ways at once"}
 _REST = (
     "answers, s",
     "first message, s",
@@ -67,13 +67,14 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         data: The data of a run.
     """
     sections = data["sections"]
-    plots = dict(_plots(sections))
+    plots = dict(pictures(sections))
     parts = [
         _INTRODUCTION.format(**data["machine"]),
         *_scale(data["scale"]),
         *_busy(data["machine"]),
         *_targets(sections),
         *_latency(sections, plots),
+        *_events(sections),
         *_connections(sections),
         *_throughput(sections, plots),
         *_load(sections),
@@ -85,10 +86,6 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *_failed(data["failed"]),
     ]
     return {NAME: "\n".join(parts), **plots}
-
-
-def _by_kind(found: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    return [(kind, found[kind]) for kind in KINDS if kind in found]
 
 
 # ------------------------------------------------------------------ parts of the page
@@ -146,20 +143,42 @@ def _latency(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[
     yield _figure("latency", plots)
     for way in WAYS:
         rows = []
-        for kind, rates in _by_kind(sections["latency"]):
+        for kind, rates in by_kind(sections["latency"]):
             for rate, ways in sorted(rates.items(), key=lambda each: int(each[0])):
                 found = ways[way]
                 floor = found.get(FLOOR, {}).get("median")
-                ratios = (_marked(found.get(each, {})) for each in _BRIDGES)
+                ratios = (_marked(found.get(each, {})) for each in BRIDGES)
                 tail = found.get(GENERATED, {}).get("tail_ratio")
                 rows.append((KINDS[kind][1], int(rate), floor, *ratios, tail))
-        yield f"{_WAY_NAMES[way]}:\n"
-        head = ("message", "a second", "floor, us", *_BRIDGES, "generated, p99 against p99")
+        yield f"{WAY_NAMES[way]}:\n"
+        head = ("message", "a second", "floor, us", *BRIDGES, "generated, p99 against p99")
         yield table(head, rows)
 
 
 def _marked(figures: Mapping[str, Any]) -> str:
     return times(figures) + (" *" if figures.get("too_slow") else "")
+
+
+def _events(sections: Mapping[str, Any]) -> Iterator[str]:
+    if "events" not in sections:
+        return
+    yield (
+        "The same for a point as a report, which goes as an event at every change: a bridge that "
+        "asked for the event takes it, and one that was asked for it sends it.\n"
+    )
+    rows = [
+        (
+            WAY_NAMES[way],
+            int(rate),
+            ways[way].get(FLOOR, {}).get("median"),
+            _marked(ways[way].get(GENERATED, {})),
+            ways[way].get(GENERATED, {}).get("tail_ratio"),
+        )
+        for way in WAYS
+        for rate, ways in sorted(sections["events"].items(), key=lambda each: int(each[0]))
+    ]
+    head = ("event", "a second", "floor, us", GENERATED, "generated, p99 against p99")
+    yield table(head, rows)
 
 
 def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
@@ -174,7 +193,7 @@ def _connections(sections: Mapping[str, Any]) -> Iterator[str]:
     rows = [
         (
             int(count),
-            _WAY_NAMES[way],
+            WAY_NAMES[way],
             found[way].get(FLOOR, {}).get("median"),
             *(_marked(found[way].get(each, {})) for each in (GENERATED, GENERIC)),
             found[way].get(GENERATED, {}).get("tail_ratio"),
@@ -205,7 +224,7 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
     )
     yield _figure("throughput", plots)
     rows = [
-        (_WAY_NAMES[way], *(_rate(found[way].get(each)) for each in VARIANTS))
+        (WAY_NAMES[way], *(_rate(found[way].get(each)) for each in VARIANTS))
         for way in ALL_WAYS
         if way in found
     ]
@@ -218,7 +237,7 @@ def _throughput(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterat
         for step in steps:
             cells = [found[way].get(each, {}).get("steps", {}).get(str(step)) for each in VARIANTS]
             if any(cells):
-                rows.append((f"{_WAY_NAMES[way]}, {step:,}/s", *map(_step, cells)))
+                rows.append((f"{WAY_NAMES[way]}, {step:,}/s", *map(_step, cells)))
     yield table(("us a message (lost)", *VARIANTS), rows)
 
 
@@ -270,7 +289,7 @@ def _load_rows(found: Mapping[str, Any], variants: Sequence[str]) -> Iterator[Se
             figures = found[way].get(each)
             if figures:
                 shown = (figures.get("median"), figures.get("tail"), times(figures))
-                yield (_WAY_NAMES[way], each, *shown, figures.get("tail_ratio"))
+                yield (WAY_NAMES[way], each, *shown, figures.get("tail_ratio"))
 
 
 def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iterator[str]:
@@ -285,18 +304,18 @@ def _translations(sections: Mapping[str, Any], plots: Mapping[str, str]) -> Iter
     )
     yield _figure("translations", plots)
     rows = []
-    for kind, ways in _by_kind(found):
+    for kind, ways in by_kind(found):
         for way in WAYS:
             forms = ways[way]
             best = min(each["median"] for form, each in forms.items() if form != GENERIC)
             less = rounded(forms[GENERIC]["median"] / best)
             medians = (forms.get(form, {}).get("median") for form in FORMS)
-            rows.append((KINDS[kind][1], _WAY_NAMES[way], *medians, f"{less:g} x"))
+            rows.append((KINDS[kind][1], WAY_NAMES[way], *medians, f"{less:g} x"))
     yield table(("message", "", *FORMS, "best against generic"), rows)
     rows = [
         (
             called,
-            _WAY_NAMES[way],
+            WAY_NAMES[way],
             *(found[name][way].get(form, {}).get("median") for form in _OWN_FORMS),
         )
         for name, (_, called) in READY_MAPS.items()
@@ -353,49 +372,6 @@ def _failed(failed: Mapping[str, str]) -> Iterator[str]:
 def _figure(name: str, plots: Mapping[str, str]) -> str:
     file_name = f"performance-{name}.svg"
     return f"![{name}]({file_name})\n" if file_name in plots else ""
-
-
-def _plots(sections: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    if sections.get("latency"):
-        panels = [
-            Panel(
-                _WAY_NAMES[way],
-                {
-                    KINDS[kind][1]: {
-                        each: rates[JUDGED_RATE][way].get(each, {}).get("ratio")
-                        for each in _BRIDGES
-                    }
-                    for kind, rates in _by_kind(sections["latency"])
-                },
-            )
-            for way in WAYS
-        ]
-        title = f"Latency against the floor, {JUDGED_RATE} messages a second"
-        yield "performance-latency.svg", bars(title, "times the floor", _BRIDGES, panels, mark=1.0)
-    if sections.get("throughput"):
-        rows = {
-            _WAY_NAMES[way]: {
-                each: each_found["rate"] or None for each, each_found in found.items()
-            }
-            for way in ALL_WAYS
-            if (found := sections["throughput"].get(way))
-        }
-        title = "Messages a second without loss"
-        panels = [Panel("stamped points", rows)]
-        yield "performance-throughput.svg", bars(title, "a second", VARIANTS, panels, mark=10_000)
-    if sections.get("translations"):
-        panels = [
-            Panel(
-                _WAY_NAMES[way],
-                {
-                    KINDS[kind][1]: {form: ways[way].get(form, {}).get("median") for form in FORMS}
-                    for kind, ways in _by_kind(sections["translations"])
-                },
-            )
-            for way in WAYS
-        ]
-        title = "Processor time of a translation, bytes to bytes"
-        yield "performance-translations.svg", bars(title, "microseconds", FORMS, panels)
 
 
 def main() -> None:

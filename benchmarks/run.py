@@ -65,6 +65,7 @@ SECTIONS = (
     Section("translations", "translations"),
     Section("latency", "latency", limit=480),
     Section("connections", "latency", "measure_connections"),
+    Section("events", "latency", "measure_events"),
     Section("throughput", "throughput", limit=300),
     Section("load", "load"),
     Section("grids", "load", "measure_beside_grids"),

@@ -51,7 +51,7 @@ class Sample:
 def jaus_fields(kind: str) -> dict[str, Any]:
     """Returns the fields of the JAUS message of a kind."""
     match kind:
-        case "point":
+        case "point" | "report":
             return {**_TIME, **_POSITION}
         case "twist":
             return {**_TIME, **_RATES, "vz": 0.1, "roll_rate": 0.0, "pitch_rate": -0.1}
@@ -74,9 +74,9 @@ def sample(model: Model, kind: str) -> Sample:
 
     Args:
         model: A measured system.
-        kind: One of `KINDS`.
+        kind: One of `KINDS`, or the map of reports.
     """
-    map_name = KINDS[kind][0]
+    map_name = KINDS[kind][0] if kind in KINDS else kind
     attribute_map = next(
         each for each in model.instances(bridge.AttributeMap) if each.name == map_name
     )

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 MAPS = ("point", "twist", "odometry", "scan", "grid", "path")
-"""The maps of measured.ros2jaus."""
+"""The maps of measured.ros2jaus whose messages go one by one."""
+
+REPORT = "report"
+"""That whose message goes as an event, at every change."""
 
 # As with installed packages, what was compiled once is not compiled at each start.
 _NO_BYTECODE = "PYTHONDONTWRITEBYTECODE"
@@ -40,8 +43,7 @@ READY = {
 _CONNECTION = """    connection {name} {{
         map: {map}
         direction: {direction}
-        exchange: message
-        {control}peers: {peer}
+        {exchange}
         topic {name} {{ qos: {{ reliability: reliable  depth: 100 }} }}
     }}
 """
@@ -67,8 +69,8 @@ class Measured:
     """A bridge of the measured system.
 
     Attributes:
-        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down: of `MAPS` or,
-            where nothing is sent, of `READY`.
+        maps: Maps that it carries both ways, on topics named MAP_up and MAP_down: of `MAPS`,
+            `REPORT` or, where nothing is sent, of `READY`.
         idle: Further connections that carry nothing, by turns in each direction.
         load: Whether it carries grids to the sink as well, from the topic load_down.
         ways: The ways of the maps.
@@ -116,12 +118,16 @@ def _connections(bridge: Measured) -> list[str]:
 
 
 def _connection(name: str, map_name: str, way: str, peer: str = "peer") -> str:
+    exchange = ["exchange: everyChangeEvent" if map_name == REPORT else "exchange: message"]
+    if map_name == REPORT and way == "down":
+        exchange.append("whenStale: keep")
+    else:
+        exchange += [*(["control: false"] if way == "down" else []), f"peers: {peer}"]
     return _CONNECTION.format(
         name=name,
         map=map_name,
         direction="jausToRos" if way == "up" else "rosToJaus",
-        control="" if way == "up" else "control: false\n        ",
-        peer=peer,
+        exchange="\n        ".join(exchange),
     )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from names import KINDS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -32,3 +34,8 @@ def times(figures: Mapping[str, Any], name: str = "ratio", span: str = "span") -
 def counted(found: Mapping[str, Any]) -> list[tuple[int, Any]]:
     """Returns what was found by number, in order."""
     return sorted((int(count), each) for count, each in found.items())
+
+
+def by_kind(found: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Returns what was found by kind of message, in their order."""
+    return [(kind, found[kind]) for kind in KINDS if kind in found]

@@ -40,6 +40,8 @@ class Route:
         processes: Those of the bridge: two for the floor.
     """
 
+    end_class: type[JausEnd] = JausEnd
+
     def __init__(self, variant: str, system: System, bridge: str, sample: Sample) -> None:
         """Opens the socket; nothing is started.
 
@@ -52,7 +54,7 @@ class Route:
         self.variant = variant
         self.processes: list[Child] = []
         self.port = free_port()
-        self.end = JausEnd(PEER, self.port)
+        self.end = self.end_class(PEER, self.port)
         self.sample = sample
         self._system, self._bridge = system, bridge
         self._parts = self.end.outgoing(sample.jaus, system.address(bridge))

@@ -20,6 +20,7 @@ SECTIONS = (
     "translations",
     "latency",
     "connections",
+    "events",
     "throughput",
     "load",
     "grids",
