@@ -35,6 +35,7 @@ VERBS = {
     "ocu": "Operate running JAUS components of any make.",
     "ping": "Ask the component again and again, and time its answers.",
     "latency": "Measure the reports of a running system.",
+    "top": "Watch a running system.",
     "conformance": "Check the conformance of a running component.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
@@ -42,7 +43,7 @@ VERBS = {
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
-LASTING = {"run", "decode", "ocu", "conformance", "language-server"}
+LASTING = {"run", "decode", "ocu", "top", "conformance", "language-server"}
 """The verbs that may run for days."""
 
 ENVIRONMENT_FAULT = 2

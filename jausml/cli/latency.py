@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault
-from jausml.cli.messages import ModelFault, to_json
+from jausml.cli.common import PROBLEMS
+from jausml.cli.messages import read_model, to_json
 from jausml.cli.operating import Settings, operator_options, remark, until_interrupted
 from jausml.live.peers.measuring import Stream, measure, offered_reports
 from jausml.live.peers.modelled import reports_of
 from jausml.live.peers.network import component_address
-from jausml.model import Severity, read_models
-from jausml.text.notation import NOTATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,14 +97,7 @@ def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | No
             return [], component_address(source)
         except ValueError as error:
             raise click.UsageError(f"{source} is no file, and no JAUS id: {error}") from error
-    try:
-        result = read_models([source], notations=NOTATIONS)
-    except OSError as error:
-        raise EnvironmentFault(f"{source}: {error.strerror or error}") from error
-    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
-    if errors:
-        raise ModelFault(f"{source} has {len(errors)} errors; jausml validate shows them")
-    return reports_of(result.model), None
+    return reports_of(read_model(source)), None
 
 
 def _show(streams: Sequence[Stream], *, as_json: bool) -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue
+    from jausml.model import Model
 
 STDIN = "-"
 
@@ -68,6 +69,29 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         return load_catalogue(find_models(models), notations=NOTATIONS)
     except CatalogueError as error:
         raise ModelFault(str(error)) from error
+
+
+def read_model(path: str) -> Model:
+    """Returns a model without errors of reading.
+
+    Args:
+        path: Its file.
+
+    Raises:
+        EnvironmentFault: The file cannot be read.
+        ModelFault: The model has errors.
+    """
+    from jausml.model import Severity, read_models  # noqa: PLC0415
+    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
+
+    try:
+        result = read_models([path], notations=NOTATIONS)
+    except OSError as error:
+        raise EnvironmentFault(f"{path}: {error.strerror or error}") from error
+    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    if errors:
+        raise ModelFault(f"{path} has {len(errors)} errors; jausml validate shows them")
+    return result.model
 
 
 def read_lines(path: str) -> Iterator[str]:

@@ -6,7 +6,7 @@ import math
 import time
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.live.messages import AmbiguousMessageError, MessageError
 from jausml.live.peers.discovery import Survey
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from jausml.runtime.clients.query import PendingQuery
     from jausml.runtime.services.definitions import ServiceIdentity
     from jausml.runtime.wire.message import Message
+
+M = TypeVar("M", bound="Message")
 
 ATTEMPTS = 3
 """Fewest times that a question is asked; of long times for an answer, once each second."""
@@ -200,6 +202,47 @@ class Asker:
         finally:
             pending.cancel()
         return None if end is None else end - begin
+
+    def ask_once(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[M],
+        take: Callable[[M | None], None],
+    ) -> None:
+        """Asks once, without waiting.
+
+        Args:
+            target: The component.
+            query: The query.
+            report_class: Class of its report.
+            take: Takes the report, or None when none comes in time; on another thread.
+
+        Raises:
+            EncodeError: The query's fields are wrong.
+        """
+        self._component.query(
+            target,
+            query,
+            report_class,
+            lambda report, _: take(report),
+            on_failure=lambda: take(None),
+            timeout=self.timeout,
+            retries=0,
+        )
+
+    def on_report(self, report_class: type[M], take: Callable[[M, JausAddress], None]) -> None:
+        """Has each report of a class taken, asked for or not, with its sender.
+
+        Args:
+            report_class: The class.
+            take: Takes a report, on another thread.
+        """
+        self._component.on_message(report_class, take)
+
+    def senders(self) -> tuple[JausAddress, ...]:
+        """Returns the components of which anything was heard."""
+        return self._heard.sources()
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
         """Returns what a component, or the Discovery service of its subsystem, says it provides.

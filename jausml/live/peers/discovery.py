@@ -106,7 +106,7 @@ class Survey:
         """
         end = time.monotonic() + duration
         while True:
-            self._ask()
+            self.ask_all()
             left = end - time.monotonic()
             time.sleep(max(0.0, min(left, max(ROUND, duration / 3))))
             if time.monotonic() >= end:
@@ -132,7 +132,8 @@ class Survey:
             self._component.send(QueryIdentification(query_type=scope), destination)
         self._component.send(query_all_services(), destination)
 
-    def _ask(self) -> None:
+    def ask_all(self) -> None:
+        """Asks everybody, also for state and controller, without waiting."""
         for destination in (BROADCAST, *self._peers):
             self.ask(destination)
             # Whoever has no Discovery answers these, as a rule.

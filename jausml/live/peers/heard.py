@@ -71,6 +71,10 @@ class Heard:
         """Whether anything came from a component."""
         return source in self._last
 
+    def sources(self) -> tuple[JausAddress, ...]:
+        """Returns the components from which anything came."""
+        return tuple(self._last)
+
     def names(self, source: JausAddress) -> list[str]:
         """Returns the names of the messages that came from a component."""
         return [self._name(code) for code in tuple(self._last.get(source, ()))]

@@ -1,0 +1,183 @@
+"""`jausml top`: a running system at a glance."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack, contextmanager
+from datetime import datetime, timezone
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+from jausml.cli.messages import read_model
+from jausml.cli.network import network_from, network_options, transport_options
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from jausml.cli.operating import Settings
+    from jausml.live.peers.operator import Operator
+    from jausml.live.systems.observing import Observation
+    from jausml.live.systems.ros_diagnostics import RosDiagnostics
+    from jausml.live.systems.state import SystemState
+
+
+@click.command("top")
+@click.argument("model", metavar="[MODEL]", required=False)
+@click.option("--once", is_flag=True, help="Listen for --duration, print one table, and end.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object a line, each --interval.")
+@click.option(
+    "--interval",
+    type=click.FloatRange(0.1, 3600),
+    default=1.0,
+    show_default=True,
+    help="Seconds from one look to the next.",
+)
+@click.option(
+    "--duration",
+    type=click.FloatRange(0.1, 3600),
+    default=5.0,
+    show_default=True,
+    help="Seconds to listen with --once.",
+)
+@network_options
+@transport_options
+def command(
+    model: str | None,
+    once: bool,
+    as_json: bool,
+    interval: float,
+    duration: float,
+    models: tuple[str, ...],
+    **network: Any,
+) -> None:
+    """Watch a running system: connections of bridges, and JAUS components.
+
+    Connections are those that bridges tell of on /diagnostics, with rate, age, latency, losses and
+    peers; it needs ROS 2 here. JAUS components are asked for their states and controllers, at most
+    once a second. Nothing is commanded, and no control is taken. What a MODEL declares and nobody
+    tells of is shown as "not heard"; with it the last messages of a connection can be shown.
+
+    Keys: arrows, / filter, s or 1 to 9 sort, r reverse, enter details, q end.
+
+    Exit status of --once: 0 all is well, 1 something is in WARN or STALE, or could not be heard,
+    2 something is in ERROR or not heard, or an option is wrong, 3 internal error.
+    """
+    from jausml.cli.operating import Settings, until_interrupted  # noqa: PLC0415
+
+    if not (once or as_json) and find_spec("textual") is None:
+        raise EnvironmentFault(
+            "the terminal view needs textual: pip install 'jausml[top]'; "
+            "--once and --json do without"
+        )
+    known = models if model is None else (*models, model)
+    settings = Settings(network_from(**network), known, timeout=1.0, as_json=as_json)
+    observation = _expected(model)
+    with ExitStack() as stack:
+        stack.enter_context(until_interrupted())
+        operator, ros = stack.enter_context(_sources(settings, observation))
+        if once:
+            time.sleep(duration)
+            _print(observation.state(), as_json=as_json)
+        elif as_json:
+            _print_each(observation, interval)
+        else:
+            _show(observation, operator, ros, interval)
+    if once:
+        raise click.exceptions.Exit(observation.state().weight)
+
+
+def _expected(model: str | None) -> Observation:
+    """Returns the observation of a system of which only the model is known yet."""
+    from jausml.live.systems.declared import components_of, declarations_of  # noqa: PLC0415
+    from jausml.live.systems.folding import expected  # noqa: PLC0415
+    from jausml.live.systems.observing import Observation  # noqa: PLC0415
+    from jausml.live.systems.state import SystemState  # noqa: PLC0415
+
+    if model is None:
+        return Observation(SystemState(time.monotonic()))
+    read = read_model(model)
+    return Observation(expected(declarations_of(read), components_of(read), time.monotonic()))
+
+
+@contextmanager
+def _sources(
+    settings: Settings, observation: Observation
+) -> Iterator[tuple[Operator | None, RosDiagnostics | None]]:
+    """Yields what listens and asks; one of both is enough.
+
+    Raises:
+        EnvironmentFault: There is neither ROS nor a network for JAUS.
+    """
+    from jausml.live.systems.observing import asking, listening  # noqa: PLC0415
+
+    with ExitStack() as stack:
+        ros = stack.enter_context(listening(observation))
+        operator = None
+        try:
+            operator = stack.enter_context(settings.operator())
+        except EnvironmentFault as error:
+            if ros is None:
+                raise
+            observation.take_source("JAUS", error.message)
+        else:
+            stack.enter_context(asking(observation, operator))
+        yield operator, ros
+
+
+def _print(state: SystemState, *, as_json: bool) -> None:
+    if as_json:
+        from jausml.cli.messages import to_json  # noqa: PLC0415
+        from jausml.live.systems.shown import as_values  # noqa: PLC0415
+
+        now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
+        click.echo(to_json({"time": now, **as_values(state)}))
+        return
+    from jausml.live.systems import tables  # noqa: PLC0415
+
+    numbers = [each.is_number for each in tables.COLUMNS]
+    rows = [tables.row(each) for each in tables.arranged(state, 0)]
+    _print_table([each.title for each in tables.COLUMNS], rows, numbers)
+    click.echo()
+    components = [tables.component_row(each) for each in state.components.values()]
+    _print_table(tables.COMPONENT_TITLES, sorted(components, key=_address), [])
+    click.echo()
+    click.echo(tables.summary(state))
+
+
+def _address(cells: Sequence[str]) -> list[int]:
+    return [int(part) for part in cells[1].split(".")]
+
+
+def _print_table(
+    titles: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[bool]
+) -> None:
+    lines = [titles, *rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    at_right = [*numbers, *[False] * (len(titles) - len(numbers))]
+    for line in lines:
+        cells = [
+            each.rjust(width) if right else each.ljust(width)
+            for each, width, right in zip(line, widths, at_right, strict=True)
+        ]
+        click.echo("  ".join(cells).rstrip())
+
+
+def _print_each(observation: Observation, interval: float) -> None:
+    while True:
+        time.sleep(interval)
+        _print(observation.state(), as_json=True)
+
+
+def _show(
+    observation: Observation,
+    operator: Operator | None,
+    ros: RosDiagnostics | None,
+    interval: float,
+) -> None:
+    from jausml.live.systems.looking import Looking  # noqa: PLC0415
+    from jausml.live.terminal.app import SystemView  # noqa: PLC0415 - needs textual
+
+    SystemView(observation.state, Looking(operator, ros), interval).run()

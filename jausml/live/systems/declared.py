@@ -1,0 +1,62 @@
+"""What a model promises of a running system: its connections and its components."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.live.systems.state import Declaration, TopicName
+from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.semantics.installed import package_of
+from jausml.semantics.topics import endpoints, resolve_topic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.model import Model
+
+
+def declarations_of(model: Model) -> Iterator[Declaration]:
+    """Yields the connections of a model, in model order.
+
+    Args:
+        model: A model without errors.
+    """
+    for owner in model.instances(bridge.Bridge, library=False):
+        topics: dict[object, list[TopicName]] = {}
+        for end in endpoints([owner]):
+            found = topics.setdefault(end.element.eContainer(), [])
+            found.append(TopicName(end.topic, _full_name(end.type)))
+        for connection in owner.bridgeConnections:
+            yield _declaration(owner, connection, tuple(topics.get(connection, ())))
+
+
+def components_of(model: Model) -> dict[str, str]:
+    """Returns the names of the components of a model, bridges included, by JAUS id.
+
+    Args:
+        model: A model without errors.
+    """
+    components = model.instances(jaus.Component, library=False)
+    return {str(each.address): str(each.name) for each in components if each.address}
+
+
+def _declaration(
+    owner: bridge.Bridge, connection: bridge.Connection, topics: tuple[TopicName, ...]
+) -> Declaration:
+    exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
+    is_periodic = exchange in ("periodicEvent", "query") and to_ros
+    return Declaration(
+        bridge=resolve_topic(str(owner.name), owner.namespace or "", ""),
+        name=str(connection.name),
+        jaus_id=str(owner.address),
+        rate=(connection.rate or owner.frequency or None) if is_periodic else None,
+        direction="to ROS" if to_ros else "to JAUS",
+        topics=topics,
+        message=str(connection.map.message.name),
+        is_report=exchange != "message",
+        peers=tuple(str(each.address) for each in connection.peers),
+    )
+
+
+def _full_name(kind: ros.MessageType) -> str:
+    return f"{package_of(kind)}/msg/{kind.name}"

@@ -1,0 +1,250 @@
+"""What is told of a system, folded into its state: pure functions from a state to the next.
+
+Folding in what is told touches whom it concerns alone; `fold_time` looks at everybody.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from jausml.live.systems.diagnostics import connection_of, cut
+from jausml.live.systems.state import (
+    HISTORY,
+    SILENCE,
+    ComponentState,
+    ConnectionState,
+    Declaration,
+    Level,
+    SystemState,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from jausml.live.systems.diagnostics import Status
+
+MOST_CONNECTIONS = 4096
+"""Connections that are kept; more are counted as ignored."""
+
+MOST_COMPONENTS = 1024
+"""Components that are kept; more are counted as ignored."""
+
+FORGOTTEN = 60.0
+"""Seconds after which a component that answers no more, and that no model has, is history."""
+
+_PERIODS = 3
+_UNANSWERED = 3
+_STATES = {
+    "READY": Level.OK,
+    "STANDBY": Level.OK,
+    "INITIALIZE": Level.WARNING,
+    "SHUTDOWN": Level.WARNING,
+    "EMERGENCY": Level.ERROR,
+    "FAILURE": Level.ERROR,
+}
+
+
+class Source(Enum):
+    """Where knowledge of a component comes from."""
+
+    ITSELF = "itself"
+    DISCOVERY = "Discovery"
+    NOBODY = "nobody"
+    """It was asked, and no answer came in time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a component tells of itself; None is what it does not tell this time.
+
+    Attributes:
+        address: Its JAUS id.
+        name: What it calls itself.
+        type: What it says that it is.
+        state: Name of its Management state.
+        controller: JAUS id of who controls it, empty when nobody does.
+        authority: Authority code of who controls it, else its default.
+        services: URN and version of what it provides.
+        round_trip: Seconds from a question to the answer.
+        source: Whether the component itself answers, another one speaks of it, or nobody answers.
+    """
+
+    address: str
+    name: str | None = None
+    type: str | None = None
+    state: str | None = None
+    controller: str | None = None
+    authority: int | None = None
+    services: tuple[str, ...] | None = None
+    round_trip: float | None = None
+    source: Source = Source.ITSELF
+
+
+def expected(
+    declarations: Iterable[Declaration], components: Mapping[str, str], now: float
+) -> SystemState:
+    """Returns the state of a system of which a model is known, and nothing was heard.
+
+    Args:
+        declarations: Connections of the model.
+        components: Names of the components of the model by JAUS id.
+        now: The time.
+    """
+    declared = tuple(declarations)
+    state = SystemState(
+        now,
+        {each.key: _unheard(each) for each in declared},
+        {
+            address: ComponentState(address, name, is_declared=True)
+            for address, name in components.items()
+        },
+        declarations=declared,
+    )
+    return fold_time(state, now)
+
+
+def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
+    """Returns the state after a source opened, or could not.
+
+    Args:
+        state: The state before.
+        source: `ROS` or `JAUS`.
+        fault: Why it cannot be heard, empty when it can.
+    """
+    return fold_time(replace(state, sources={**state.sources, source: fault}), state.now)
+
+
+def fold_statuses(state: SystemState, statuses: Iterable[Status], now: float) -> SystemState:
+    """Returns the state after a message of `/diagnostics`.
+
+    Args:
+        state: The state before.
+        statuses: What the message holds; what is not of a bridge of jausml is passed over.
+        now: When it came.
+    """
+    connections, ignored = dict(state.connections), state.ignored
+    for status in statuses:
+        told = connection_of(status, now)
+        if told is None:
+            continue
+        declaration = _declaration(state, told)
+        if told.key not in connections and len(connections) >= MOST_CONNECTIONS:
+            ignored += 1
+            continue
+        if declaration is not None:
+            placeholder = connections.get(declaration.key)
+            if placeholder is not None and placeholder.told is None:
+                del connections[declaration.key]
+        former = connections.get(told.key)
+        connections[told.key] = replace(_after(former, told, now), declaration=declaration)
+    return replace(state, now=max(now, state.now), connections=connections, ignored=ignored)
+
+
+def fold_answer(state: SystemState, answer: Answer, now: float) -> SystemState:
+    """Returns the state after a component told something.
+
+    Args:
+        state: The state before.
+        answer: What it told.
+        now: When it came.
+    """
+    former = state.components.get(answer.address)
+    if former is None:
+        if len(state.components) >= MOST_COMPONENTS:
+            return replace(state, ignored=state.ignored + 1)
+        former = ComponentState(answer.address)
+    unanswered = former.unanswered + (answer.source is Source.NOBODY)
+    is_live = answer.source is Source.ITSELF
+    told = replace(
+        former,
+        name=former.name if answer.name is None else cut(answer.name),
+        type=former.type if answer.type is None else cut(answer.type),
+        state=former.state if answer.state is None else cut(answer.state),
+        controller=former.controller if answer.controller is None else answer.controller,
+        authority=former.authority if answer.authority is None else answer.authority,
+        services=former.services if answer.services is None else answer.services,
+        round_trip=former.round_trip if answer.round_trip is None else answer.round_trip,
+        told=now if is_live else former.told,
+        unanswered=0 if is_live else unanswered,
+    )
+    components = {**state.components, answer.address: _judged_component(state, told)}
+    return replace(state, now=max(now, state.now), components=components)
+
+
+def fold_time(state: SystemState, now: float) -> SystemState:
+    """Returns the state at a time: who says nothing for long is not heard any more.
+
+    Args:
+        state: The state before.
+        now: The time; the state never goes back.
+    """
+    now = max(now, state.now)
+    connections = {}
+    for key, each in state.connections.items():
+        is_gone = each.told is not None and now - each.told > _patience(each)
+        if not (is_gone and each.concerns_bridge):
+            connections[key] = _judged(state, each, is_gone=is_gone)
+    components = {
+        address: _judged_component(state, each)
+        for address, each in state.components.items()
+        if each.is_declared or each.told is None or now - each.told < FORGOTTEN
+    }
+    return replace(state, now=now, connections=connections, components=components)
+
+
+def _unheard(declaration: Declaration) -> ConnectionState:
+    return ConnectionState(
+        declaration.bridge,
+        declaration.name,
+        declaration.jaus_id,
+        declared_rate=declaration.rate,
+        declaration=declaration,
+    )
+
+
+def _declaration(state: SystemState, told: ConnectionState) -> Declaration | None:
+    """Returns what the model says of a connection, whose bridge may have another name or id."""
+    node = told.bridge.rpartition("/")[2]
+    found = [each for each in state.declarations if each.name == told.name]
+    same_id = (each for each in found if each.jaus_id == told.jaus_id)
+    same_node = (each for each in found if each.bridge.rpartition("/")[2] == node)
+    return next(same_id, None) or next(same_node, None)
+
+
+def _after(former: ConnectionState | None, told: ConnectionState, now: float) -> ConnectionState:
+    history = former.history if former is not None else ()
+    if told.rate is not None:
+        history = (*history, told.rate)[-HISTORY:]
+    before = former.told if former is not None else None
+    return replace(told, history=history, period=0.0 if before is None else now - before)
+
+
+def _patience(connection: ConnectionState) -> float:
+    return max(SILENCE, _PERIODS * connection.period)
+
+
+def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -> ConnectionState:
+    if is_gone:
+        reason = "its bridge says nothing any more"
+        return replace(connection, level=Level.NOT_HEARD, reason=reason, rate=None)
+    if connection.told is None:
+        fault = state.sources.get("ROS", "")
+        level = Level.UNKNOWN if fault else Level.NOT_HEARD
+        return replace(connection, level=level, reason=fault or "no bridge tells of it")
+    return connection
+
+
+def _judged_component(state: SystemState, component: ComponentState) -> ComponentState:
+    gone = Level.NOT_HEARD if component.is_declared else Level.STALE
+    if component.told is None:
+        fault = state.sources.get("JAUS", "")
+        level = Level.UNKNOWN if fault else gone
+        return replace(component, level=level, reason=fault or "does not answer")
+    if component.unanswered >= _UNANSWERED:
+        return replace(component, level=gone, reason="does not answer any more")
+    if not component.state:
+        return replace(component, level=Level.OK, reason="tells no state")
+    level = _STATES.get(component.state, Level.WARNING)
+    return replace(component, level=level, reason=f"is in {component.state}")

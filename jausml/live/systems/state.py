@@ -1,0 +1,211 @@
+"""State of a running system: what was heard of its connections and components, as values.
+
+Nothing here knows ROS, sockets or threads. Times are those of one steady clock, in seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+HISTORY = 120
+"""Latest rates of a connection that are kept."""
+
+SILENCE = 5.0
+"""Seconds after which who says nothing counts as gone, if it does not speak more seldom."""
+
+
+class Level(Enum):
+    """How well it goes."""
+
+    OK = "ok"
+    UNKNOWN = "unknown"
+    """Nobody could tell: a source is missing."""
+    STALE = "stale"
+    """Nothing stands: the source has not begun, or is lost."""
+    WARNING = "warning"
+    NOT_HEARD = "not heard"
+    """Whoever ought to report says nothing."""
+    ERROR = "error"
+
+    @property
+    def weight(self) -> int:
+        """0 when all is well, 1 for what one should look at, 2 for what does not work."""
+        if self is Level.OK:
+            return 0
+        return 2 if self in (Level.NOT_HEARD, Level.ERROR) else 1
+
+
+@dataclass(frozen=True, slots=True)
+class TopicName:
+    """A ROS topic of a connection, as its model names it.
+
+    Attributes:
+        name: Full name.
+        type: Its type, such as `std_msgs/msg/Float64`.
+    """
+
+    name: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """What a model says of a connection.
+
+    Attributes:
+        bridge: Full name of the node of its bridge.
+        name: Name of the connection.
+        jaus_id: JAUS id of the bridge.
+        rate: Messages each second that it promises, None when it promises none.
+        direction: `to ROS` or `to JAUS`.
+        topics: Its ROS topics, joined ones included.
+        message: Name of the JAUS message.
+        is_report: Whether the message is a report, which can be asked for.
+        peers: JAUS ids of the components at the other end, as far as the model names them.
+    """
+
+    bridge: str
+    name: str
+    jaus_id: str
+    rate: float | None
+    direction: str
+    topics: tuple[TopicName, ...]
+    message: str
+    is_report: bool
+    peers: tuple[str, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Bridge and name."""
+        return self.bridge, self.name
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionState:
+    """A connection of a bridge.
+
+    Attributes:
+        bridge: Full name of the node of its bridge.
+        name: Name of the connection; `jaus id` and `jaus socket` concern the bridge.
+        jaus_id: JAUS id of the bridge.
+        level: How well it goes.
+        reason: Why so, in a few words.
+        rate: Messages each second since the status before, None when unknown.
+        declared_rate: Messages each second that the model promises, None when it promises none.
+        age: Seconds since its last message when its bridge told of it, None when there was none.
+        told: When its bridge last told of it, None when it never did.
+        period: Seconds between its last two statuses, 0 before there were two.
+        drops: What was lost, by reason.
+        latency: Measured latency in microseconds by name, such as `in the bridge p99`.
+        peers: The other ends and how it stands with them.
+        values: All names and values of the last status, as they came.
+        history: Latest rates, oldest first.
+        concerns_bridge: Whether it is told only while there is something to tell.
+        declaration: What the model says of it.
+    """
+
+    bridge: str
+    name: str
+    jaus_id: str = ""
+    level: Level = Level.NOT_HEARD
+    reason: str = ""
+    rate: float | None = None
+    declared_rate: float | None = None
+    age: float | None = None
+    told: float | None = None
+    period: float = 0.0
+    drops: Mapping[str, int] = field(default_factory=dict)
+    latency: Mapping[str, float] = field(default_factory=dict)
+    peers: Mapping[str, str] = field(default_factory=dict)
+    values: tuple[tuple[str, str], ...] = ()
+    history: tuple[float, ...] = ()
+    concerns_bridge: bool = False
+    declaration: Declaration | None = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Bridge and name."""
+        return self.bridge, self.name
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were lost in all."""
+        return sum(self.drops.values())
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentState:
+    """A JAUS component.
+
+    Attributes:
+        address: Its JAUS id.
+        name: What it calls itself, or the model calls it.
+        type: What it says that it is, such as `vehicle`.
+        level: How well it goes.
+        reason: Why so, in a few words.
+        state: Management state such as `READY`, empty when it tells none.
+        controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
+        authority: Authority code of who controls it, else its default; None when unknown.
+        services: URN and version of what it provides.
+        round_trip: Seconds of its last answer, None before the first one.
+        told: When it last answered, None when it never did.
+        unanswered: Questions in a row that it did not answer.
+        is_declared: Whether the model has it.
+    """
+
+    address: str
+    name: str = ""
+    type: str = ""
+    level: Level = Level.NOT_HEARD
+    reason: str = ""
+    state: str = ""
+    controller: str | None = None
+    authority: int | None = None
+    services: tuple[str, ...] = ()
+    round_trip: float | None = None
+    told: float | None = None
+    unanswered: int = 0
+    is_declared: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SystemState:
+    """A running system at one time.
+
+    Attributes:
+        now: The time.
+        connections: By bridge and name.
+        components: By JAUS id.
+        sources: Of `ROS` and `JAUS`, why it cannot be heard; empty while it is.
+        declarations: What the model promises.
+        ignored: Statuses and components for which there was no room.
+    """
+
+    now: float = 0.0
+    connections: Mapping[tuple[str, str], ConnectionState] = field(default_factory=dict)
+    components: Mapping[str, ComponentState] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    declarations: tuple[Declaration, ...] = ()
+    ignored: int = 0
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether anybody has said anything."""
+        return any(each.told is not None for each in self._parts())
+
+    @property
+    def weight(self) -> int:
+        """0 when all is well, 1 with something to look at, 2 with something that does not work.
+
+        It is 2 as well when nobody was heard.
+        """
+        return max(each.level.weight for each in self._parts()) if self.is_heard else 2
+
+    def _parts(self) -> Iterator[ConnectionState | ComponentState]:
+        yield from self.connections.values()
+        yield from self.components.values()

@@ -1,0 +1,192 @@
+"""Connections and components as cells of tables: texts, orders and filters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.peers.rendering import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
+
+_BARS = "▁▂▃▄▅▆▇█"
+LONGEST_CELL = 48
+"""Characters of a cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the connections.
+
+    Attributes:
+        title: What stands above it.
+        text: Returns the cell of a connection.
+        order: Returns what the connection is sorted by; None is last in either order.
+        is_number: Whether it stands at the right, and the greatest comes first.
+    """
+
+    title: str
+    text: Callable[[ConnectionState], str]
+    order: Callable[[ConnectionState], Any]
+    is_number: bool = False
+
+
+def shown_name(connection: ConnectionState) -> str:
+    """Returns bridge and name of a connection in one text."""
+    return f"{connection.bridge.lstrip('/')} {connection.name}"
+
+
+def sparkline(history: Sequence[float], declared: float | None, width: int = 12) -> str:
+    """Returns the latest rates as bars, of which the highest is the greatest or declared rate.
+
+    Args:
+        history: The rates, oldest first.
+        declared: The declared rate, None without one.
+        width: Most bars.
+    """
+    latest = history[-width:]
+    top = max([*latest, declared or 0.0], default=0.0)
+    if top <= 0:
+        return _BARS[0] * len(latest)
+    return "".join(_BARS[min(7, max(0, int(each / top * 7.999)))] for each in latest)
+
+
+def cell(text: str, most: int = LONGEST_CELL) -> str:
+    """Returns text of others as a cell: no control characters, and not too long.
+
+    Args:
+        text: The text.
+        most: Most characters.
+    """
+    clean = printable(text[: most + 1])
+    return clean if len(clean) <= most else clean[: most - 1] + "…"
+
+
+def _figure(value: float | None, digits: int = 1) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def _latency(connection: ConnectionState) -> str:
+    parts = [connection.latency.get(f"in the bridge {each}") for each in ("p50", "p99")]
+    return "" if None in parts else "/".join(f"{each / 1e3:.2f}" for each in parts if each)
+
+
+def _drops(connection: ConnectionState) -> str:
+    if not connection.drops:
+        return "" if connection.told is None else "0"
+    reason, count = max(connection.drops.items(), key=lambda each: each[1])
+    more = "" if count == connection.dropped else "…"
+    return f"{connection.dropped} {reason}{more}"
+
+
+def _peers(connection: ConnectionState) -> str:
+    return ", ".join(
+        f"{key.removeprefix('peer ')} {value}" for key, value in connection.peers.items()
+    )
+
+
+COLUMNS = (
+    Column("state", lambda each: each.level.value, lambda each: -each.level.weight),
+    Column("connection", shown_name, shown_name),
+    Column("Hz", lambda each: _figure(each.rate), lambda each: each.rate, is_number=True),
+    Column(
+        "declared",
+        lambda each: _figure(each.declared_rate),
+        lambda each: each.declared_rate,
+        is_number=True,
+    ),
+    Column(
+        "age s",
+        lambda each: _figure(each.age),
+        lambda each: each.age,
+        is_number=True,
+    ),
+    Column(
+        "p50/p99 ms",
+        _latency,
+        lambda each: each.latency.get("in the bridge p99"),
+        is_number=True,
+    ),
+    Column(
+        "lost",
+        _drops,
+        lambda each: each.dropped if each.told is not None else None,
+        is_number=True,
+    ),
+    Column("peers", _peers, lambda each: _peers(each) or None),
+    Column("reason", lambda each: each.reason, lambda each: each.reason or None),
+)
+"""The columns of the table of connections."""
+
+COMPONENT_TITLES = ("state", "component", "name", "management", "controlled by", "ms", "reason")
+"""The columns of the table of components."""
+
+
+def arranged(
+    state: SystemState, column: int, wanted: str = "", *, is_reversed: bool = False
+) -> list[ConnectionState]:
+    """Returns the connections whose names hold a text, in the order of a column.
+
+    Args:
+        state: The state.
+        column: Index of the column.
+        wanted: The text, in any case; several words must all be there.
+        is_reversed: The other way round.
+    """
+    words = wanted.casefold().split()
+    found = sorted(
+        (
+            each
+            for each in state.connections.values()
+            if all(word in shown_name(each).casefold() for word in words)
+        ),
+        key=shown_name,
+    )
+    order = COLUMNS[column].order
+    present = [each for each in found if order(each) is not None]
+    absent = [each for each in found if order(each) is None]
+    present.sort(key=order, reverse=COLUMNS[column].is_number is not is_reversed)
+    return present + absent
+
+
+def row(connection: ConnectionState) -> list[str]:
+    """Returns the cells of a connection, in the order of `COLUMNS`."""
+    return [cell(column.text(connection)) for column in COLUMNS]
+
+
+def component_row(component: ComponentState) -> list[str]:
+    """Returns the cells of a component, in the order of `COMPONENT_TITLES`."""
+    trip = component.round_trip
+    return [
+        component.level.value,
+        component.address,
+        cell(component.name),
+        cell(component.state or "-"),
+        cell(_control(component)),
+        "" if trip is None else f"{trip * 1e3:.1f}",
+        cell(component.reason),
+    ]
+
+
+def _control(component: ComponentState) -> str:
+    if component.controller is None:
+        return "-"
+    if not component.controller:
+        return "nobody"
+    return f"{component.controller} (authority {component.authority})"
+
+
+def summary(state: SystemState) -> str:
+    """Returns in one line how the system is."""
+    weight = state.weight
+    if not state.is_heard:
+        words = "nothing is heard"
+    else:
+        words = ("all is well", "look at the warnings", "something does not work")[weight]
+    counts = f"{len(state.connections)} connections, {len(state.components)} components"
+    faults = [f"{name}: {cell(fault, 200)}" for name, fault in state.sources.items() if fault]
+    ignored = [f"{state.ignored} ignored"] if state.ignored else []
+    return "; ".join([f"{words}; {counts}", *ignored, *faults])

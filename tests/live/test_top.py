@@ -1,0 +1,225 @@
+"""`jausml top` beside a generated bridge, a vehicle and a ROS node."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.cli.messages import open_catalogue, read_model
+from jausml.live.peers.network import make_network
+from jausml.live.peers.operator import running_operator
+from jausml.live.systems.declared import components_of, declarations_of
+from jausml.live.systems.folding import expected
+from jausml.live.systems.looking import Looking
+from jausml.live.systems.observing import Observation, asking, listening
+from jausml.runtime.base.address import JausAddress
+
+from .bridge_support import MODEL, Process, RosPeer, free_port, generate, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+VEHICLE = str(Path(__file__).resolve().parent / "bridge_vehicle.py")
+TARGET = JausAddress(10, 1, 1)
+HIDDEN = "import sys; sys.modules['rclpy'] = None; from jausml.cli import main; main()"
+EVIL = "\x1b[2J\x1b]0;title\x07[red]\u202e"
+
+
+class System:
+    """A bridge, a vehicle, and a node of the test."""
+
+    def __init__(self, path, logs):
+        self.path, self.logs, self.port = path, logs, free_port()
+        self.processes = []
+        self.ros = RosPeer()
+        self.start("-m", "loop_bridge.main", "--jaus-port", str(self.port))
+        self.vehicle = self.start_vehicle()
+
+    def start_vehicle(self):
+        return self.start(VEHICLE, "--address", "10.1.1", "--jaus-port", str(self.port))
+
+    def start(self, *arguments):
+        process = Process(list(arguments), self.path, self.logs / f"{len(self.processes)}.log")
+        self.processes.append(process)
+        return process
+
+    def top(self, *arguments):
+        """Starts `jausml top --json`."""
+        words = (*map(str, arguments), "--port", str(self.port))
+        return self.start("-m", "jausml", "top", "--json", "--interval", "0.2", *words)
+
+    def once(self, *arguments, program=("-m", "jausml")):
+        """Runs `jausml top --once` and returns how it ended."""
+        words = ("top", "--once", *map(str, arguments), "--port", str(self.port))
+        line = [sys.executable, *program, *words]
+        return subprocess.run(line, capture_output=True, text=True, timeout=60)
+
+    def network(self):
+        return make_network("65000.1.77", "127.0.0.1", self.port, "239.255.0.1", [])
+
+    def close(self):
+        for process in self.processes:
+            process.close()
+        self.ros.close()
+        for process in self.processes:
+            sys.stderr.write(process.log.read_text())
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 23) % 90))
+        path = generate(tmp_path_factory.mktemp("workspace"))
+        started = System(path, tmp_path_factory.mktemp("logs"))
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def watched(system):
+    """`jausml top --json` with the model."""
+    process = system.top(MODEL)
+    yield process
+    process.stop()
+
+
+def latest(process, kind, name):
+    """What was last told of a connection or component."""
+    if not process.facts:
+        return None
+    label = "connection" if kind == "connections" else "id"
+    return next((each for each in process.facts[-1][kind] if each[label] == name), None)
+
+
+def becomes(process, kind, name, *, present=(), **wanted):
+    """Waits until a connection or component is told of with some values, and others not 0."""
+
+    def told():
+        found = latest(process, kind, name)
+        is_told = found and wanted.items() <= found.items()
+        return found if is_told and all(found[each] for each in present) else None
+
+    return wait_for(told, f"{name} {wanted}", 40.0)
+
+
+def test_rates_peers_states_and_controllers(watched):
+    odometry = becomes(watched, "connections", "odometry", present=["rate"], reason="running")
+    assert (odometry["level"], odometry["declared_rate"]) == ("ok", 20.0)
+    assert odometry["history"][-1] == odometry["rate"]
+    assert odometry["peers"] == {"peer 10.1.1": "confirmed"}
+    assert odometry["model"]["message"] == "ReportVelocityState"
+    wanted = {"state": "READY", "controller": "10.1.9"}
+    vehicle = becomes(watched, "components", "10.1.1", present=["round_trip_ms"], **wanted)
+    assert (vehicle["level"], vehicle["name"]) == ("ok", "vehicle")
+    # Nobody commands, and the trailer and the operator of the model do not run.
+    becomes(watched, "connections", "cruise", level="stale", reason="no message yet")
+    becomes(watched, "components", "10.1.2", level="not heard")
+    assert watched.facts[-1]["health"] == "error"
+
+
+def test_control_that_is_lost_is_shown(system, watched):
+    becomes(watched, "components", "10.1.1", controller="10.1.9")
+    with running_operator(system.network(), open_catalogue(())) as operator:
+        operator.control(TARGET, 255)
+        told = becomes(watched, "components", "10.1.1", controller="65000.1.77")
+        assert told["authority"] == 255
+        drive = wait_for(
+            lambda: (
+                (found := latest(watched, "connections", "drive"))
+                and found["peers"].get("peer 10.1.1", "ready") != "ready"
+                and found
+            ),
+            "loss of control",
+        )
+        assert drive["level"] == "stale"
+    becomes(watched, "components", "10.1.1", controller="10.1.9", state="READY")
+
+
+def test_a_source_that_falls_silent_and_comes_back(system, watched):
+    becomes(watched, "connections", "odometry", level="ok")
+    system.vehicle.kill()
+    becomes(watched, "connections", "odometry", level="stale", reason="the source is silent")
+    becomes(watched, "components", "10.1.1", level="not heard")
+    system.vehicle = system.start_vehicle()
+    becomes(watched, "components", "10.1.1", level="ok")
+    becomes(watched, "connections", "odometry", level="ok")
+
+
+def test_one_table_for_ci(system):
+    result = system.once(MODEL)
+    assert result.returncode == 2, result.stderr  # the trailer does not run
+    odometry = next(line for line in result.stdout.splitlines() if "odometry" in line)
+    assert "10.1.1 confirmed" in odometry
+    assert "something does not work" in result.stdout
+    without_model = system.once()
+    assert without_model.returncode == 1, without_model.stdout  # nobody commands: stale
+    assert "look at the warnings" in without_model.stdout
+
+
+def test_with_rclpy_hidden_jaus_alone_is_shown(system):
+    result = system.once(program=("-c", HIDDEN))
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "no ROS here" in result.stdout
+    assert "odometry" not in result.stdout
+    assert "READY" in next(line for line in result.stdout.splitlines() if " 10.1.1 " in line)
+
+
+def test_a_hostile_status_is_data(system):
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+    values = [KeyValue(key="declared rate (Hz)", value="1e999"), KeyValue(key=EVIL, value=EVIL)]
+    values += [KeyValue(key=f"dropped: {EVIL}", value="9" * 5000)] * 300
+    hostile = DiagnosticStatus(
+        level=b"\x2a", name=f"/{EVIL}: {EVIL}", message=EVIL * 9000, hardware_id="9.9.9"
+    )
+    hostile.values = values
+    other = DiagnosticStatus(level=b"\x02", name="battery", message="low")
+    process = system.top()
+    becomes(process, "connections", "odometry", level="ok")
+    publisher = system.ros.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+    wait_for(lambda: publisher.get_subscription_count() > 0, "top")
+    publisher.publish(DiagnosticArray(status=[hostile, other]))
+    told = becomes(process, "connections", EVIL, level="error", jaus_id="9.9.9")
+    assert len(told["values"]) < 300
+    assert told["drops"] == {}
+    assert told["declared_rate"] is None
+    assert process.popen.poll() is None
+    assert process.stop() == 0
+    assert not [each for each in process.facts[-1]["connections"] if "battery" in each["bridge"]]
+
+
+def test_the_last_message_on_both_sides(system):
+    model = read_model(str(MODEL))
+    observation = Observation(expected(declarations_of(model), components_of(model), 0.0))
+    catalogue = open_catalogue([str(MODEL)])
+    before = system.ros.node.count_subscribers("/odometry")
+    with (
+        running_operator(system.network(), catalogue, timeout=1.0) as operator,
+        listening(observation) as ros,
+        asking(observation, operator),
+    ):
+        looking = Looking(operator, ros)
+
+        def at(name):
+            return looking.at(observation.state().connections["/loop_bridge", name])
+
+        wait_for(lambda: observation.state().connections["/loop_bridge", "odometry"].told, "status")
+        wait_for(lambda: any("linear:" in line for line in at("odometry")[0]), "Odometry")
+        wait_for(lambda: any("Velocity_X: 2" in line for line in at("odometry")[1]), "report")
+        assert system.ros.node.count_subscribers("/odometry") == before + 1
+        _, jaus = at("drive")
+        assert "not observable" in jaus[0]
+        wait_for(
+            lambda: system.ros.node.count_subscribers("/odometry") == before, "end of the look"
+        )
+        looking.close()

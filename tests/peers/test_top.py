@@ -1,0 +1,110 @@
+"""`jausml top` with JAUS alone: there is no rclpy where these tests look."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+
+import pytest
+
+from jausml.live.peers.operator import running_operator
+from jausml.live.systems.jaus_observer import ROUND
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import CreateEvent, QueryControl, QueryStatus, RequestControl
+
+MODEL = """\
+import `jaus.mobility`
+speed {
+  JAUS ReportVelocityState
+  ROS std_msgs/Float64
+  JAUS->ROS ( Velocity_X -> data )
+}
+component rover { address: 100.1.1  provides: VelocityStateSensor }
+bridge speeds {
+  address: 100.1.2
+  connection speed { map: speed  exchange: everyChangeEvent  peers: rover  topic speed {} }
+}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _no_ros(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+
+
+@pytest.mark.ports
+def test_components_are_shown_without_ros(jausml, component, network, catalogue):
+    component()
+    with running_operator(network, catalogue) as operator:
+        operator.control(JausAddress(100, 1, 1), 200)
+        result = jausml("top", "--once", "--duration", "2.5")
+    assert result.exit_code == 0, result.output
+    table = result.stdout
+    (line,) = [line for line in table.splitlines() if " 100.1.1 " in line]
+    assert "target" in line
+    assert "STANDBY" in line
+    assert "65000.1.1 (authority 200)" in line
+    assert "no ROS here" in table
+
+
+@pytest.mark.ports
+def test_observing_asks_little_and_takes_nothing(jausml, component):
+    target, questions, others = component(), [], []
+    for query in (QueryStatus, QueryControl):
+        target.on_message(query, lambda message, _: questions.append(type(message)))
+    for message in (RequestControl, CreateEvent):
+        target.on_message(message, lambda message, _: others.append(message))
+    begin = time.monotonic()
+    result = jausml("top", "--once", "--duration", "3.5")
+    rounds = (time.monotonic() - begin) / ROUND + 1
+    assert result.exit_code == 0, result.output
+    assert 1 <= questions.count(QueryStatus) <= rounds
+    assert 1 <= questions.count(QueryControl) <= rounds
+    assert others == []
+
+
+@pytest.mark.ports
+def test_what_a_model_declares_is_not_heard(jausml, component, tmp_path):
+    model = tmp_path / "speed.ros2jaus"
+    model.write_text(MODEL)
+    component()
+    result = jausml("top", model, "--once", "--json", "--duration", "2.5")
+    assert result.exit_code == 2, result.output
+    found = json.loads(result.stdout)
+    levels = {each["id"]: each["level"] for each in found["components"]}
+    assert levels == {"100.1.1": "ok", "100.1.2": "not heard"}
+    (speed,) = found["connections"]
+    assert (speed["connection"], speed["level"]) == ("speed", "unknown")
+    assert "no ROS here" in speed["reason"]
+    assert speed["model"]["topics"] == {"/speed": "std_msgs/msg/Float64"}
+    assert found["health"] == "error"
+
+
+@pytest.mark.ports
+def test_nothing_heard_is_exit_status_2(jausml):
+    result = jausml("top", "--once", "--duration", "0.3")
+    assert result.exit_code == 2
+    assert "nothing is heard" in result.stdout
+
+
+@pytest.mark.ports
+def test_neither_ros_nor_a_network_is_an_error(jausml):
+    result = jausml("top", "--once", "--interface", "203.0.113.7")
+    assert result.exit_code == 2
+    assert "the network cannot be used" in result.stderr
+
+
+def test_a_model_with_errors_is_refused(jausml, tmp_path):
+    model = tmp_path / "bad.xmi"
+    model.write_text("<nothing/>")
+    result = jausml("top", model, "--once")
+    assert result.exit_code == 1
+    assert "jausml validate" in result.stderr
+
+
+def test_without_its_extra_it_says_so(jausml, monkeypatch):
+    monkeypatch.setitem(sys.modules, "textual", None)
+    result = jausml("top")
+    assert result.exit_code == 2
+    assert "pip install 'jausml[top]'" in result.stderr
