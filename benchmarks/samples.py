@@ -62,7 +62,9 @@ def jaus_fields(kind: str) -> dict[str, Any]:
             beams = [{"value": 5 + 4 * math.sin(0.1 * n)} for n in range(360)]
             return {**_TIME, "start": -math.pi, "step": math.tau / 360, "distances": beams}
         case "path":
-            poses = [{**_POSITION, **_ANGLES, "x": 0.5 * n} for n in range(100)]
+            poses = [
+                {**_POSITION, **_ANGLES, "x": 0.5 * n, "yaw": 0.03 * n - 1.5} for n in range(100)
+            ]
             return {**_TIME, "poses": poses}
     width, height = _GRIDS[kind]
     cells = [{"value": 254 * (n % 101) // 100} for n in range(width * height)]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
+import re
 import struct
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -13,10 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.generators.assignment_support import generated
+from tests.generators.flat_forms import check, forms, outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from tests.generators.assignment_support import Generated
 
 TEXT = """
@@ -115,40 +114,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
 
 def test_text_is_clean(made: Generated) -> None:
     made.check_text()
-
-
-def forms(made: Generated, name: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The flat and the readable translation of a connection, both on bytes."""
-    method = getattr(type(made.bridge), f"translate_{name}")
-    flat = method.transcoder(made.bridge, getattr(made.bridge, name))
-    readable = getattr(made.bridge, f"translate_{name}")
-    base = vars(__import__(f"{made.package}.{made.package}_base", fromlist=["*"]))
-    kind = method.__annotations__["source"]
-    source = base.get(kind) or getattr(made.messages, kind)
-    if name.endswith("up"):
-        return flat, lambda data: readable(source.decode(data)).to_cdr()
-    return flat, lambda data: readable(source.from_cdr(data)).encode()
-
-
-def outcome(made: Generated, name: str, translate: Callable[..., Any], data: bytes) -> Any:
-    """What becomes of bytes: the result or the error, and what the limits counted."""
-    counts = getattr(made.bridge, name).statistics.out_of_range
-    counts.clear()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            result = translate(data)
-    except made.error("JausError") as error:
-        result = type(error), str(error)
-    return result, dict(counts)
-
-
-def check(made: Generated, name: str, data: bytes) -> Any:
-    """Both forms make the same; returns it."""
-    flat, readable = forms(made, name)
-    found = outcome(made, name, flat, data)
-    assert found == outcome(made, name, readable, data)
-    return found[0]
 
 
 def scan(order: str, values: list[float]) -> bytes:
@@ -312,7 +277,10 @@ def test_package_needs_numpy(made: Generated) -> None:
 
 def test_rows_that_lie_alike_are_read_at_once(made: Generated) -> None:
     text = made.artifacts["flat_lists/flat_lists/transcoders.py"].text
-    assert '= CdrRows("xi", "xI", "s", "d", "d", "d", "xd", "xd", "xd", "xd")' in text
+    names = '("position_x", "position_y", "position_z")'
+    fields = ('"xi"', '"xI"', '"s"', *['"d"'] * 3, *['"xd"'] * 4)
+    written = re.sub(r"\s+", " ", text).replace("( ", "(").replace(", )", ")")
+    assert f"= CdrRecordRows({names}, {', '.join(fields)})" in written
     rows = importlib.import_module("jausml_runtime").CdrRows("xi", "xI", "s", "d", "xd")
     element = struct.pack("<iII5s3xxxxxdd", 1, 2, 5, b"odom\0", 2.5, 3.5)
     assert len(element) == 40

@@ -142,15 +142,27 @@ class CdrRows(dict["tuple[int, int, int]", "tuple[struct.Struct, int]"]):
             count: Number of elements, which is not zero.
             order: 0 for big endian, 1 for little endian.
         """
+        layout, end = self.alike(data, offset, size, count, order)
+        if layout is None:
+            return [], offset
+        return list(layout.iter_unpack(data[offset:end])), end
+
+    def alike(
+        self, data: bytes, offset: int, size: int, count: int, order: int
+    ) -> tuple[struct.Struct | None, int]:
+        """Returns the layout of each element, and where the last one ends.
+
+        There is none where they do not lie alike. The arguments are those of `read`.
+        """
         layout, place = self[offset - 4 & 7, size, order]
         end = offset + count * layout.size
         if layout.size & 7 or end > len(data):
-            return [], offset
+            return None, offset
         expected = struct.pack("<I" if order else ">I", size)
         for at, octet in enumerate(expected, offset + place):
             if data[at : end : layout.size].count(octet) != count:
-                return [], offset
-        return list(layout.iter_unpack(data[offset:end])), end
+                return None, offset
+        return layout, end
 
     def __missing__(self, key: tuple[int, int, int]) -> tuple[struct.Struct, int]:
         """Returns the layout of a size that was not seen before, and where the size stands."""

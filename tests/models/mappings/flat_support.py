@@ -42,7 +42,7 @@ def _field(field: Any, chance: Random) -> Any:
     array = field.arrayKind.name
     if array == "single":
         return _one(field, chance)
-    size = field.arraySize if array == "fixedArray" else chance.choice([0, 1, 2, 3, 5, 7])
+    size = field.arraySize if array == "fixedArray" else chance.choice([0, 1, 2, 3, 5, 7, 20])
     return [_one(field, chance) for _ in range(size)]
 
 

@@ -18,14 +18,14 @@ from jausml.generators.bridge.flat.cdr_layout import (
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.loops import loop_over
-from jausml.generators.bridge.flat.protocols import Numbers, Octets
-from jausml.generators.bridge.flat.vectors import dtype
+from jausml.generators.bridge.flat.protocols import Group, Numbers, Octets, Records
+from jausml.generators.bridge.flat.vectors import NUMBERS, dtype
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
-from jausml.generators.python.statements import call
+from jausml.generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.python.names import Scope
@@ -90,6 +90,7 @@ class CdrSequenceReading:
         self.leaf = leaf
         self.is_bytes = False
         self.is_array = False
+        self.are_records = False
         self.items = scope.claim(snake_case(leaf.path.rpartition(".")[2]))
         self.count = f"len({self.items})"
         leaves = element_leaves(leaf.field, "")
@@ -146,6 +147,36 @@ class CdrSequenceReading:
         """Returns the variable of the elements, which is an array of numpy."""
         self.is_array = True
         return self.items
+
+    @property
+    def asked(self) -> Iterable[str]:
+        """Local variables of the values that were asked for."""
+        return self.element.names.values()
+
+    def records(self) -> Records:
+        """Returns the elements as columns of those values that a loop asked for."""
+        numbers = {
+            self.element.names[leaf.path]: leaf.letter
+            for leaf in self.element.leaves.values()
+            if leaf.path in self.element.names and isinstance(leaf, Number)
+        }
+        if len(numbers) < len(self.element.names) or not set(numbers.values()) <= NUMBERS:
+            raise NotFlatError(f"{self.leaf.path} has more than numbers")
+        if self.letter:
+            (name,) = numbers
+            self.is_array = True
+            return Records(f"{self.count} >= LEAST", (), (Group(((name, self.items),)),))
+        inner = tuple(element_leaves(self.leaf.field, ""))
+        even = _even(inner)
+        if even.tail if even is not None else not _has_one_text(inner):
+            raise NotFlatError(f"{self.leaf.path} has elements that do not lie alike")
+        self.are_records = True
+        found = (Group(tuple((each, f"{self.items}[{python_string(each)}]") for each in numbers)),)
+        listed = (
+            f"if not isinstance({self.items}, list):",
+            f"{_STEP}{self.items} = {self.items}.tolist()",
+        )
+        return Records(f"not isinstance({self.items}, list)", (), found, listed)
 
     def vector(self) -> str:
         """Refuses what no end reads at once."""
@@ -373,13 +404,13 @@ class _Walk:
     ) -> None:
         element, items = reading.element, reading.items
         if even is None:
-            self._add(f"{items} = []")
+            self._add(f"{items}: Any = []" if reading.are_records else f"{items} = []")
             with self._loop():
                 self.read(inner, element)
                 self._flush()
                 targets = element.targets
                 self._add(f"{items}.append({targets if targets[:1] == '(' else f'({targets})'})")
-                self._read_alike(items, inner, element)
+                self._read_alike(reading, inner, element)
             return
         start = self._scope.claim("start")
         first = self._first(even)
@@ -405,29 +436,56 @@ class _Walk:
             self._add(f"{items} = [{reader}[order](data, each) for each in {steps}]")
         else:
             reader = walk.reader("iter_unpack")
-            self._add(f"{items} = list({reader}[order](data[{start}:offset]))")
+            rows = f"list({reader}[order](data[{start}:offset]))"
+            if reading.are_records:
+                kinds = walk.records(element)
+                records = f"numpy.frombuffer(data, {kinds}[order], count, {start})"
+                rows = f"{records} if count >= LEAST else {rows}"
+            self._add(f"{items}{': Any' if reading.are_records else ''} = {rows}")
 
-    def _read_alike(self, items: str, inner: Sequence[Leaf], element: _Wanted) -> None:
+    def _read_alike(
+        self, reading: CdrSequenceReading, inner: Sequence[Leaf], element: _Wanted
+    ) -> None:
         """Reads the elements behind the first at once, where they lie as it does."""
-        texts = [leaf for leaf in inner if isinstance(leaf, Text)]
-        is_plain = not any(isinstance(leaf, Many) for leaf in inner)
-        if len(texts) != 1 or not is_plain or texts[0].path in element.names or not element.names:
+        if not _has_one_text(inner) or not element.names:
             return
-        fields = []
+        fields, names = [], []
         for leaf in inner:
+            if isinstance(leaf, Text) and leaf.path in element.names:
+                return
             if isinstance(leaf, Number):
                 fields.append(leaf.letter if leaf.path in element.names else f"x{leaf.letter}")
+                names += [element.names[leaf.path]] if leaf.path in element.names else []
             else:
                 fields.append("s")
-        rows = self._constants.named("_ROWS", call("CdrRows", *map(python_string, fields)))
+        texts, items = [python_string(each) for each in fields], reading.items
         if self._place.code != "offset":
             self._add(f"offset = {self._place.code}")
         self._add(f"if len({items}) == 1 < count:")
-        self._add(f"{_STEP}alike, offset = {rows}.read(data, offset, size, count - 1, order)")
-        self._add(f"{_STEP}if alike:")
-        self._add(f"{_STEP * 2}{items} += alike")
+        if reading.are_records:
+            known = tuple_of(*map(python_string, names))
+            rows = self._constants.named("_ROWS", call("CdrRecordRows", known, *texts))
+            arguments = f"data, offset, size, {items}, count, order"
+            self._add(f"{_STEP}{items}, offset = {rows}.read_all({arguments})")
+            self._add(f"{_STEP}if len({items}) > 1:")
+        else:
+            rows = self._constants.named("_ROWS", call("CdrRows", *texts))
+            self._add(f"{_STEP}alike, offset = {rows}.read(data, offset, size, count - 1, order)")
+            self._add(f"{_STEP}if alike:")
+            self._add(f"{_STEP * 2}{items} += alike")
         self._add(f"{_STEP * 2}break")
         self._go_to("offset")
+
+    def records(self, element: _Wanted) -> str:
+        """Returns the name of the constant that has the types of what was laid out as records."""
+        names = [element.names[path] for path in element.leaves if path in element.names]
+        known = tuple_of(*map(python_string, names))
+        text = _packed_format(self._format)
+        kinds = [
+            call("record", self._constants.struct(f"{mark}{text}"), known, python_string(mark))
+            for mark in "><"
+        ]
+        return self._constants.named("_RECORDS", tuple_of(*kinds))
 
     def reader(self, method: str) -> str:
         """Returns the name of the constant that has a method of the structs of what was laid out.
@@ -485,6 +543,12 @@ def _even(inner: Sequence[Leaf]) -> _Even | None:
         place += -place % size + size
     tail = -place % sizes[0]
     return _Even(place + tail, sizes[0], tail)
+
+
+def _has_one_text(inner: Sequence[Leaf]) -> bool:
+    """Whether elements may lie alike: a text of one length, and numbers."""
+    kinds = [type(leaf) for leaf in inner]
+    return kinds.count(Text) == 1 and Many not in kinds
 
 
 def _packed_format(parts: Sequence[str]) -> str:

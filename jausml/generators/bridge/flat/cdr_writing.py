@@ -18,13 +18,15 @@ from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.limits import FINITE, SINGLE
 from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import bytes_literal
-from jausml.generators.bridge.flat.protocols import Numbers
+from jausml.generators.bridge.flat.protocols import Numbers, Place, Target
+from jausml.generators.bridge.flat.vectors import NUMBERS
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
+from jausml.generators.python.statements import call, tuple_of
 from jausml.metamodel.classes import ros
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.python.names import Scope
@@ -283,6 +285,8 @@ class CdrSequenceWriting:
         self.is_vector = False
         self.is_array = False
         self.is_sure = False
+        self.constants = constants
+        self.records = self.text = ""
         inner = tuple(_single(leaf.field, "", None))
         self.element = _Values(name, inner, constants, scope)
 
@@ -302,6 +306,34 @@ class CdrSequenceWriting:
         if limits is None:
             raise NotFlatError(f"{self.leaf.path} has no real numbers")
         return Numbers("", self.letter or "", "{}", *limits)
+
+    def columns(self, values: Mapping[str, str]) -> Target:
+        """Returns how elements are written whose values are columns."""
+        if self.letter is not None:
+            (variable,) = values.values()
+            return Target(self.rows, "", (Place(variable, "", _numbers(self.letter)),))
+        fields, places, texts = [], [], []
+        for leaf in self.element.leaves:
+            if isinstance(leaf, _Text):
+                code = values.get(leaf.path, python_string(leaf.default))
+                texts.append(code)
+                fields.append(tuple_of('""', '"s"', "0"))
+                continue
+            if not isinstance(leaf, _Number) or len(leaf.defaults) > 1:
+                raise NotFlatError(f"{self.leaf.path} has more than numbers")
+            code = values.get(leaf.path, leaf.defaults[0])
+            is_known = _literal(code) is not None
+            name = "" if is_known else snake_case(leaf.path.replace(".", "_"))
+            if name:
+                places.append(Place(code, name, _numbers(leaf.letter)))
+            usual = code if is_known else "0"
+            fields.append(tuple_of(python_string(name), python_string(leaf.letter), usual))
+        last = self.element.leaves[-1]
+        if len(texts) > 1 or not isinstance(last, _Number) or SIZES[last.letter] != 8:
+            raise NotFlatError(f"{self.leaf.path} has elements that do not lie alike")
+        self.records = self.constants.named("_RECORDS", call("CdrRecords", *fields))
+        self.text = "".join(f", {each}" for each in texts)
+        return Target(self.rows, f"{self.records}.make({{}}{self.text})", tuple(places))
 
     def take_array(self, *, is_sure: bool = False) -> str:
         """Returns the variable of the elements, which may be an array from now on."""
@@ -345,6 +377,19 @@ class CdrSequenceWriting:
             for path, given in self.element.values.items()
             if given.conditional or _literal(given.code) is None
         ]
+
+
+def _numbers(letter: str) -> Numbers:
+    """Returns numbers as structs take them; of double precision they take all."""
+    if letter == "d":
+        return Numbers("", letter)
+    if letter == "f":
+        return Numbers("", letter, "{}", *SINGLE)
+    if letter not in NUMBERS:
+        raise NotFlatError(f"{letter} has no columns")
+    bits = 8 * SIZES[letter]
+    least, most = (-(2 ** (bits - 1)), 2 ** (bits - 1)) if letter.islower() else (0, 2**bits)
+    return Numbers("", letter, "{}", str(least), str(most - 1), is_rounded=True)
 
 
 def _literal(code: str) -> object:
@@ -496,14 +541,21 @@ class _Walk:
         if _alignment(sequence.element.leaves[0]) == 8:
             start = Start(8, 0)
             gap = f"bytes(4 - len({self._out}) & 7)"
-            self.lines += [f"if {sequence.rows}:", f"{INDENT}{self._out} += {gap}"]
+            any_rows = f"isinstance({sequence.rows}, list) and {sequence.rows}"
+            test = any_rows if sequence.records else sequence.rows
+            self.lines += [f"if {test}:", f"{INDENT}{self._out} += {gap}"]
         inner = self._elements(values, start)
         if not inner.chunk.ends_at(start):
             inner = self._elements(values, Start(1, 0))
         inner.flush()
         targets = ", ".join(names[path] for path, _ in row)
-        self.lines += loop_over(sequence.rows, targets, "", self._scope)
-        self.lines += [INDENT + line for line in inner.lines]
+        loop = loop_over(sequence.rows, targets, "", self._scope)
+        loop += [INDENT + line for line in inner.lines]
+        if sequence.records:
+            put = f"{sequence.records}.put({sequence.rows}, {self._out}{sequence.text})"
+            head = f"if isinstance({sequence.rows}, list):"
+            loop = [head, *(INDENT + line for line in loop), "else:", INDENT + put]
+        self.lines += loop
         self.chunk = Chunk(start if inner.chunk.ends_at(start) else Start(1, 0))
         if start.modulus == 8:
             self.chunk = Chunk(Start(4, 0) if inner.chunk.ends_at(start) else Start(1, 0))

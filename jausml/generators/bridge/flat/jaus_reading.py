@@ -15,11 +15,12 @@ from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
 from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import sliced
-from jausml.generators.bridge.flat.protocols import Numbers, Octets
-from jausml.generators.bridge.flat.vectors import dtype
+from jausml.generators.bridge.flat.protocols import Group, Numbers, Octets, Records
+from jausml.generators.bridge.flat.vectors import NUMBERS, dtype
 from jausml.generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
+from jausml.generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -258,6 +259,7 @@ class JausSequence:
         rows: The variable of the values of each element, where one layout after a presence vector
             has them all; empty for other elements.
         row: That layout.
+        kind: The constant of their types as records; empty where no array has them.
         uses_begin: Whether the first of these was used.
         uses_end: Whether the second was.
     """
@@ -270,6 +272,8 @@ class JausSequence:
         self.end = around.scope.claim(f"{name}_end")
         self.rows = ""
         self.row: Block | None = None
+        self._block: Block | None = None
+        self.kind = ""
         self.uses_begin = False
         self.uses_end = False
         self.element = _Element(around, value.element, name)
@@ -285,17 +289,16 @@ class JausSequence:
         around = self._around
         element = self.element.wanted
         position = index or "_"
-        block = fixed_block(around, self.value.element, element)
-        if block is not None and block.targets:
+        block = self._fixed()
+        if block is not None:
             self.uses_begin, self.uses_end = True, self.uses_end or not most
             layout = block.layout(around.constants)
             end = f"{self.begin} + {block.size} * {most}" if most else self.end
             part = f"{self.begin} : {end}" if most else f"{self.begin}:{end}"
             rows = f"{layout}.iter_unpack({around.data}[{part}])"
             return self._loop(rows, block, index, body)
-        block = None if most else one_block(around, self.value.element, element)
-        if block is not None and block.vector == 0 and block.targets:
-            self.rows, self.row = around.scope.claim(f"{self.element.name}_rows"), block
+        block = None if most else self._rows()
+        if block is not None:
             return self._loop(self.rows, block, index, body)
         offset = around.scope.claim("offset")
         walk = _Walk(around, offset, 0, is_checked=True)
@@ -306,6 +309,56 @@ class JausSequence:
         start = [f"{offset} = {self.begin}"] if reads else []
         loop = f"for {position} in range({most or self.count}):"
         return [*start, loop, *indented([*reads, *body])]
+
+    def _fixed(self) -> Block | None:
+        """Returns an element as a block of fixed size; None where it is none."""
+        if self._block is None:
+            self._block = fixed_block(self._around, self.value.element, self.element.wanted)
+        return self._block if self._block is not None and self._block.targets else None
+
+    def _rows(self) -> Block | None:
+        """Returns an element as a block after a presence vector, which is read before the loop."""
+        if self.row is None:
+            block = one_block(self._around, self.value.element, self.element.wanted)
+            if block is None or block.vector != 0 or not block.targets:
+                return None
+            self.row = block
+            self.rows = self._around.scope.claim(f"{self.element.name}_rows")
+        return self.row
+
+    @property
+    def asked(self) -> list[str]:
+        """Local variables of the values that were asked for."""
+        return self.element.wanted.locals()
+
+    def records(self) -> Records:
+        """Returns the elements as columns of those values that a loop asked for."""
+        constants, scope = self._around.constants, self._around.scope
+        fixed = self._fixed()
+        block = fixed or self._rows()
+        if block is None:
+            raise NotFlatError("elements differ from one to the next")
+        slots = [slot for slot in block.slots if slot.local]
+        names = tuple_of(*(python_string(slot.local) for slot in slots))
+        wanted = [slot for slot in slots if block.vector is None or slot is not block.slots[0]]
+        if any(slot.then or slot.format not in NUMBERS for slot in slots):
+            raise NotFlatError("elements have more than numbers")
+        if fixed is None:
+            texts = (python_string(slot.local) for slot in slots)
+            value = call("PresenceRecords", block.layout(constants), *texts)
+            self.kind = constants.named("_RECORDS", value)
+            listed = (
+                f"if not isinstance({self.rows}, list):",
+                f"{INDENT}{self.rows} = {self.rows}.tolist()",
+            )
+            test = f"not isinstance({self.rows}, list)"
+            return Records(test, (), _groups(wanted, self.rows), listed)
+        self.uses_begin = True
+        kind = constants.named("_RECORD", f"record({block.layout(constants)}, {names})")
+        records = scope.claim("records")
+        place = f"{self._around.data}, {kind}, {self.count}, {self.begin}"
+        line = f"{records} = numpy.frombuffer({place})"
+        return Records(f"{self.count} >= LEAST", (line,), _groups(wanted, records))
 
     def _loop(self, rows: str, block: Block, index: str, body: Sequence[str]) -> list[str]:
         values = block.values()
@@ -381,6 +434,16 @@ class JausSequence:
         kind = {"b": "i", "h": "i", "i": "i", "q": "i", "f": "f", "d": "f"}.get(element.format, "u")
         dtype = python_string(f"<{kind}{element.size}")
         return f"numpy.frombuffer({self._around.data}, {dtype}, {self.count}, {self.begin})"
+
+
+def _groups(slots: Sequence[Slot], records: str) -> tuple[Group, ...]:
+    """Returns values as columns of records, by what is made of them."""
+    found: dict[str, tuple[tuple[str, str], ...]] = {}
+    for slot in slots:
+        value = re.sub(rf"\b{slot.local}\b", "{}", slot.value or slot.local)
+        column = slot.local, f"{records}[{python_string(slot.local)}]"
+        found[value] = (*found.get(value, ()), column)
+    return tuple(Group(columns, value) for value, columns in found.items())
 
 
 def octet_of(element: object) -> str | None:
@@ -806,7 +869,7 @@ class _Walk:
         if block is not None:
             self._move(f"{count} * {block.size}" if block.size != 1 else count)
         elif sequence is not None and sequence.row is not None:
-            self._rows(sequence.rows, sequence.row, count)
+            self._rows(sequence, sequence.row, count)
         else:
             inner = self._deeper()
             inner.value(value.element, _Wanted(), "item")
@@ -815,7 +878,7 @@ class _Walk:
         if sequence is not None and sequence.uses_end:
             self.lines.append(f"{sequence.end} = {self.at}")
 
-    def _rows(self, rows: str, block: Block, count: str) -> None:
+    def _rows(self, sequence: JausSequence, block: Block, count: str) -> None:
         """Reads elements with a presence vector, at once where all have the same."""
         scope, data, offset = self._around.scope, self._around.data, self._offset
         layouts = block.layout(self._around.constants)
@@ -830,11 +893,15 @@ class _Walk:
             every = f"{place} : {end} : {step}" if at else f"{place}:{end}:{step}"
             tests.append(f"{data}[{every}] == {first} * {count}")
         self.may_fail = True
+        rows, hint = sequence.rows, ": Any" if sequence.kind else ""
+        at_once = f"[*{layouts}[{vector}].iter_unpack({data}[{offset}:{end}])]"
+        if sequence.kind:
+            at_once = f"{sequence.kind}.read({data}, {offset}, {end}, {vector})"
         self.lines += [
             f"{step} = {layouts}[{vector}].size if {count} else 1",
             f"{end} = {offset} + {count} * {step}",
             f"if {count} and {' and '.join(tests)}:",
-            f"{INDENT}{rows} = [*{layouts}[{vector}].iter_unpack({data}[{offset}:{end}])]",
+            f"{INDENT}{rows}{hint} = {at_once}",
             f"{INDENT}{offset} = {end}",
             "else:",
             f"{INDENT}{rows} = []",

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import ast
+import struct
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_reading import number_of, octet_of
-from jausml.generators.bridge.flat.pieces import Bytes, Packed, Piece, joined
-from jausml.generators.bridge.flat.protocols import Numbers
+from jausml.generators.bridge.flat.pieces import Bytes, Packed, Piece, bytes_literal, joined
+from jausml.generators.bridge.flat.protocols import Numbers, Place, Target
+from jausml.generators.bridge.flat.vectors import NUMBERS
 from jausml.generators.bridge.flat.wire_items import (
     bit_field_item,
     default_item,
@@ -28,9 +31,10 @@ from jausml.generators.python.codec.compounds import (
     VariantValue,
 )
 from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
+from jausml.generators.python.statements import tuple_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.python.codec.members import Member
@@ -207,12 +211,11 @@ class JausSequenceWriting:
     def numbers(self) -> Numbers:
         """Returns what the elements are, when they are real numbers."""
         path, element = number_of(self.value.element)
-        if element.check == "scaled":
-            _, _, maximum = element.limits
-            position = scaled_position(element, "{}")
-            return Numbers(path, element.format, position, "0.0", maximum, is_rounded=True)
-        lower, upper = element.limits
-        return Numbers(path, element.format, "{}", lower, upper)
+        return replace(numbers_of(element), path=path)
+
+    def columns(self, values: Mapping[str, str]) -> Target:
+        """Returns how elements are written whose values are columns."""
+        return self.element.columns(values, self.name)
 
     def take_array(self, *, is_sure: bool = False) -> str:
         """Returns the variable of the elements, which may be an array from now on."""
@@ -243,6 +246,35 @@ class _ElementWriting(_Writing):
 
     def _root(self) -> Value:
         return self._element
+
+    def columns(self, values: Mapping[str, str], variable: str) -> Target:
+        """Returns how elements are written whose values are columns.
+
+        Args:
+            values: What has them, by path.
+            variable: What gets the records.
+        """
+        given = {path: _Given(code, conditional=False) for path, code in values.items()}
+        tree = _Tree(given, dict(self._tree.made))
+        block = _RecordBlock(self._message, self._constants, self._scope, tree, self._option)
+        block.value(self._element, "", variable)
+        block.check_all_used()
+        if block.lines or not all(isinstance(each, Packed) for each in block.pieces):
+            raise NotFlatError(f"{variable} has more than numbers")
+        pieces = [each for each in block.pieces if isinstance(each, Packed)]
+        layout, names, template = "<", [], b""
+        for piece in pieces:
+            is_column = piece.code in block.places
+            size = struct.calcsize(f"<{piece.letter}")
+            layout += piece.letter if is_column else f"{size}x"
+            names += [python_string(block.places[piece.code].name)] if is_column else []
+            number = 0 if is_column else _literal(piece.code)
+            template += struct.pack(f"<{piece.letter}", number)
+        kind = f"record({self._constants.struct(layout)}, {tuple_of(*names)})"
+        record = self._constants.named("_RECORD", kind)
+        usual = f"bytearray({bytes_literal(template)}) * {{}}"
+        made = f"numpy.frombuffer({usual}, {record})"
+        return Target(variable, made, tuple(block.places.values()))
 
     def lines(self) -> Sequence[str]:
         """Returns the statements that add the bytes of the element to those of the list."""
@@ -281,6 +313,7 @@ class _Block:
         self._tree = tree
         self._option = option
         self._used: set[str] = set()
+        self.places: dict[str, Place] = {}
         self.lines: list[str] = []
         self.pieces: list[Piece] = []
 
@@ -479,3 +512,59 @@ class _Block:
             raise NotFlatError(f"{path} is an array")
         for _ in range(value.count):
             self.value(value.element, path, attribute)
+
+
+class _RecordBlock(_Block):
+    """The pieces of an element whose values are columns.
+
+    Attributes:
+        places: Where each column is written.
+    """
+
+    def _fixed(self, value: Fixed, path: str, attribute: str, *, is_given: bool) -> None:
+        given = self._tree.values.get(path)
+        if given is None or not given.code.isidentifier():
+            super()._fixed(value, path, attribute, is_given=is_given)
+            return
+        self._used.add(path)
+        if given.code in self.places:
+            raise NotFlatError(f"{path} is the same as another field")
+        name = path.replace(".", "_") or attribute
+        self.places[given.code] = Place(given.code, name, numbers_of(value))
+        self.pieces.append(Packed(value.format, given.code))
+
+
+def numbers_of(value: Fixed) -> Numbers:
+    """Returns the numbers that a value may be.
+
+    Args:
+        value: What kind of value it is.
+
+    Raises:
+        NotFlatError: It is no number, or one that double precision does not hold.
+    """
+    if isinstance(value, Bits) and value.format in NUMBERS:
+        most = 2 ** (8 * value.size) - 1
+        return Numbers("", value.format, "{}", "0", str(most), is_rounded=True)
+    if value.format not in NUMBERS or value.offset or value.reader:
+        raise NotFlatError(f"{value.python_type} has no columns")
+    if value.check == "scaled":
+        _, _, maximum = value.limits
+        position = scaled_position(value, "{}")
+        return Numbers("", value.format, position, "0.0", maximum, is_rounded=True)
+    if value.check not in {"real", "integer"}:
+        raise NotFlatError(f"{value.python_type} has no columns")
+    lower, upper = value.limits
+    is_rounded = value.check == "integer"
+    return Numbers("", value.format, "{}", lower, upper, is_rounded=is_rounded)
+
+
+def _literal(code: str) -> float:
+    """Returns the number that a Python text is."""
+    try:
+        found = ast.literal_eval(code)
+    except (ValueError, SyntaxError):
+        found = None
+    if not isinstance(found, int | float):
+        raise NotFlatError(f"{code} is no number")
+    return found

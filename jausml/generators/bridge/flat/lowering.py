@@ -25,8 +25,14 @@ from jausml.semantics.conversions import CONVERSIONS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
+    from jausml.generators.bridge.flat.columns import ByColumns, ColumnLowering
     from jausml.generators.bridge.flat.constants import Constants
-    from jausml.generators.bridge.flat.protocols import Octets, SequenceWriting, Values
+    from jausml.generators.bridge.flat.protocols import (
+        Octets,
+        SequenceReading,
+        SequenceWriting,
+        Values,
+    )
     from jausml.generators.python.names import Scope
 
 _STEP = " " * 4
@@ -48,6 +54,27 @@ class _Place:
     can_be_none: bool = False
 
 
+@dataclass(frozen=True)
+class Loop:
+    """A loop that makes elements of a list of the target.
+
+    Attributes:
+        body: Its statements, without the one that appends the element.
+        item: What it calls an element of the source.
+        index: What it calls the position; empty for nothing.
+        element: What it calls the element that it makes.
+        elements: What it goes over.
+        sequence: What writes the list.
+    """
+
+    body: list[ast.stmt]
+    item: str
+    index: str
+    element: str
+    elements: ast.expr
+    sequence: SequenceWriting
+
+
 class Lowering:
     """The statements of one message, or of one element of a list.
 
@@ -57,11 +84,19 @@ class Lowering:
         scope: Names of local variables.
         target: Name of the target in the readable translation.
         constants: Constants of the module.
+        by_columns: Makes a loop run on columns, or refuses; None where no loop does.
     """
 
     def __init__(
-        self, names: Names, writing: Values, scope: Scope, target: str, constants: Constants
+        self,
+        names: Names,
+        writing: Values,
+        scope: Scope,
+        target: str,
+        constants: Constants,
+        by_columns: Callable[[Lowering, Loop], ByColumns] | None = None,
     ) -> None:
+        self._by_columns = by_columns
         self._constants = constants
         self._names = names
         self._writing = writing
@@ -131,7 +166,18 @@ class Lowering:
         self._lines.append(f"{_STEP * self._depth}{line}")
 
     def _text(self, expression: ast.expr) -> str:
-        return text_of(lowered(expression, self._names))
+        return self._code(self._lowered(expression))
+
+    def _lowered(self, expression: ast.expr) -> ast.expr:
+        return lowered(expression, self._names)
+
+    def _code(self, expression: ast.expr) -> str:
+        """Returns what is lowered as Python text."""
+        return text_of(expression)
+
+    def _assigned(self, variables: Sequence[str], code: str) -> None:
+        """Adds an assignment to local variables."""
+        self._add(f"{', '.join(variables)} = {code}")
 
     def _if(self, statement: ast.If) -> None:
         match statement.body, statement.orelse:
@@ -186,8 +232,7 @@ class Lowering:
             raise NotFlatError(f"{ast.unparse(place)} is no part of the target")
         places = [f"{path}.{part}" for part in _SETTERS[function]]
         variables = [self._variable(each) for each in places]
-        parts = text_of(parts_of(lowered(value, self._names)))
-        self._add(f"{', '.join(variables)} = {parts}")
+        self._assigned(variables, self._code(parts_of(self._lowered(value))))
 
     # -- assignments -----------------------------------------------------------------------------
 
@@ -210,7 +255,7 @@ class Lowering:
             self._store(place.id, value)
         elif isinstance(place, ast.Tuple) and all(isinstance(e, ast.Name) for e in place.elts):
             self._names.variables |= {e.id for e in place.elts if isinstance(e, ast.Name)}
-            self._add(f"{ast.unparse(place).strip('()')} = {self._text(value)}")
+            self._assigned(ast.unparse(place).strip("()").split(", "), self._text(value))
         else:
             raise NotFlatError(f"{ast.unparse(place)} has no flat form")
 
@@ -251,7 +296,7 @@ class Lowering:
                 writing.make(inner, name)
             case [ast.Starred(value=ast.Call() as stamp)] if _gives_stamp(stamp.func):
                 bits = stamp_of_time(stamp.args[0], self._names)
-                self._add(f"{self._variable(path)} = {text_of(bits)}")
+                self._assigned([self._variable(path)], self._code(bits))
             case [ast.Constant(value=int() as index), number] if not self._depth:
                 self._places[f"{path}.index"] = _Place(str(index), is_sure=True)
                 variable = self._variable(f"{path}.value")
@@ -483,21 +528,55 @@ class Lowering:
         if vector is not None and not vector.needs_loop:
             self._add_all(vector.around(()))
             return
-        if not is_begun:
-            self._first += sequence.begin()
+        found = Loop(body, item, index, e.id, elements, sequence)
         inner = Lowering(names, sequence.element, self._scope, e.id, self._constants)
         if root in self._names.roots:
             reading, names.roots[item] = self._names.roots[root].elements(source)
             lines = inner.lower(body)
+            columns = self._columns(found) if vector is None and not (most or is_begun) else None
             lines = [*reading.loop([*lines, *sequence.append()], index, most)]
+            if columns is not None:
+                lines = columns.around(lines)
         else:
             names.variables.add(item)
             head = self._head(index, item, elements)
             lines = inner.lower(body)
             lines = [head, *(_STEP + line for line in [*lines, *sequence.append()])]
-        if vector is not None:
-            lines = vector.around(lines)
-        self._add_all(lines)
+        if not is_begun:
+            self._first += sequence.begin()
+        self._add_all(lines if vector is None else vector.around(lines))
+
+    def _columns(self, loop: Loop) -> ByColumns | None:
+        """Returns how a loop runs on columns; None where it does not."""
+        if self._by_columns is None:
+            return None
+        try:
+            return self._by_columns(self, loop)
+        except NotFlatError:
+            return None
+
+    def columns_of(
+        self, loop: Loop, writing: Values, kind: type[ColumnLowering]
+    ) -> tuple[SequenceReading, ColumnLowering]:
+        """Returns what reads the elements of a loop, and what lowers it to columns.
+
+        Args:
+            loop: The loop.
+            writing: Is told what has the columns.
+            kind: What lowers it.
+        """
+        root, source = chain_of(loop.elements)
+        reading, values = self._names.roots[root].elements(source)
+        names = replace(
+            self._names,
+            roots={**self._names.roots, loop.item: values},
+            variables={*self._names.variables, loop.index},
+        )
+        return reading, kind(names, writing, self._scope, loop.element, self._constants)
+
+    def claim(self, name: str) -> str:
+        """Returns a name of a local variable that is free."""
+        return self._scope.claim(name)
 
     def _head(self, index: str, item: str, elements: ast.expr) -> str:
         """Returns the head of a loop over what is no list of the source."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Numbers:
         letter: Its letter in struct formats.
         value: Python text with `{}`: the number made of what stands in the bytes, or what is packed
             made of the number.
-        lower: Least value that can be packed, as Python text.
+        lower: Least value that can be packed, as Python text; empty where all can.
         upper: Greatest value that can be packed.
         is_rounded: Whether what is packed is rounded to an integer.
     """
@@ -48,6 +48,67 @@ class Numbers:
     lower: str = ""
     upper: str = ""
     is_rounded: bool = False
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a column is written.
+
+    Attributes:
+        variable: What has the numbers.
+        name: Field of the records; empty for a list of plain numbers.
+        numbers: What is packed.
+    """
+
+    variable: str
+    name: str
+    numbers: Numbers
+
+
+@dataclass(frozen=True)
+class Target:
+    """How elements are written whose values are columns.
+
+    Attributes:
+        variable: What has the records afterwards.
+        made: Python text of new records, with `{}` for their number; empty for plain numbers.
+        places: Where each column is written.
+    """
+
+    variable: str
+    made: str
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True)
+class Records:
+    """The elements of a list as columns of numbers.
+
+    Attributes:
+        test: Condition that there are such columns, as Python text.
+        lines: Statements before they are asked for.
+        columns: The columns: local variables of a loop and the text of the column, which is an
+            array of numpy, in groups of which the same is made.
+        otherwise: Statements before a loop that runs instead.
+    """
+
+    test: str
+    lines: tuple[str, ...]
+    columns: tuple[Group, ...]
+    otherwise: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns of which the same is made.
+
+    Attributes:
+        columns: Local variable and array of each, as Python text.
+        value: Python text with `{}`: the numbers, made of arrays in double precision.
+    """
+
+    columns: tuple[tuple[str, str], ...]
+    value: str = "{}"
 
 
 class Reading(Protocol):
@@ -121,6 +182,17 @@ class SequenceReading(Protocol):
     def array(self) -> str:
         """Returns the expression of an array of numpy with what stands in the bytes."""
 
+    @property
+    def asked(self) -> Iterable[str]:
+        """Local variables of the values that were asked for."""
+
+    def records(self) -> Records:
+        """Returns the elements as columns of those values that a loop asked for.
+
+        Raises:
+            NotFlatError: They are no numbers.
+        """
+
     def vector(self) -> str:
         """Returns the Python expression of all elements, numbers of one type, at once."""
 
@@ -190,6 +262,17 @@ class SequenceWriting(Protocol):
 
         Args:
             is_sure: Whether it is one whatever holds; nothing begins or appends then.
+        """
+
+    def columns(self, values: Mapping[str, str]) -> Target:
+        """Returns how elements are written whose values are columns.
+
+        Args:
+            values: What has each value: a variable of an array, of a text or number that all
+                share, or a literal.
+
+        Raises:
+            NotFlatError: They are not written so.
         """
 
     def begin(self) -> Sequence[str]:

@@ -26,6 +26,7 @@ _WIRE = """
     DecodeError EncodeError check_presence exactly integer latin1 one_of padded real scaled
     scaled_down scaled_up sized take take_text unpadded whole whole_of
 """
+_RECORDS = "LEAST CdrRecordRows CdrRecords PresenceRecords record"
 _TAKEN = names_in(
     "arithmetic bridge columns connection conversions math numpy octets rotations stamps struct"
 )
@@ -179,6 +180,7 @@ class TranscodersModule:
                 **runtime.names(),
                 "numpy": Origin("numpy"),
                 **offered(runtime.WIRE, *_WIRE.split()),
+                **offered(runtime.RECORDS, *_RECORDS.split()),
                 **offered(f".{self.bridge.package}_base", self.bridge.base_name),
             }
         )

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from jausml.generators.bridge.flat.protocols import Numbers, SequenceReading, SequenceWriting
     from jausml.generators.python.names import Scope
 
+NUMBERS = frozenset("BHIbhifd")
+"""Letters of numbers that double precision holds as they are."""
+
 _STEP = " " * 4
 _RAW = "raw"
 # Arithmetic with such constants stays finite, and exact where they are integers.
@@ -140,7 +143,7 @@ def at_once(
         return AtOnce(tuple(before), "", (values, taken))
     low, high = (scope.claim(each) for each in ("low", "high"))
     tests = []
-    is_packed = _is_packed(made.limit, target)
+    can_be_packed = is_packed(made.limit.bounds if made.limit else None, target)
     for name, extreme in ((low, "minimum"), (high, "maximum")):
         reduced = f"numpy.{extreme}.reduce({raw}).item()"
         before.append(f"{name} = {reduced} if len({raw}) else 0.0")
@@ -148,10 +151,10 @@ def at_once(
             before.append(f"{name} = {_with(made.value, name)}")
         if made.limit is not None:
             tests.append(made.limit.test(name))
-        if not is_packed:
+        if not can_be_packed:
             tests.append(f"{target.lower} <= {target.value.format(name)} <= {target.upper}")
     test = " and ".join(tests)
-    if made.limit is None or not is_packed or made.limit.can_be_none:
+    if made.limit is None or not can_be_packed or made.limit.can_be_none:
         return AtOnce(tuple(before), test, (values, f"{ends[1].take_array()} = {packed}"))
     names.limits.setdefault(made.limit.policy)
     lower, upper = made.limit.bounds
@@ -165,12 +168,16 @@ def at_once(
     return AtOnce(tuple(before), test, (values,), others, (taken,))
 
 
-def _is_packed(limit: LimitCall | None, target: Numbers) -> bool:
-    """Whether whatever a limit lets through can be packed."""
-    if limit is None:
-        return False
-    ends = [ast.literal_eval(each) for each in limit.bounds]
-    return all(_fits(target, each) for each in ends)
+def is_packed(bounds: tuple[str, str] | None, target: Numbers) -> bool:
+    """Whether whatever a limit lets through can be packed.
+
+    Args:
+        bounds: Least and greatest of the values; None where nothing limits them.
+        target: What is packed.
+    """
+    if bounds is None or not target.lower:
+        return not target.lower
+    return all(_fits(target, ast.literal_eval(each)) for each in bounds)
 
 
 def _fits(target: Numbers, number: float) -> bool:
