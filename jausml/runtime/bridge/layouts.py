@@ -61,6 +61,56 @@ class PresenceLayouts(dict["bytes | int", struct.Struct]):
             self[presence] = layout
         return layout
 
+    def rows(self, data: bytes, offset: int, count: int) -> tuple[Any, int]:
+        """Returns the values of each element of a list, and where the last one ends.
+
+        Args:
+            data: The message.
+            offset: Where the first element begins, with its presence vector.
+            count: Number of elements.
+
+        Raises:
+            DecodeError: A vector is cut off, or has bits of unknown fields.
+            struct.error: The message ends before.
+        """
+        vector, end = self.alike(data, offset, count)
+        if vector is not None:
+            return [*self[vector].iter_unpack(data[offset:end])], end
+        rows = []
+        for _ in range(count):
+            layout = self[data[offset : offset + self._size]]
+            rows.append(layout.unpack_from(data, offset))
+            offset += layout.size
+        return rows, offset
+
+    def behind(self, data: bytes, offset: int, count: int) -> int:
+        """Returns where the last of some elements ends, which may be behind the message.
+
+        The arguments are those of `rows`.
+        """
+        vector, end = self.alike(data, offset, count)
+        if vector is not None:
+            return end
+        for _ in range(count):
+            offset += self[data[offset : offset + self._size]].size
+        return offset
+
+    def alike(self, data: bytes, offset: int, count: int) -> tuple[bytes | None, int]:
+        """Returns the presence vector that all elements have, and where the last one ends.
+
+        There is none where they differ, or where the message ends before. The arguments are those
+        of `rows`.
+        """
+        if not count:
+            return None, offset
+        vector = data[offset : offset + self._size]
+        step = self[vector].size
+        end = offset + count * step
+        for at, octet in enumerate(vector, offset):
+            if end > len(data) or data[at:end:step].count(octet) != count:
+                return None, offset
+        return vector, end
+
 
 def _present(field: tuple[int, str], presence: int) -> str:
     bit, struct_format = field

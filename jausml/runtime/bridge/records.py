@@ -46,8 +46,8 @@ def record(layout: struct.Struct, names: tuple[str, ...], mark: str = "<") -> nu
     )
 
 
-class PresenceRecords(dict[bytes, "numpy.dtype[Any] | None"]):
-    """Types of the records of a list by their presence vector; None where a field is absent."""
+class PresenceRecords:
+    """Elements of a list of JAUS as an array where there are many with the same presence vector."""
 
     def __init__(self, layouts: PresenceLayouts, *names: str) -> None:
         """Names the fields.
@@ -56,32 +56,31 @@ class PresenceRecords(dict[bytes, "numpy.dtype[Any] | None"]):
             layouts: Layouts by presence vector.
             *names: Names of the fields that are wanted.
         """
-        super().__init__()
         self._layouts = layouts
         self._names = names
+        self._records: dict[bytes, numpy.dtype[Any] | None] = {}
 
-    def read(self, data: bytes, offset: int, end: int, vector: bytes) -> Rows:
-        """Returns the elements, which have the same presence vector.
+    def rows(self, data: bytes, offset: int, count: int) -> tuple[Rows, int]:
+        """Returns the values of each element, and where the last one ends.
 
-        Args:
-            data: The message.
-            offset: Where the first begins.
-            end: Where the last ends.
-            vector: The presence vector.
+        They are an array where none of the fields is absent. Arguments and errors are those of
+        `PresenceLayouts.rows`.
         """
-        layout = self._layouts[vector]
-        count = (end - offset) // layout.size
-        kind = self[vector] if count >= LEAST else None
-        if kind is None:
-            return [*layout.iter_unpack(data[offset:end])]
-        return numpy.frombuffer(data, kind, count, offset)
+        if count >= LEAST:
+            vector, end = self._layouts.alike(data, offset, count)
+            kind = self._record(vector) if vector is not None else None
+            if kind is not None:
+                return numpy.frombuffer(data, kind, count, offset), end
+        return self._layouts.rows(data, offset, count)
 
-    def __missing__(self, vector: bytes) -> numpy.dtype[Any] | None:
-        """Returns the type for a vector that was not seen before."""
+    def _record(self, vector: bytes) -> numpy.dtype[Any] | None:
+        """Returns the type of elements with a presence vector; None where a field is absent."""
+        if vector in self._records:
+            return self._records[vector]
         layout = self._layouts[vector]
         kind = None if "0s" in layout.format else record(layout, self._names)
-        if len(self) < _KEPT:
-            self[vector] = kind
+        if len(self._records) < _KEPT:
+            self._records[vector] = kind
         return kind
 
 

@@ -865,11 +865,15 @@ class _Walk:
         if wanted.indices:
             self._indexed(value, wanted, count)
         probed = replace(self._around, scope=self._around.scope.copy())
-        block = fixed_block(probed, value.element, _Wanted())
-        if block is not None:
+        block = one_block(probed, value.element, _Wanted())
+        if block is not None and block.is_fixed:
             self._move(f"{count} * {block.size}" if block.size != 1 else count)
         elif sequence is not None and sequence.row is not None:
             self._rows(sequence, sequence.row, count)
+        elif block is not None and block.vector == 0:
+            layouts = block.layout(self._around.constants)
+            place = f"{self._around.data}, {self._offset}, {count}"
+            self.lines.append(f"{self._offset} = {layouts}.behind({place})")
         else:
             inner = self._deeper()
             inner.value(value.element, _Wanted(), "item")
@@ -880,36 +884,10 @@ class _Walk:
 
     def _rows(self, sequence: JausSequence, block: Block, count: str) -> None:
         """Reads elements with a presence vector, at once where all have the same."""
-        scope, data, offset = self._around.scope, self._around.data, self._offset
-        layouts = block.layout(self._around.constants)
-        size, end = block.slots[0].size, scope.claim("end")
-        layout = scope.claim("layout")
-        step = scope.claim("step")
-        vector = f"{data}[{offset} : {offset} + {size}]"
-        tests = []
-        for at in range(size):
-            place = f"{offset} + {at}" if at else offset
-            first = f"{data}[{place} : {offset} + {at + 1}]"
-            every = f"{place} : {end} : {step}" if at else f"{place}:{end}:{step}"
-            tests.append(f"{data}[{every}] == {first} * {count}")
         self.may_fail = True
-        rows, hint = sequence.rows, ": Any" if sequence.kind else ""
-        at_once = f"[*{layouts}[{vector}].iter_unpack({data}[{offset}:{end}])]"
-        if sequence.kind:
-            at_once = f"{sequence.kind}.read({data}, {offset}, {end}, {vector})"
-        self.lines += [
-            f"{step} = {layouts}[{vector}].size if {count} else 1",
-            f"{end} = {offset} + {count} * {step}",
-            f"if {count} and {' and '.join(tests)}:",
-            f"{INDENT}{rows}{hint} = {at_once}",
-            f"{INDENT}{offset} = {end}",
-            "else:",
-            f"{INDENT}{rows} = []",
-            f"{INDENT}for _ in range({count}):",
-            f"{INDENT * 2}{layout} = {layouts}[{vector}]",
-            f"{INDENT * 2}{rows}.append({layout}.unpack_from({data}, {offset}))",
-            f"{INDENT * 2}{offset} += {layout}.size",
-        ]
+        layouts = sequence.kind or block.layout(self._around.constants)
+        place = f"{self._around.data}, {self._offset}, {count}"
+        self.lines.append(f"{sequence.rows}, {self._offset} = {layouts}.rows({place})")
 
     def _indexed(self, value: ListValue | ArrayValue, wanted: _Wanted, count: str) -> None:
         """Reads the elements that are wanted by their index, from the first on."""
