@@ -16,19 +16,20 @@ from jausml.generators.bridge.flat.column_values import columnwise, is_true
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.expressions import chain_of, lowered
 from jausml.generators.bridge.flat.limits import FINITE, LimitCall, limit_call
-from jausml.generators.bridge.flat.lowering import Lowering
+from jausml.generators.bridge.flat.statements import Statements
 from jausml.generators.bridge.flat.texts import text_of
 from jausml.generators.bridge.flat.vectors import dtype, is_packed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.generators.bridge.flat.lowering import Loop
+    from jausml.generators.bridge.flat.lowering import Lowering
     from jausml.generators.bridge.flat.protocols import (
         Group,
         Place,
         Records,
         SequenceReading,
+        SequenceWriting,
         Target,
     )
 
@@ -65,7 +66,7 @@ class _Values:
         raise NotFlatError(f"{path} is no list")
 
 
-class ColumnLowering(Lowering):
+class ColumnLowering(Statements):
     """The statements of a loop on columns.
 
     Attributes:
@@ -116,9 +117,6 @@ class ColumnLowering(Lowering):
     def _if(self, statement: ast.If) -> None:
         holds = is_true(self._lowered(self._truth(statement.test)), self.arrays)
         self._block(statement.body if holds else statement.orelse)
-
-    def _for(self, loop: ast.For) -> None:
-        raise NotFlatError(f"{ast.unparse(loop.target)} is in a list inside a list")
 
     def _assigned(self, variables: Sequence[str], code: str) -> None:
         super()._assigned(variables, code)
@@ -181,6 +179,27 @@ class _Unlimited(ast.NodeTransformer):
         """A limit, or another call."""
         call = limit_call(node, self._lowering.owner)
         return self.generic_visit(node) if call is None else self._lowering.without_limit(call)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop that makes elements of a list of the target.
+
+    Attributes:
+        body: Its statements, without the one that appends the element.
+        item: What it calls an element of the source.
+        index: What it calls the position; empty for nothing.
+        element: What it calls the element that it makes.
+        elements: What it goes over.
+        sequence: What writes the list.
+    """
+
+    body: list[ast.stmt]
+    item: str
+    index: str
+    element: str
+    elements: ast.expr
+    sequence: SequenceWriting
 
 
 @dataclass(frozen=True)

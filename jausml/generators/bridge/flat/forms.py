@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.flat.cdr_reading import CdrReading
 from jausml.generators.bridge.flat.cdr_writing import CdrWriting
-from jausml.generators.bridge.flat.columns import by_columns
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.expressions import Names
 from jausml.generators.bridge.flat.jaus_reading import JausReading
@@ -126,7 +125,9 @@ def flat_form(
     try:
         reading, writing, values = _ends(connection, view_of, scope, constants)
         names.roots["source"] = values
-        body = Lowering(names, writing, scope, "target", constants, by_columns).lower(tree.body)
+        body = Lowering(names, writing, scope, "target", constants, has_columns=True).lower(
+            tree.body
+        )
     except PathError as error:
         raise NotFlatError(str(error)) from error
     lines = (*reading.lines(), *body, *writing.lines())

@@ -1,0 +1,73 @@
+"""What is wanted of a JAUS message by those who read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from jausml.generators.bridge.flat.constants import Constants
+    from jausml.generators.bridge.flat.jaus_reading import JausSequence
+    from jausml.generators.python.codec.classes import BitFieldClass
+    from jausml.generators.python.codec.compounds import (
+        ArrayValue,
+        ListValue,
+        PartValue,
+        VariantValue,
+    )
+    from jausml.generators.python.codec.messages import MessageView
+    from jausml.generators.python.codec.scalars import Blob, Fixed
+    from jausml.generators.python.names import Scope
+
+
+Value: TypeAlias = "Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue"
+
+
+@dataclass
+class Wanted:
+    """What is wanted of a value and of what is in it.
+
+    Attributes:
+        local: The variable that gets it; empty when it is not wanted itself.
+        inner: What is wanted of its members, by attribute, or of its elements, by `[index]`.
+        sequence: How it is gone through; None when it is not.
+    """
+
+    local: str = ""
+    inner: dict[str, Wanted] = field(default_factory=dict)
+    sequence: JausSequence | None = None
+
+    def child(self, step: str) -> Wanted:
+        """Returns what is wanted of a member; nothing when nobody asked."""
+        return self.inner.get(step, Wanted())
+
+    @property
+    def indices(self) -> list[int]:
+        """The elements that are wanted by themselves."""
+        return sorted(int(step[1:-1]) for step in self.inner if step.startswith("["))
+
+    def locals(self) -> list[str]:
+        """Returns the variables of it and all in it."""
+        own = [self.local] if self.local else []
+        if self.sequence is not None:
+            own.append(self.sequence.count)
+        return own + [name for each in self.inner.values() for name in each.locals()]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What all readings of a message share.
+
+    Attributes:
+        message: The message.
+        scope: The names of the function.
+        constants: The constants of the module.
+        data: The variable of the bytes.
+        bits: The classes of bit fields by path.
+    """
+
+    message: MessageView
+    scope: Scope
+    constants: Constants
+    data: str
+    bits: dict[str, BitFieldClass]
