@@ -15,7 +15,7 @@ from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
 from jausml.generators.bridge.light.module import LightModule
-from jausml.generators.bridge.translation import AssignmentError, Translations, translate, used_maps
+from jausml.generators.bridge.translation import AssignmentError, Translations, translate
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime
 from jausml.generators.common.components import (
@@ -31,6 +31,7 @@ from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import long_string
 from jausml.semantics.requests import requested_fields
+from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

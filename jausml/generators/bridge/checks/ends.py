@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.checks.check import store
 from jausml.generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
 from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
-from jausml.generators.bridge.translation import used_maps
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

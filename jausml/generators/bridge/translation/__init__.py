@@ -6,7 +6,6 @@ types.
 
 from __future__ import annotations
 
-from jausml.generators.bridge.translation.maps import used_maps
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.bridge.translation.translating import Translated, Translations, translate
 from jausml.generators.bridge.translation.values import AssignmentError, ros_constant, ros_kind
@@ -19,5 +18,4 @@ __all__ = [
     "ros_constant",
     "ros_kind",
     "translate",
-    "used_maps",
 ]

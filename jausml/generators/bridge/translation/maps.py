@@ -20,7 +20,7 @@ from jausml.metamodel.classes import bridge, ros
 from jausml.semantics.stops import stop_assignments
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from jausml.generators.bridge.translation.surroundings import Surroundings
     from jausml.generators.python.codec.messages import MessageView
@@ -106,30 +106,6 @@ def stop(
     body.store(f"{class_name}()", "target")
     translation.add(stop_assignments(connection))
     return body
-
-
-def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[bridge.AttributeMap]:
-    """Yields a map and those that its messages inside messages use, each once.
-
-    Args:
-        attribute_map: The map.
-        to_ros: Which of its assignments.
-    """
-    seen: list[bridge.AttributeMap] = []
-    waiting = [attribute_map]
-    while waiting:
-        current = waiting.pop(0)
-        if current in seen:
-            continue
-        seen.append(current)
-        yield current
-        assignments = list(current.toRos if to_ros else current.toJaus)
-        while assignments:
-            assignment = assignments.pop(0)
-            if isinstance(assignment, bridge.ListAssignment):
-                assignments = [*assignment.assignments, *assignments]
-            if isinstance(assignment, bridge.MessageAssignment):
-                waiting.append(assignment.map)
 
 
 def _body(owner: str, policy: str, *parameters: str) -> Body:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 from jausml.generators.bridge.ros_classes import RosClasses
 from jausml.generators.bridge.translation.alike import AlikeMaps
 from jausml.generators.bridge.translation.body import OWN_NAMES
-from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros, used_maps
+from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml.generators.bridge.translation.sharing import SharedTranslations
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
 from jausml.semantics.stops import has_stop
+from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable

@@ -1,0 +1,109 @@
+"""`jausml partition`: proposes how to split bridges over several."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import PROBLEMS, SUFFIXES, reading_options
+from jausml.cli.systems import assumption_options
+
+if TYPE_CHECKING:
+    from jausml.analysis.assumptions import Assumptions
+    from jausml.cli.common import Reading
+    from jausml.model.model import Model
+
+AUTO = "auto"
+
+
+def _number(_: click.Context, __: click.Parameter, value: str) -> int | None:
+    """Returns how many bridges there shall be, None for as many as are needed."""
+    if value == AUTO:
+        return None
+    if not (value.isascii() and value.isdigit() and int(value) > 0):
+        raise click.BadParameter(f"{value!a} is neither a number of bridges nor '{AUTO}'")
+    return int(value)
+
+
+@click.command("partition")
+@click.argument("model", metavar="MODEL")
+@click.option(
+    "--bridges",
+    "number",
+    default=AUTO,
+    show_default=True,
+    metavar="N|auto",
+    callback=_number,
+    help="How many bridges there shall be.",
+)
+@click.option("-o", "--output", metavar="FILE", help="Write the model that is split so.")
+@click.option("--force", is_flag=True, help="Overwrite FILE when it differs.")
+@assumption_options
+@reading_options
+def command(
+    model: str,
+    number: int | None,
+    output: str | None,
+    force: bool,
+    assumptions: Assumptions,
+    reading: Reading,
+) -> None:
+    """Propose how to split the bridges in MODEL over several.
+
+    What cannot be parted stays together: what shares a topic, a report, a service, or a component
+    that is controlled. With auto there are as many bridges as it takes to part commands from what
+    is heavy, and to load none too much. The first part of a bridge keeps its name and address.
+
+    Exit status: 0 done, 1 errors in the model or no such split, 2 usage or environment, 3 internal
+    error.
+    """
+    from jausml.analysis.formats.partition import render  # noqa: PLC0415 - what --help needs not
+    from jausml.analysis.partition import UnsplittableError, propose  # noqa: PLC0415
+    from jausml.analysis.splitting import AddressesExhaustedError, split  # noqa: PLC0415
+    from jausml.cli.systems import check_names, read_system  # noqa: PLC0415
+
+    if output is not None and not output.endswith(_suffix(model)):
+        raise click.UsageError(f"FILE must end with {_suffix(model)}, as MODEL does")
+    read, system = read_system(model, reading)
+    check_names(assumptions, system)
+    try:
+        proposal = propose(system, assumptions, number)
+        bridges = split(proposal, system)
+    except (UnsplittableError, AddressesExhaustedError) as error:
+        raise click.ClickException(str(error)) from error
+    for part, made in zip(proposal.parts, bridges, strict=True):
+        if read.identifier(part.origin) is not None:
+            read.name_by_id(made, str(made.name))
+    click.echo(render(proposal, bridges), nl=False)
+    if output is not None:
+        _write(read, model, output, reading, force=force)
+
+
+def _suffix(model: str) -> str:
+    return next((each for each in SUFFIXES if model.endswith(each)), SUFFIXES[0])
+
+
+def _write(read: Model, model: str, output: str, reading: Reading, *, force: bool) -> None:
+    """Writes the model, reads it again, and shows what it has of errors."""
+    from jausml.cli.imported import say, write_document  # noqa: PLC0415 - what --help needs not
+    from jausml.model.reading.reader import read_models  # noqa: PLC0415
+    from jausml.model.xmi.writer import UnwritableError, to_xmi  # noqa: PLC0415
+    from jausml.text.notation import NOTATIONS, SUFFIX  # noqa: PLC0415
+    from jausml.text.writing.unparsing import to_text  # noqa: PLC0415
+    from jausml.validation.engine import check  # noqa: PLC0415
+    from jausml.validation.formats import text  # noqa: PLC0415
+
+    roots = read.documents[0].roots
+    write = to_text if output.endswith(SUFFIX) else to_xmi
+    shown = click.format_filename(output)
+    try:
+        data = write(roots, read, output).encode("utf-8")
+    except UnwritableError as error:
+        raise click.ClickException(f"cannot write {shown}: {error}") from error
+    state = write_document(output, data, (model,), force=force)
+    say(f"{shown}: {state}", quiet=False)
+    report = check(read_models([output], notations=NOTATIONS, **reading))
+    if report.has_errors:
+        click.echo(text.render(report), nl=False, err=True)
+        raise click.exceptions.Exit(PROBLEMS)
