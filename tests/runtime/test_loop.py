@@ -109,6 +109,23 @@ def test_call_soon_runs_in_order_and_not_in_the_same_round(loop: Loop) -> None:
     assert ran == [1, 2, 3]
 
 
+def test_what_a_callback_asks_for_costs_no_wake_up(loop: Loop, clock) -> None:
+    idle: list[bool] = []
+
+    def ask() -> None:
+        loop.call_soon(lambda: None)
+        loop.call_later(0.5, lambda: None)
+        idle.append(loop.is_idle())
+
+    loop.call_soon(ask)
+    loop.run_once(0)
+    loop.call_later(1.0, ask)
+    loop.run_once(0)
+    clock.time += 1.0
+    loop.run_once(0)
+    assert idle == [True, True]
+
+
 def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
     near, far = pair
     seen: list[bytes] = []
