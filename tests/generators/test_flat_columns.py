@@ -94,6 +94,13 @@ beams {
   )
 }
 
+cells {
+  JAUS SetCells ( uint16 [<=60] cells { lower: -200  upper: 200 } ) { code: 0xD103 }
+  ROS nav_msgs/OccupancyGrid
+  JAUS->ROS ( cells -> data { value -> . { outOfRange: clamp } } )
+  ROS->JAUS ( data -> cells { ., index -> value : expression("value1 + 0.25 * index") } )
+}
+
 bridge flat_columns {
   address: 1.1.2
   connection path_up { map: path topic a {} }
@@ -102,6 +109,8 @@ bridge flat_columns {
   connection earth_down { map: earth direction: rosToJaus topic b {} }
   connection beams_up { map: beams topic c {} }
   connection beams_down { map: beams direction: rosToJaus topic c {} }
+  connection cells_up { map: cells topic d {} }
+  connection cells_down { map: cells direction: rosToJaus topic d {} }
 }
 """
 POSE = "IffdHHH"
@@ -124,7 +133,7 @@ def test_text_is_clean(made: Generated) -> None:
 def test_each_has_columns(made: Generated) -> None:
     text = made.artifacts["flat_columns/flat_columns/transcoders.py"].text
     forms_of = text.split("\ndef ")[1:]
-    assert len(forms_of) == 6
+    assert len(forms_of) == 8
     assert all("if fits:" in each for each in forms_of)
 
 
@@ -281,3 +290,21 @@ def test_scans_to_ros(made: Generated, beams: list[Any], valid: int) -> None:
     if valid == 200 and rows:
         rows = rows[:4] + bytes([valid]) + rows[5:]
     check(made, "beams_up", struct.pack("<HB", 0xD102, len(beams)) + rows)
+
+
+STEPS = st.lists(st.integers(0x3333, 0xCCCC), max_size=60) | st.lists(INTEGERS, max_size=60)
+
+
+@settings(max_examples=60, deadline=None)
+@given(steps=STEPS)
+def test_numbers_to_integers(made: Generated, steps: list[int]) -> None:
+    count = len(steps)
+    check(made, "cells_up", struct.pack(f"<HB{count}H", 0xD103, count, *steps))
+
+
+@settings(max_examples=60, deadline=None)
+@given(cells=st.lists(st.integers(-128, 127), max_size=60), order=ORDERS)
+def test_integers_to_numbers(made: Generated, cells: list[int], order: str) -> None:
+    head = struct.pack(f"{order}iIIxxxxiIfIIxxxx7dI", 1, 2, 1, *[0] * 12, len(cells))
+    data = struct.pack(f"{len(cells)}b", *cells)
+    check(made, "cells_down", (b"\0\1\0\0" if order == "<" else b"\0\0\0\0") + head + data)

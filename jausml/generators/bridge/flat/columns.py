@@ -276,7 +276,8 @@ class ByColumns:
         target, numbers = self.target.variable, places[0].numbers
         variables = tuple(each.variable for each in places)
         if not places[0].name:
-            return [f"{target} = {variables[0]}.astype({dtype(numbers.letter)})"]
+            values = f"numpy.rint({variables[0]})" if numbers.is_rounded else variables[0]
+            return [f"{target} = {values}.astype({dtype(numbers.letter)})"]
         fields = [f"{target}[{python_string(each.name)}]" for each in places]
         if numbers.value == "{}" and not numbers.is_rounded:
             return [f"{field} = {each}" for field, each in zip(fields, variables, strict=True)]

@@ -49,8 +49,8 @@ _UFUNCS: dict[type[ast.operator], str] = {
     ast.Mult: "multiply",
     ast.Div: "divide",
 }
-_KINDS = {"f": "f", "d": "f"}
-_SIZES = {"B": 1, "H": 2, "I": 4, "f": 4, "d": 8}
+_KINDS = {"b": "i", "h": "i", "i": "i", "f": "f", "d": "f"}
+_SIZES = {"b": 1, "B": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4, "d": 8}
 
 
 def dtype(letter: str, mark: str = "<") -> str:
@@ -192,7 +192,7 @@ def _number(text: str) -> float:
 
 def _always_fits(made: _Element, source: Numbers, target: Numbers) -> bool:
     """Whether all numbers fit that can stand in the bytes."""
-    if source.letter in _KINDS:
+    if source.letter in {"f", "d"}:
         return False
     values = [_computed(made.value, raw) for raw in (0, 2 ** (8 * _SIZES[source.letter]) - 1)]
     if made.limit is not None:
