@@ -111,8 +111,8 @@ def notations_for(
         UsageError: There can be no such bridge.
     """
     # Most verbs take files by their endings alone, which needs no reader.
-    from jausml.text.bridge_options import BridgeOfMaps  # noqa: PLC0415
-    from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus  # noqa: PLC0415
+    from jausml.text.bridge_options import BridgeOfMaps
+    from jausml.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
 
     if bridge_address is None:
         return NOTATIONS

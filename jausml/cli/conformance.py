@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.choices import CONFORMANCE_FORMATS
 from jausml.cli.common import PROBLEMS, EnvironmentFault, write_report
 from jausml.cli.messages import open_catalogue
 from jausml.cli.network import (
@@ -14,19 +15,12 @@ from jausml.cli.network import (
     network_from,
     network_options,
 )
-from jausml.live.messages.errors import did_you_mean, similar
-from jausml.live.peers.conformance.formats import RENDERERS, text
-from jausml.live.peers.conformance.groups import Selection, fixed_checks, known_names, unknown
-from jausml.live.peers.conformance.opening import TargetNotReached, opened
-from jausml.live.peers.conformance.runner import run
-from jausml.live.peers.conformance.session import Limits
-from jausml.live.peers.network import component_address, fault
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.live.peers.conformance.check import ConformanceReport, Result
-    from jausml.live.peers.conformance.groups import Group
+    from jausml.live.peers.conformance.groups import Group, Selection
     from jausml.live.peers.conformance.session import Session
     from jausml.live.peers.network import Network
     from jausml.runtime.base.address import JausAddress
@@ -44,6 +38,9 @@ def _checks(
     _context: click.Context, _option: click.Parameter, names: tuple[str, ...]
 ) -> tuple[str, ...]:
     """Refuses names that no group and no check has."""
+    from jausml.live.messages.errors import did_you_mean, similar
+    from jausml.live.peers.conformance.groups import known_names, unknown
+
     for name in unknown(names):
         hint = did_you_mean(similar(name, known_names())) or "; --list names the checks"
         raise click.BadParameter(f"no check {name!a}{hint}")
@@ -55,7 +52,7 @@ def _checks(
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(RENDERERS)),
+    type=click.Choice(CONFORMANCE_FORMATS),
     default="text",
     show_default=True,
     help="Format of the report.",
@@ -122,6 +119,11 @@ def command(
     Exit status: 0 no check failed, 1 checks failed, 2 the target is not reached or an option is
     wrong, 3 internal error.
     """
+    from jausml.live.peers.conformance.groups import Selection
+    from jausml.live.peers.conformance.opening import TargetNotReached, opened
+    from jausml.live.peers.conformance.session import Limits
+    from jausml.live.peers.network import fault
+
     selection = Selection(frozenset(only), frozenset(skip))
     if list_checks:
         _list_checks(selection)
@@ -155,6 +157,8 @@ def command(
 
 
 def _target(target: str, network: Network) -> JausAddress:
+    from jausml.live.peers.network import component_address
+
     try:
         address = component_address(target)
     except ValueError as error:
@@ -166,6 +170,9 @@ def _target(target: str, network: Network) -> JausAddress:
 
 def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> ConformanceReport:
     """Runs the checks and, on a terminal, shows each result as it comes."""
+    from jausml.live.peers.conformance.formats import text
+    from jausml.live.peers.conformance.runner import run
+
     latest = ""
 
     def show(result: Result) -> None:
@@ -189,6 +196,8 @@ def _checked(session: Session, groups: Sequence[Group], *, live: bool) -> Confor
 def _write(
     report: ConformanceReport, output_format: str, output: str | None, *, live: bool
 ) -> None:
+    from jausml.live.peers.conformance.formats import RENDERERS, text
+
     if live:
         click.echo(f"\n{text.summary(report)}")
         return
@@ -198,6 +207,8 @@ def _write(
 
 
 def _list_checks(selection: Selection) -> None:
+    from jausml.live.peers.conformance.groups import fixed_checks
+
     for check in fixed_checks():
         if not selection.takes(check.id):
             continue

@@ -19,14 +19,6 @@ from jausml.cli.common import (
     reading_options,
 )
 from jausml.cli.imported import counted, say, write_document
-from jausml.model.diagnostics import Severity
-from jausml.model.identifiers import name_identifiers
-from jausml.model.reading.reader import ReadResult, read_models
-from jausml.model.xmi.writer import UnwritableError, to_xmi
-from jausml.text.comments import ordinary_comments
-from jausml.text.writing.unparsing import to_text
-from jausml.validation.formats import text
-from jausml.validation.report import Report
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +26,7 @@ if TYPE_CHECKING:
     from jausml.cli.common import Reading
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
+    from jausml.model.reading.reader import ReadResult
 
 _XMI, _TEXT = SUFFIXES
 
@@ -63,6 +56,9 @@ def command(
     Exit status: 0 done, 1 errors in the model, 2 FROM cannot be read or TO not be written, 3
     internal error.
     """
+    from jausml.model.reading.reader import read_models
+    from jausml.model.xmi.writer import UnwritableError
+
     _check_paths(source, target)
     notations = notations_for(source, bridge_address, frequency)
     result = read_models([source], notations=notations, **reading)
@@ -97,6 +93,10 @@ def _check_paths(source: str, target: str) -> None:
 
 def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     """Shows what was found in reading, and ends when the model cannot be used."""
+    from jausml.model.diagnostics import Severity
+    from jausml.validation.formats import text
+    from jausml.validation.report import Report
+
     report = Report(result.model, (source,), tuple(result.diagnostics))
     shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
     if shown:
@@ -107,6 +107,10 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
 
 
 def _written(roots: list[EObject], model: Model, target: str) -> str:
+    from jausml.model.identifiers import name_identifiers
+    from jausml.model.xmi.writer import to_xmi
+    from jausml.text.writing.unparsing import to_text
+
     if target.endswith(_TEXT):
         return to_text(roots, model, target)
     document = model.document_of(roots[0]) if roots else None
@@ -117,6 +121,8 @@ def _written(roots: list[EObject], model: Model, target: str) -> str:
 
 def _left_behind(result: ReadResult, target: str) -> Iterator[str]:
     """Yields what the new file does not say."""
+    from jausml.text.comments import ordinary_comments
+
     document = result.model.documents[0]
     if not document.is_xml:
         number = len(ordinary_comments(document.data.decode("utf-8", "replace")))

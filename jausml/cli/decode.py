@@ -24,18 +24,12 @@ from jausml.cli.messages import (
     to_json,
     write,
 )
-from jausml.live.messages import AmbiguousMessageError, MessageError
-from jausml.live.messages import text as message_text
-from jausml.live.traffic.captures import is_capture, read_frames
-from jausml.live.traffic.errors import TrafficError
-from jausml.live.traffic.frames import Datagram, UdpReader
-from jausml.live.traffic.hexlines import parse_hex
-from jausml.live.traffic.listening import MulticastListener
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.live.messages import Catalogue, DecodedMessage
+    from jausml.live.traffic.frames import Datagram
     from jausml.live.traffic.observing import Observation
 
 _BYTE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{2}")
@@ -170,6 +164,8 @@ def _is_file(text: str) -> bool:
 
 def _refuse_capture(path: str) -> None:
     """Refuses a capture where hex is wanted."""
+    from jausml.live.traffic.captures import is_capture
+
     # What is no plain file, such as a pipe, gives its bytes only once.
     if path != STDIN and Path(path).is_file():
         try:
@@ -194,6 +190,8 @@ class _Output:
 
     def message(self, decoded: DecodedMessage) -> None:
         """Writes a message."""
+        from jausml.live.messages import text as message_text
+
         if self._is_json:
             write(to_json(decoded.to_json()))
             return
@@ -215,7 +213,7 @@ class _Output:
         if self._is_json:
             write(to_json({**observation.to_json(), **located}))
             return
-        from jausml.live.traffic import text  # noqa: PLC0415 - bodies need no runtime
+        from jausml.live.traffic import text
 
         for line in text.lines(observation):
             write(line)
@@ -230,6 +228,8 @@ class _Output:
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
     """Refuses a service or a message that nobody defines, before anything is read."""
+    from jausml.live.messages import AmbiguousMessageError, MessageError
+
     try:
         if service is not None:
             catalogue.find_services(service)
@@ -258,6 +258,8 @@ class _Reading:
 
     def lines(self, lines: Iterable[Line], *, are_datagrams: bool) -> None:
         """Shows lines of hex: payloads, or datagrams with their headers."""
+        from jausml.live.messages import MessageError
+
         found = islice(self._bytes(lines), self._count)
         if are_datagrams:
             self._datagrams(found)
@@ -270,6 +272,9 @@ class _Reading:
 
     def _bytes(self, lines: Iterable[Line]) -> Iterator[tuple[str, bytes]]:
         """Yields the bytes of lines that have some."""
+        from jausml.live.traffic.errors import TrafficError
+        from jausml.live.traffic.hexlines import parse_hex
+
         for place, line in lines:
             try:
                 data = parse_hex(line)
@@ -282,10 +287,12 @@ class _Reading:
                 yield place, data
 
     def _datagrams(self, lines: Iterable[tuple[str, bytes]]) -> None:
+        from jausml.live.traffic.frames import Datagram
+
         self._observe((place, Datagram(data)) for place, data in lines)
 
     def _observe(self, datagrams: Iterable[tuple[str, Datagram]], *, is_live: bool = False) -> None:
-        from jausml.live.traffic.observing import Observer  # noqa: PLC0415 - see above
+        from jausml.live.traffic.observing import Observer
 
         observer = Observer(self._catalogue, *self._meaning)
         for place, datagram in datagrams:
@@ -299,6 +306,10 @@ class _Reading:
 
     def capture(self, path: str, port: int) -> None:
         """Shows the JUDP traffic of a capture."""
+        from jausml.live.traffic.captures import read_frames
+        from jausml.live.traffic.errors import TrafficError
+        from jausml.live.traffic.frames import UdpReader
+
         reader = UdpReader(port)
         with ExitStack() as stack:
             try:
@@ -327,7 +338,9 @@ class _Reading:
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
         """Shows what is sent to the multicast group."""
-        from jausml.runtime.base.settings import TransportSettings  # noqa: PLC0415 - see above
+        from jausml.live.traffic.errors import TrafficError
+        from jausml.live.traffic.listening import MulticastListener
+        from jausml.runtime.base.settings import TransportSettings
 
         try:
             settings = TransportSettings(

@@ -10,8 +10,6 @@ import click
 
 from jausml.cli.common import PROBLEMS
 from jausml.cli.messages import STDIN, model_option, open_catalogue, read_lines, shown_path, write
-from jausml.live.messages import MessageError
-from jausml.live.messages.codec import shown
 
 
 @click.command("encode")
@@ -27,6 +25,8 @@ def command(path: str, models: tuple[str, ...]) -> None:
     Exit status: 0 done, 1 some line is wrong (the others are encoded), 2 usage or a file that
     cannot be read, 3 internal error.
     """
+    from jausml.live.messages import MessageError
+
     failed = False
     catalogue = open_catalogue(models)
     for number, line in enumerate(read_lines(path), 1):
@@ -46,6 +46,8 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
+    from jausml.live.messages.codec import shown
+
     try:
         value = json.loads(line.rstrip(), object_pairs_hook=_object)
     except json.JSONDecodeError as error:

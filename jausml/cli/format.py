@@ -10,12 +10,6 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, EnvironmentFault, find_files
-from jausml.model.diagnostics import Diagnostic, Location, Severity
-from jausml.model.xmi.writer import replace_file
-from jausml.text.notation import SUFFIX, decode
-from jausml.text.reading.parsing import parse
-from jausml.text.writing.layout import lay_out
-from jausml.validation.formats.text import lines_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,6 +31,10 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
     Exit status: 0 done (--check: nothing to do), 1 syntax errors (--check: or a file would
     change), 2 a file cannot be read or written or is no ros2jaus text, 3 internal error.
     """
+    from jausml.text.notation import SUFFIX
+    from jausml.text.reading.parsing import parse
+    from jausml.text.writing.layout import lay_out
+
     texts = {name: _read(name) for name in find_files(files, (SUFFIX,))}
     parsed = {name: parse(text) for name, text in texts.items()}
     if _report(parsed):
@@ -56,6 +54,9 @@ def command(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
 
 def _read(name: str) -> str:
     """Returns the text of a file as it is, line ends and byte order mark included."""
+    from jausml.model.diagnostics import Location
+    from jausml.text.notation import SUFFIX, decode
+
     if not name.endswith(SUFFIX):
         raise EnvironmentFault(f"{click.format_filename(name)}: the file is no *{SUFFIX} file")
     try:
@@ -71,6 +72,9 @@ def _read(name: str) -> str:
 
 def _report(parsed: Mapping[str, Parsed]) -> bool:
     """Reports the syntax errors of files, and tells whether there are any."""
+    from jausml.model.diagnostics import Diagnostic, Location, Severity
+    from jausml.validation.formats.text import lines_of
+
     findings = [
         Diagnostic(
             "JML701",
@@ -99,6 +103,8 @@ def _patch(name: str, old: str, new: str) -> str:
 
 
 def _write(name: str, text: str) -> None:
+    from jausml.model.xmi.writer import replace_file
+
     try:
         replace_file(Path(name), text.encode("utf-8"))
     except OSError as error:

@@ -15,35 +15,13 @@ from jausml.cli.common import (
     notations_for,
     reading_options,
 )
-from jausml.generation import (
-    ActionKind,
-    GenerationError,
-    InternalError,
-    NoSystemError,
-    OwnershipError,
-    RefusedError,
-    Result,
-    Selection,
-    SelectionError,
-    WriteError,
-    generate,
-    load_targets,
-    select,
-    unified_diff,
-)
-from jausml.metamodel.classes import bridge
-from jausml.model import ReadResult, read_models
-from jausml.text.notation import SUFFIX
-from jausml.validation.engine import check
-from jausml.validation.formats import text
-from jausml.validation.formats.text import one_line
-from jausml.validation.rules.jaus.components import MAXIMUM_RATE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from jausml.cli.common import Reading
-    from jausml.generation import Plan, Target
+    from jausml.generation import NoSystemError, Plan, Result, Selection, Target
+    from jausml.model import ReadResult
     from jausml.model.model import Model
     from jausml.model.notation import Notation
 
@@ -132,6 +110,9 @@ def command(
     something would change; --check and --strict: or a file of yours fell behind the model), 2 usage
     or environment, 3 internal error.
     """
+    from jausml.metamodel.classes import bridge
+    from jausml.validation.rules.jaus.components import MAXIMUM_RATE
+
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
@@ -161,12 +142,17 @@ def _out_folder(model: str, out: str | None) -> Path:
 
 
 def _read(path: str, reading: Reading, notations: Sequence[Notation]) -> ReadResult:
+    from jausml.model import read_models
+
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
     return read_models(find_models([path]), notations=notations, **reading)
 
 
 def _valid_model(read: ReadResult, *, strict: bool) -> Model:
+    from jausml.validation.engine import check
+    from jausml.validation.formats import text
+
     report = check(read)
     click.echo(text.render(report), nl=False, err=True)
     if report.has_errors or (strict and report.has_warnings):
@@ -176,6 +162,8 @@ def _valid_model(read: ReadResult, *, strict: bool) -> Model:
 
 
 def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
+    from jausml.generation import SelectionError, select
+
     try:
         return select(_installed(), names, whole_library=whole_library)
     except SelectionError as error:
@@ -183,6 +171,8 @@ def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
 
 
 def _installed() -> dict[str, Target[Any]]:
+    from jausml.generation import GenerationError, load_targets
+
     try:
         return load_targets()
     except GenerationError as error:
@@ -190,6 +180,16 @@ def _installed() -> dict[str, Target[Any]]:
 
 
 def _generated(model: Model, selection: Selection, folder: Path, **options: Any) -> Result:
+    from jausml.generation import (
+        GenerationError,
+        InternalError,
+        NoSystemError,
+        OwnershipError,
+        RefusedError,
+        WriteError,
+        generate,
+    )
+
     try:
         return generate(model, selection.targets, folder, kept=selection.kept, **options)
     except InternalError:
@@ -210,6 +210,8 @@ def _generated(model: Model, selection: Selection, folder: Path, **options: Any)
 
 
 def _no_system(error: NoSystemError) -> str:
+    from jausml.text.notation import SUFFIX
+
     if error.systems or not error.maps or not error.path.endswith(SUFFIX):
         return str(error)
     message = (
@@ -220,6 +222,8 @@ def _no_system(error: NoSystemError) -> str:
 
 
 def _report_drift(result: Result) -> None:
+    from jausml.validation.formats.text import one_line
+
     for finding in result.drift:
         place = f"{result.plan.out / finding.path}:{finding.line}"
         click.echo(one_line(f"{place}: {finding.severity}: {finding.message}"), err=True)
@@ -228,6 +232,8 @@ def _report_drift(result: Result) -> None:
 
 
 def _report(result: Result, mode: str, *, quiet: bool) -> None:
+    from jausml.generation import unified_diff
+
     plan = result.plan
     if mode == "diff":
         click.echo(unified_diff(plan), nl=False)
@@ -241,12 +247,16 @@ def _report(result: Result, mode: str, *, quiet: bool) -> None:
 
 
 def _list(plan: Plan, *, quiet: bool) -> None:
+    from jausml.generation import ActionKind
+
     for action in plan.actions:
         if not (quiet and action.kind is ActionKind.KEEP):
             click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
 
 
 def _summary(result: Result) -> str:
+    from jausml.generation import ActionKind
+
     words = {
         ActionKind.CREATE: "created" if result.is_written else "to create",
         ActionKind.UPDATE: "updated" if result.is_written else "to update",

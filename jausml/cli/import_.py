@@ -7,23 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import PROBLEMS, find_files
 from jausml.cli.import_ros import ros
 from jausml.cli.imported import counted, document, say, write_document
-from jausml.importers.jsidl import ImportResult, import_jsidl
-from jausml.importers.jsidl.library import library_model, services_by_urn
-from jausml.importers.jsidl.scopes import pick_version
-from jausml.model.comparison import ON_THE_WIRE, compare
-from jausml.model.reading.reader import ReadResult
-from jausml.validation.engine import check
-from jausml.validation.formats import RENDERERS, text
-from jausml.validation.formats.text import one_line
-from jausml.validation.report import Report
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.importers.jsidl import ImportResult
     from jausml.metamodel.classes import jaus
+    from jausml.validation.report import Report
 
 _SUFFIXES = (".xml", ".jsidl")
 
@@ -51,7 +45,7 @@ command.add_command(ros)
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(RENDERERS)),
+    type=click.Choice(REPORT_FORMATS),
     default="text",
     show_default=True,
     help="Format of the findings.",
@@ -77,6 +71,10 @@ def jsidl(
     Exit status: 0 done, 1 errors in the files (--compare-library: or differences), 2 a path cannot
     be read or OUT.xmi not be written, 3 internal error.
     """
+    from jausml.importers.jsidl import import_jsidl
+    from jausml.validation.formats import RENDERERS, text
+    from jausml.validation.formats.text import one_line
+
     if output is None and not compare_library:
         raise click.UsageError("name the model to write by -o OUT.xmi")
     folders = [path for path in paths if Path(path).is_dir()]
@@ -113,6 +111,10 @@ def jsidl(
 
 def _report(result: ImportResult) -> Report:
     """Returns the findings of the importer; without errors, those of the rules too."""
+    from jausml.model.reading.reader import ReadResult
+    from jausml.validation.engine import check
+    from jausml.validation.report import Report
+
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
     files = tuple(document.display for document in result.model.documents if document.given)
@@ -121,6 +123,10 @@ def _report(result: ImportResult) -> Report:
 
 def _differences(result: ImportResult) -> Iterator[str]:
     """Yields the differences from the services of the library, each with its place."""
+    from jausml.importers.jsidl.library import library_model, services_by_urn
+    from jausml.importers.jsidl.scopes import pick_version
+    from jausml.model.comparison import ON_THE_WIRE, compare
+
     library = services_by_urn(library_model())
     for service in (each for root in result.sets for each in root.services):
         place = result.model.location(service)

@@ -8,27 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.imported import counted, document, say, write_document
-from jausml.importers.ros import (
-    ImportResult,
-    PackageSource,
-    import_packages,
-    installed_source,
-    package_sources,
-    placed,
-)
-from jausml.importers.ros.sources import SUFFIXES
-from jausml.interfaces import Installation
-from jausml.interfaces.types import is_package_name
-from jausml.model.reading.reader import ReadResult
-from jausml.model.values import suggest
-from jausml.validation.engine import check
-from jausml.validation.formats import RENDERERS, text
-from jausml.validation.report import Report
 
 if TYPE_CHECKING:
+    from jausml.importers.ros import ImportResult, PackageSource
+    from jausml.interfaces import Installation
     from jausml.metamodel.classes.ros import InterfacePackage
+    from jausml.validation.report import Report
 
 
 @click.command("ros")
@@ -52,7 +40,7 @@ if TYPE_CHECKING:
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(RENDERERS)),
+    type=click.Choice(REPORT_FORMATS),
     default="text",
     show_default=True,
     help="Format of the findings.",
@@ -77,6 +65,10 @@ def ros(
     Exit status: 0 done, 1 errors in the files, 2 a package is not there, a path cannot be read or a
     file not be written, 3 internal error.
     """
+    from jausml.importers.ros import import_packages
+    from jausml.interfaces import Installation
+    from jausml.validation.formats import RENDERERS, text
+
     installation = Installation(shares)
     sources = _sources(packages, installation)
     result = import_packages(sources, installation=installation, comments=not without_comments)
@@ -93,6 +85,9 @@ def ros(
 
 def _sources(words: tuple[str, ...], installation: Installation) -> list[PackageSource]:
     """Returns the packages that are meant: by their names, or by paths."""
+    from jausml.importers.ros import PackageSource, installed_source
+    from jausml.interfaces.types import is_package_name
+
     sources: dict[str, PackageSource] = {}
     for word in words:
         folder = installation.folder(word) if is_package_name(word) else None
@@ -106,6 +101,10 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
 
 
 def _at(path: str, installation: Installation) -> list[PackageSource]:
+    from jausml.importers.ros import package_sources
+    from jausml.importers.ros.sources import SUFFIXES
+    from jausml.model.values import suggest
+
     shown = click.format_filename(path)
     place = Path(path)
     try:
@@ -130,6 +129,10 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
 
 def _report(result: ImportResult) -> Report:
     """Returns the findings of the importer; without errors, those of the rules too."""
+    from jausml.model.reading.reader import ReadResult
+    from jausml.validation.engine import check
+    from jausml.validation.report import Report
+
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
     files = tuple(each.display for each in result.model.documents if each.given)
@@ -140,6 +143,8 @@ def _documents(
     result: ImportResult, output: str | None
 ) -> list[tuple[str, list[InterfacePackage], bytes]]:
     """Returns the files to be written, each with its packages and its bytes."""
+    from jausml.importers.ros import placed
+
     output = output or f"{result.packages[0].name}.xmi"
     if output.endswith(os.sep) or Path(output).is_dir():
         places = {Path(output, f"{each.name}.xmi"): [each] for each in result.packages}

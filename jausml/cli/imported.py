@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import EnvironmentFault
-from jausml.model.xmi.writer import UnwritableError, replace_file, to_xmi
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -29,6 +28,8 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
     Raises:
         click.ClickException: XMI cannot say what they hold.
     """
+    from jausml.model.xmi.writer import UnwritableError, to_xmi
+
     try:
         return to_xmi(roots, model, output).encode("utf-8")
     except UnwritableError as error:
@@ -48,6 +49,8 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
     Raises:
         EnvironmentFault: The file cannot be written, or must not.
     """
+    from jausml.model.xmi.writer import replace_file
+
     check_output(output, inputs)
     path = Path(output)
     shown = click.format_filename(output)

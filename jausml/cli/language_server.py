@@ -19,6 +19,6 @@ def command() -> None:
     """
     if find_spec("pygls") is None:
         raise EnvironmentFault("the language server needs pygls: pip install 'jausml[editor]'")
-    from jausml.editor.server import serve  # noqa: PLC0415 - needs pygls
+    from jausml.editor.server import serve
 
     serve()

@@ -11,13 +11,11 @@ import click
 from jausml.cli.common import PROBLEMS
 from jausml.cli.messages import read_model, to_json
 from jausml.cli.operating import Settings, operator_options, remark, until_interrupted
-from jausml.live.peers.measuring import Stream, measure, offered_reports
-from jausml.live.peers.modelled import reports_of
-from jausml.live.peers.network import component_address
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from jausml.live.peers.measuring import Stream
     from jausml.live.peers.spread import Spread
     from jausml.runtime.base.address import JausAddress
 
@@ -70,6 +68,8 @@ def command(
     Exit status: 0 measured, 1 a report did not come at all or a model has errors, 2 nobody answers
     or an option is wrong, 3 internal error.
     """
+    from jausml.live.peers.measuring import measure, offered_reports
+
     model, target = _meant(source)
     if model and messages:
         raise click.UsageError("MESSAGE goes with an ID; a MODEL says by itself what it carries")
@@ -92,6 +92,9 @@ def command(
 
 def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
     """Returns what the model carries, or the component that is meant."""
+    from jausml.live.peers.modelled import reports_of
+    from jausml.live.peers.network import component_address
+
     if not Path(source).is_file():
         try:
             return [], component_address(source)

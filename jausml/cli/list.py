@@ -45,7 +45,7 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
 def _services(models: tuple[str, ...]) -> list[dict[str, Any]]:
     if not models:
         return known("services")
-    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+    from jausml.cli import listed
 
     return listed.services(models)
 
@@ -82,7 +82,7 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
 def _messages(models: tuple[str, ...], service: str | None) -> list[dict[str, Any]]:
     if not models and service is None:
         return known("messages")
-    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+    from jausml.cli import listed
 
     return listed.messages(models, service)
 
@@ -134,7 +134,7 @@ def maps(
 def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
     if not models:
         return [each | {"file": library_file(each["file"])} for each in known("maps")]
-    from jausml.cli import listed  # noqa: PLC0415 - the library alone needs no reader
+    from jausml.cli import listed
 
     return listed.maps(models)
 
@@ -157,7 +157,7 @@ def _chosen(
 
     chosen = [each for each in found if are_meant(each)]
     if not chosen:
-        from jausml.live.messages.errors import did_you_mean, similar  # noqa: PLC0415 - for errors
+        from jausml.live.messages.errors import did_you_mean, similar
 
         everything = {name for each in found for name in names(each)}
         everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}

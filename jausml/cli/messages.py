@@ -62,8 +62,8 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
         ModelFault: A model has errors.
     """
     # Options and output of the verbs alone need no reader.
-    from jausml.live.messages import CatalogueError, load_catalogue  # noqa: PLC0415
-    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
+    from jausml.live.messages import CatalogueError, load_catalogue
+    from jausml.text.notation import NOTATIONS
 
     try:
         return load_catalogue(find_models(models), notations=NOTATIONS)
@@ -81,8 +81,8 @@ def read_model(path: str) -> Model:
         EnvironmentFault: The file cannot be read.
         ModelFault: The model has errors.
     """
-    from jausml.model import Severity, read_models  # noqa: PLC0415
-    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
+    from jausml.model import Severity, read_models
+    from jausml.text.notation import NOTATIONS
 
     try:
         result = read_models([path], notations=NOTATIONS)

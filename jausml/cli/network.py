@@ -8,20 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from jausml.cli.choices import GROUP, INTERFACE, PORT, TRANSPORTS
 from jausml.cli.messages import model_option
-from jausml.live.peers.identity import identified
-from jausml.live.peers.network import (
-    DEFAULT_GROUP,
-    DEFAULT_INTERFACE,
-    DEFAULT_PORT,
-    TRANSPORTS,
-    Network,
-    make_network,
-    silence_log,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.live.peers.network import Network
 
 F = TypeVar("F", bound="Callable[..., Any]")
 
@@ -37,7 +30,7 @@ _OPTIONS = (
         "--interface",
         "--jaus-interface",
         "interface",
-        default=DEFAULT_INTERFACE,
+        default=INTERFACE,
         show_default=True,
         metavar="ADDRESS",
         help="IPv4 address of the network interface.",
@@ -47,7 +40,7 @@ _OPTIONS = (
         "--jaus-port",
         "port",
         type=click.IntRange(1, 65535),
-        default=DEFAULT_PORT,
+        default=PORT,
         show_default=True,
         help="UDP port of JUDP.",
     ),
@@ -55,7 +48,7 @@ _OPTIONS = (
         "--multicast-group",
         "--jaus-multicast-group",
         "multicast_group",
-        default=DEFAULT_GROUP,
+        default=GROUP,
         show_default=True,
         metavar="ADDRESS",
         help="Multicast group of JUDP.",
@@ -125,6 +118,8 @@ def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
         network: The network.
         count: Ids that are needed, one after the other.
     """
+    from jausml.live.peers.identity import identified
+
     with identified(network, count) as ours:
         if ours.is_shared:
             click.echo(
@@ -156,6 +151,8 @@ def network_from(
     Raises:
         click.UsageError: An option cannot be.
     """
+    from jausml.live.peers.network import make_network, silence_log
+
     silence_log()
     try:
         return make_network(own_id, interface, port, multicast_group, peers, **transport)

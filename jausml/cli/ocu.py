@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from jausml.cli.choices import AUTHORITY
 from jausml.cli.common import PROBLEMS
 from jausml.cli.operating import (
     FIELDS,
@@ -20,11 +21,6 @@ from jausml.cli.operating import (
     remark,
     until_interrupted,
 )
-from jausml.live.peers import rendering
-from jausml.live.peers.asking import NoAnswer
-from jausml.live.peers.commanding import Course, outcome
-from jausml.live.peers.commanding import command as send
-from jausml.live.peers.console import DEFAULT_AUTHORITY, Console
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,6 +77,9 @@ def session(settings: Settings) -> None:
 @operator_options
 def discover(settings: Settings, duration: float) -> None:
     """Show subsystems, nodes, components and their services."""
+    from jausml.live.peers import rendering
+    from jausml.live.peers.asking import NoAnswer
+
     with settings.operator() as operator:
         found = operator.survey.take(duration)
         if settings.as_json:
@@ -96,6 +95,8 @@ def discover(settings: Settings, duration: float) -> None:
 @operator_options
 def services(settings: Settings, target: JausAddress) -> None:
     """Show the services that the component ID provides."""
+    from jausml.live.peers import rendering
+
     with settings.operator() as operator:
         found = operator.services(target)
         if not found:
@@ -111,6 +112,8 @@ def services(settings: Settings, target: JausAddress) -> None:
 @operator_options
 def status(settings: Settings, target: JausAddress) -> None:
     """Show the state of the component ID and who controls it."""
+    from jausml.live.peers import rendering
+
     with settings.operator() as operator:
         state, control = operator.status(target)
         if settings.as_json:
@@ -203,7 +206,7 @@ def _watch(
 @click.option(
     "--authority",
     type=click.IntRange(0, 255),
-    default=DEFAULT_AUTHORITY,
+    default=AUTHORITY,
     show_default=True,
     help="Authority to ask for control with.",
 )
@@ -248,6 +251,10 @@ def send_command(
     higher authority, or does not answer any more; the exit status is 4 then, also with
     --keep-sending.
     """
+    from jausml.live.peers.commanding import Course, outcome
+    from jausml.live.peers.commanding import command as send
+    from jausml.live.peers.console import Console
+
     if rate is not None and not duration:
         raise click.UsageError("--rate needs a --duration")
     with settings.operator() as operator, until_interrupted():
@@ -271,6 +278,8 @@ def send_command(
 
 
 def _run_session(settings: Settings) -> None:
+    from jausml.live.peers.console import Console
+
     with settings.operator() as operator, until_interrupted():
         console = Console(operator, click.echo)
         if sys.stdin.isatty():

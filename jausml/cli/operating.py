@@ -18,12 +18,6 @@ from jausml.cli.network import (
     network_options,
     transport_options,
 )
-from jausml.live.messages import MessageError
-from jausml.live.peers import rendering
-from jausml.live.peers.asking import NoAnswer
-from jausml.live.peers.console import parse_fields
-from jausml.live.peers.network import component_address, fault
-from jausml.live.peers.operator import Refused, running_operator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -64,6 +58,11 @@ class Settings:
             click.ClickException: A component refused.
             click.UsageError: A message is unknown or its fields are wrong.
         """
+        from jausml.live.messages import MessageError
+        from jausml.live.peers.asking import NoAnswer
+        from jausml.live.peers.network import fault
+        from jausml.live.peers.operator import Refused, running_operator
+
         try:
             with (
                 identified_network(self.network) as network,
@@ -83,11 +82,15 @@ class Settings:
 
     def show(self, source: JausAddress, entry: MessageEntry, fields: dict[str, Any]) -> None:
         """Prints a report."""
+        from jausml.live.peers import rendering
+
         render = rendering.report_json if self.as_json else rendering.report_line
         click.echo(render(source, entry, fields))
 
 
 def _address(_context: click.Context, _parameter: click.Parameter, value: str) -> JausAddress:
+    from jausml.live.peers.network import component_address
+
     try:
         return component_address(value)
     except ValueError as error:
@@ -97,6 +100,8 @@ def _address(_context: click.Context, _parameter: click.Parameter, value: str) -
 def _fields(
     _context: click.Context, _parameter: click.Parameter, value: str | None
 ) -> dict[str, Any] | None:
+    from jausml.live.peers.console import parse_fields
+
     try:
         return None if value is None else parse_fields(value)
     except ValueError as error:

@@ -58,10 +58,10 @@ def command(
     Exit status: 0 done, 1 errors in the model or no such split, 2 usage or environment, 3 internal
     error.
     """
-    from jausml.analysis.formats.partition import render  # noqa: PLC0415 - what --help needs not
-    from jausml.analysis.partition import UnsplittableError, propose  # noqa: PLC0415
-    from jausml.analysis.splitting import AddressesExhaustedError, split  # noqa: PLC0415
-    from jausml.cli.systems import check_names, read_system  # noqa: PLC0415
+    from jausml.analysis.formats.partition import render
+    from jausml.analysis.partition import UnsplittableError, propose
+    from jausml.analysis.splitting import AddressesExhaustedError, split
+    from jausml.cli.systems import check_names, read_system
 
     if output is not None and not output.endswith(_suffix(model)):
         raise click.UsageError(f"FILE must end with {_suffix(model)}, as MODEL does")
@@ -86,13 +86,13 @@ def _suffix(model: str) -> str:
 
 def _write(read: Model, model: str, output: str, reading: Reading, *, force: bool) -> None:
     """Writes the model, reads it again, and shows what it has of errors."""
-    from jausml.cli.imported import say, write_document  # noqa: PLC0415 - what --help needs not
-    from jausml.model.reading.reader import read_models  # noqa: PLC0415
-    from jausml.model.xmi.writer import UnwritableError, to_xmi  # noqa: PLC0415
-    from jausml.text.notation import NOTATIONS, SUFFIX  # noqa: PLC0415
-    from jausml.text.writing.unparsing import to_text  # noqa: PLC0415
-    from jausml.validation.engine import check  # noqa: PLC0415
-    from jausml.validation.formats import text  # noqa: PLC0415
+    from jausml.cli.imported import say, write_document
+    from jausml.model.reading.reader import read_models
+    from jausml.model.xmi.writer import UnwritableError, to_xmi
+    from jausml.text.notation import NOTATIONS, SUFFIX
+    from jausml.text.writing.unparsing import to_text
+    from jausml.validation.engine import check
+    from jausml.validation.formats import text
 
     roots = read.documents[0].roots
     write = to_text if output.endswith(SUFFIX) else to_xmi

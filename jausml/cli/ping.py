@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli import choices
 from jausml.cli.common import PROBLEMS
 from jausml.cli.messages import to_json
 from jausml.cli.operating import TARGET, Settings, operator_options, remark, until_interrupted
-from jausml.live.peers.pinging import QUESTIONS, Pings, answered_question
 
 if TYPE_CHECKING:
     from jausml.live.peers.asking import Asker
+    from jausml.live.peers.pinging import Pings
     from jausml.runtime.base.address import JausAddress
 
 AUTOMATIC = "automatic"
@@ -35,7 +36,7 @@ AUTOMATIC = "automatic"
 )
 @click.option(
     "--question",
-    type=click.Choice([AUTOMATIC, *QUESTIONS]),
+    type=click.Choice([AUTOMATIC, *choices.QUESTIONS]),
     default=AUTOMATIC,
     show_default=True,
     help="What is asked; by default the first of these that the component answers.",
@@ -53,6 +54,8 @@ def command(
     Exit status: 0 answers came, 1 none came, 2 the network cannot be used or an option is wrong,
     3 internal error.
     """
+    from jausml.live.peers.pinging import Pings, answered_question
+
     pings = Pings()
     with settings.operator() as operator:
         with until_interrupted():
@@ -76,6 +79,8 @@ def _ping(
     *,
     as_json: bool,
 ) -> None:
+    from jausml.live.peers.pinging import QUESTIONS
+
     query, report = QUESTIONS[question]
     if not as_json:
         click.echo(f"{target}: {query.NAME} every {interval:g} s")
@@ -96,6 +101,8 @@ def _ping(
 
 
 def _summarize(target: JausAddress, question: str | None, pings: Pings, *, as_json: bool) -> None:
+    from jausml.live.peers.pinging import QUESTIONS
+
     spread = pings.spread
     figures = None if spread is None else spread.milliseconds()
     if as_json:

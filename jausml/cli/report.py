@@ -45,11 +45,11 @@ def command(
 
     Exit status: 0 done, 1 errors in the model, 2 usage or environment, 3 internal error.
     """
-    from dataclasses import replace  # noqa: PLC0415 - what --help does not need
-    from importlib import import_module  # noqa: PLC0415
+    from dataclasses import replace
+    from importlib import import_module
 
-    from jausml.analysis.report import report_of  # noqa: PLC0415
-    from jausml.cli.systems import check_names, read_system  # noqa: PLC0415
+    from jausml.analysis.report import report_of
+    from jausml.cli.systems import check_names, read_system
 
     _, system = read_system(model, reading)
     check_names(assumptions, system)

@@ -7,8 +7,6 @@ import sys
 from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
 
-from lxml import etree
-
 from jausml.cli.common import EnvironmentFault
 
 if TYPE_CHECKING:
@@ -58,6 +56,8 @@ def _cure(name: str, folder: Path, is_own: bool) -> str:
 
 def _needed(file: Path) -> Iterator[str]:
     """Yields the names of packages that a package.xml says its package needs to run."""
+    from lxml import etree
+
     if not file.is_file():
         return
     parser = etree.XMLParser(resolve_entities=False, no_network=True)

@@ -15,7 +15,6 @@ from jausml.cli.common import PROBLEMS, EnvironmentFault
 from jausml.cli.handed_on import Handed, handed_on, split_arguments
 from jausml.cli.ros_packages import require_packages
 from jausml.cli.supervisor import Command, Supervisor
-from jausml.generation import MANIFEST_PATH, read_manifest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -77,6 +76,8 @@ def command(out: str, rest: tuple[str, ...], only: tuple[str, ...], duration: fl
 
 def _workspace(out: str) -> Path:
     """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
+    from jausml.generation import MANIFEST_PATH
+
     for folder in (Path(out), Path(out, "src")):
         if (folder / MANIFEST_PATH).is_file():
             return folder.resolve()
@@ -85,6 +86,8 @@ def _workspace(out: str) -> Path:
 
 
 def _entries(folder: Path) -> list[Mapping[str, Any]]:
+    from jausml.generation import read_manifest
+
     manifest = read_manifest(folder)
     if manifest.problem:
         raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")

@@ -14,16 +14,13 @@ from jausml.cli.messages import (
     to_json,
     write,
 )
-from jausml.live.messages import MessageEntry, MessageError
-from jausml.live.messages.definitions import Row, rows
-from jausml.live.messages.errors import did_you_mean, similar
-from jausml.live.messages.samples import example
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from jausml.cli.maps import FoundMap
-    from jausml.live.messages import Catalogue, ServiceEntry
+    from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry
+    from jausml.live.messages.definitions import Row
 
 
 @click.group("show")
@@ -47,6 +44,9 @@ def message(name: str, service: str | None, output_format: str, models: tuple[st
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown message), 3 internal error.
     """
+    from jausml.live.messages import MessageError
+    from jausml.live.messages.definitions import rows
+
     catalogue = open_catalogue(models)
     try:
         found = [(entry, rows(entry)) for entry in _meanings(catalogue, name, service)]
@@ -77,6 +77,8 @@ def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
 
 
 def _example(entry: MessageEntry) -> dict[str, Any]:
+    from jausml.live.messages.samples import example
+
     return {"message": entry.name, "fields": example(entry)}
 
 
@@ -126,6 +128,8 @@ def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown service), 3 internal error.
     """
+    from jausml.live.messages import MessageError
+
     try:
         found = open_catalogue(models).find_services(name)
     except MessageError as error:
@@ -177,7 +181,8 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
 
     Exit status: 0 done, 1 a model has errors, 2 usage (an unknown map), 3 internal error.
     """
-    from jausml.cli.maps import open_maps  # noqa: PLC0415 - messages need no maps
+    from jausml.cli.maps import open_maps
+    from jausml.live.messages.errors import did_you_mean, similar
 
     found = [each for each in open_maps(models, name) if each.overview.name == name]
     if not found:

@@ -47,7 +47,7 @@ def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.analysis.assumptions import (  # noqa: PLC0415 - what --help does not need
+        from jausml.analysis.assumptions import (
             DEFAULT_LENGTH,
             DEFAULT_RATE,
             Assumptions,
@@ -73,14 +73,14 @@ def read_system(path: str, reading: Reading) -> tuple[Model, System]:
     Raises:
         EnvironmentFault: The file cannot be read, or has no system.
     """
-    from pathlib import Path  # noqa: PLC0415 - what --help does not need
+    from pathlib import Path
 
-    from jausml.generation.errors import NoSystemError  # noqa: PLC0415
-    from jausml.generation.system import system_of  # noqa: PLC0415
-    from jausml.model.reading.reader import read_models  # noqa: PLC0415
-    from jausml.text.notation import NOTATIONS  # noqa: PLC0415
-    from jausml.validation.engine import check  # noqa: PLC0415
-    from jausml.validation.formats import text  # noqa: PLC0415
+    from jausml.generation.errors import NoSystemError
+    from jausml.generation.system import system_of
+    from jausml.model.reading.reader import read_models
+    from jausml.text.notation import NOTATIONS
+    from jausml.validation.engine import check
+    from jausml.validation.formats import text
 
     if Path(path).is_dir():
         raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
@@ -105,7 +105,7 @@ def check_names(assumptions: Assumptions, system: System) -> None:
     Raises:
         UsageError: A name is that of no connection.
     """
-    from jausml.analysis.assumptions import names_of  # noqa: PLC0415 - what --help does not need
+    from jausml.analysis.assumptions import names_of
 
     known = {
         name

@@ -65,7 +65,7 @@ def command(
     Exit status of --once: 0 all is well, 1 something is in WARN or STALE, or could not be heard,
     2 something is in ERROR or not heard, or an option is wrong, 3 internal error.
     """
-    from jausml.cli.operating import Settings, until_interrupted  # noqa: PLC0415
+    from jausml.cli.operating import Settings, until_interrupted
 
     if not (once or as_json) and find_spec("textual") is None:
         raise EnvironmentFault(
@@ -91,10 +91,10 @@ def command(
 
 def _expected(model: str | None) -> Observation:
     """Returns the observation of a system of which only the model is known yet."""
-    from jausml.live.systems.declared import components_of, declarations_of  # noqa: PLC0415
-    from jausml.live.systems.folding import expected  # noqa: PLC0415
-    from jausml.live.systems.observing import Observation  # noqa: PLC0415
-    from jausml.live.systems.state import SystemState  # noqa: PLC0415
+    from jausml.live.systems.declared import components_of, declarations_of
+    from jausml.live.systems.folding import expected
+    from jausml.live.systems.observing import Observation
+    from jausml.live.systems.state import SystemState
 
     if model is None:
         return Observation(SystemState(time.monotonic()))
@@ -111,7 +111,7 @@ def _sources(
     Raises:
         EnvironmentFault: There is neither ROS nor a network for JAUS.
     """
-    from jausml.live.systems.observing import asking, listening  # noqa: PLC0415
+    from jausml.live.systems.observing import asking, listening
 
     with ExitStack() as stack:
         ros = stack.enter_context(listening(observation))
@@ -129,13 +129,13 @@ def _sources(
 
 def _print(state: SystemState, *, as_json: bool) -> None:
     if as_json:
-        from jausml.cli.messages import to_json  # noqa: PLC0415
-        from jausml.live.systems.shown import as_values  # noqa: PLC0415
+        from jausml.cli.messages import to_json
+        from jausml.live.systems.shown import as_values
 
         now = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
         click.echo(to_json({"time": now, **as_values(state)}))
         return
-    from jausml.live.systems import tables  # noqa: PLC0415
+    from jausml.live.systems import tables
 
     numbers = [each.is_number for each in tables.COLUMNS]
     rows = [tables.row(each) for each in tables.arranged(state, 0)]
@@ -177,7 +177,7 @@ def _show(
     ros: RosDiagnostics | None,
     interval: float,
 ) -> None:
-    from jausml.live.systems.looking import Looking  # noqa: PLC0415
-    from jausml.live.terminal.app import SystemView  # noqa: PLC0415 - needs textual
+    from jausml.live.systems.looking import Looking
+    from jausml.live.terminal.app import SystemView
 
     SystemView(observation.state, Looking(operator, ros), interval).run()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from jausml.cli.choices import REPORT_FORMATS
 from jausml.cli.common import (
     PROBLEMS,
     bridge_options,
@@ -15,8 +16,6 @@ from jausml.cli.common import (
     reading_options,
     write_report,
 )
-from jausml.validation.engine import validate
-from jausml.validation.formats import RENDERERS, text
 
 if TYPE_CHECKING:
     from jausml.cli.common import Reading
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(list(RENDERERS)),
+    type=click.Choice(REPORT_FORMATS),
     default="text",
     show_default=True,
     help="Format of the report.",
@@ -55,6 +54,9 @@ def command(
     Exit status: 0 no errors, 1 errors (with --strict: or warnings), 2 a path cannot be read or a
     folder holds no models, 3 internal error.
     """
+    from jausml.validation.engine import validate
+    from jausml.validation.formats import RENDERERS, text
+
     if bridge_address is not None and len(paths) > 1:
         raise click.UsageError("--bridge-address takes one file of maps")
     notations = notations_for(paths[0], bridge_address, frequency)

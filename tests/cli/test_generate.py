@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.cli import generate
+from jausml import generation
 from jausml.generation import (
     GenerationError,
     Kind,
@@ -76,7 +76,7 @@ ASKED = Target(
 @pytest.fixture(autouse=True)
 def targets(monkeypatch):
     installed = {"small": SMALL}
-    monkeypatch.setattr(generate, "load_targets", lambda: installed)
+    monkeypatch.setattr(generation, "load_targets", lambda: installed)
     return installed
 
 
@@ -213,7 +213,7 @@ def test_targets_that_cannot_be_loaded(jausml, monkeypatch):
     def fail():
         raise GenerationError("target 'x' is broken")
 
-    monkeypatch.setattr(generate, "load_targets", fail)
+    monkeypatch.setattr(generation, "load_targets", fail)
     result = jausml("generate", "good.xmi")
     assert result.exit_code == 2
     assert "target 'x' is broken" in result.stderr

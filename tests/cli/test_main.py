@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from jausml.cli import VERBS, validate
+from jausml.cli import VERBS
+from jausml.validation import engine
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -97,7 +98,7 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
     def fail(*_, **__):
         raise KeyError("inside")
 
-    monkeypatch.setattr(validate, "validate", fail)
+    monkeypatch.setattr(engine, "validate", fail)
     result = jausml("validate", "good.xmi")
     assert result.exit_code == 3
     assert (

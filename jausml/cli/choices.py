@@ -1,0 +1,24 @@
+"""What options offer, without the modules that know more of it: these take long to load.
+
+Tests compare.
+"""
+
+from __future__ import annotations
+
+REPORT_FORMATS = ("text", "json", "junit", "sarif", "github")
+"""`jausml.validation.formats`."""
+
+CONFORMANCE_FORMATS = ("text", "json", "junit")
+"""`jausml.live.peers.conformance.formats`."""
+
+QUESTIONS = ("heartbeat", "identification", "status", "control")
+"""`jausml.live.peers.pinging`."""
+
+AUTHORITY = 205
+"""`jausml.live.peers.console`."""
+
+TRANSPORTS = ("judp", "jtcp", "node-manager")
+INTERFACE = "127.0.0.1"
+PORT = 3794
+GROUP = "239.255.0.1"
+"""`jausml.live.peers.network`."""

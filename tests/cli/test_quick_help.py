@@ -1,0 +1,48 @@
+"""What a verb works with is loaded when it works: help and completion of the shell are quick."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from jausml.cli import VERBS, choices
+from jausml.live.peers import console, network, pinging
+from jausml.live.peers.conformance import formats as conformance_formats
+from jausml.validation import formats
+
+HEAVY = {
+    *("jinja2", "lark", "lxml", "numpy", "pyecore", "pygls"),
+    *("jausml.generation", "jausml.live", "jausml.metamodel", "jausml.model", "jausml.runtime"),
+    *("jausml.semantics", "jausml.text", "jausml.validation", "jausml.wire"),
+}
+WITH_TARGETS = {"generate"}
+"""Its help tells what the installed targets do, and has to load them."""
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [*([each] for each in VERBS if each not in WITH_TARGETS), ["import", "ros"], ["list", "maps"]],
+    ids=" ".join,
+)
+def test_help_loads_nothing_heavy(verb):
+    code = (
+        "import sys; from click.testing import CliRunner; from jausml.cli import main; "
+        f"print(CliRunner().invoke(main, {[*verb, '--help']!r}).exit_code); "
+        f"print(sorted({HEAVY!r} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+    assert run.stdout.split("\n")[:2] == ["0", "[]"]
+
+
+def test_options_offer_what_there_is():
+    assert tuple(formats.RENDERERS) == choices.REPORT_FORMATS
+    assert tuple(conformance_formats.RENDERERS) == choices.CONFORMANCE_FORMATS
+    assert tuple(pinging.QUESTIONS) == choices.QUESTIONS
+    assert choices.AUTHORITY == console.DEFAULT_AUTHORITY
+    assert choices.TRANSPORTS == network.TRANSPORTS
+    assert choices.INTERFACE == network.DEFAULT_INTERFACE
+    assert choices.PORT == network.DEFAULT_PORT
+    assert choices.GROUP == network.DEFAULT_GROUP
