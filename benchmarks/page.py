@@ -78,6 +78,7 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *_connections(sections),
         *_throughput(sections, plots),
         *_load(sections),
+        *page_others.partition(sections),
         *_translations(sections, plots),
         *_footprint(sections),
         *page_others.components(sections),

@@ -1,13 +1,30 @@
-"""Parts of the page that are not about bridges."""
+"""Parts of the page besides bridges, and on what splits them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from names import WAY_NAMES
 from tables import counted, table, times
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+
+def partition(sections: Mapping[str, Any]) -> Iterator[str]:
+    """Yields what commands gain by a bridge of their own."""
+    if "partition" not in sections:
+        return
+    yield (
+        "Single twists while grids of 40 kB, 5 MB a second, pass down: through the same bridge, "
+        "or through one of their own, as `jausml partition` parts them.\n"
+    )
+    rows = [
+        (WAY_NAMES[way], name, found.get("median"), found.get("tail"))
+        for way, cases in sorted(sections["partition"].items())
+        for name, found in cases.items()
+    ]
+    yield table(("", "bridges", "median, us", "99 %, us"), rows)
 
 
 def components(sections: Mapping[str, Any]) -> Iterator[str]:

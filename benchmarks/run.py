@@ -69,6 +69,7 @@ SECTIONS = (
     Section("throughput", "throughput", limit=300),
     Section("load", "load"),
     Section("grids", "load", "measure_beside_grids"),
+    Section("partition", "partition"),
     Section("footprint", "footprint", limit=300),
     Section("hosts", "footprint", "measure_components"),
     Section("components", "components"),

@@ -24,6 +24,7 @@ SECTIONS = (
     "throughput",
     "load",
     "grids",
+    "partition",
     "footprint",
     "hosts",
     "components",

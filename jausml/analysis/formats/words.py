@@ -85,7 +85,7 @@ def notes(assumptions: Assumptions) -> list[str]:
         "Bytes are those of UDP payload: the version byte, 14 bytes of header and number, the "
         "message; IP adds 28 to each datagram, and more where it cuts one; Ethernet 38 a frame.",
         "Sums have acknowledgements, renewals of events and control. Not in them: searches, "
-        "registration, the start, and what goes by TCP, whose headers differ.",
+        "registration, the start, calls of ROS services and actions, and what TCP adds.",
         "Times are worst cases of what the model decides; network and processors come on top.",
         "CPU is a share of one processor by the figures of a benchmark: it tells bridges apart.",
     ]
