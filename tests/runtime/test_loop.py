@@ -182,6 +182,18 @@ def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
         each.close()
 
 
+def test_what_is_ready_comes_before_what_is_due(loop: Loop, clock, pair) -> None:
+    """An acknowledgement that has arrived is taken before its packet is sent again."""
+    near, far = pair
+    called: list[str] = []
+    loop.register(near, lambda: called.append(near.recv(1).decode()))
+    loop.call_later(1.0, lambda: called.append("timer"))
+    far.sendall(b"x")
+    clock.time += 1.0
+    assert loop.run_once() == 2
+    assert called == ["x", "timer"]
+
+
 def test_a_timer_that_asks_for_the_next_at_once_does_not_hold_up_a_turn(loop: Loop, clock) -> None:
     ran: list[float] = []
 

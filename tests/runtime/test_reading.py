@@ -56,8 +56,25 @@ DATAGRAMS = st.one_of(
     st.tuples(PACKETS, PACKETS).map(lambda two: two[0].encode() + two[1].encode()[1:]),
     damaged(),
 )
+
+
+@st.composite
+def fragments(draw: st.DrawFn) -> list[bytes]:
+    """The packets of a message, most often in their order and each of them once."""
+    first, count = draw(st.sampled_from([0, 7, 65534])), draw(st.integers(2, 4))
+    source, payload = draw(st.sampled_from(PEERS)), draw(st.sampled_from([b"\x02\x40a", LARGE]))
+    places = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (count - 2), DataFlags.LAST]
+    packets = [
+        Packet(FIRST, source, payload, first + number & 0xFFFF, data_flags=place).encode()
+        for number, place in enumerate(places)
+    ]
+    order = list(range(count))
+    return [packets[each] for each in draw(st.just(order) | st.lists(st.sampled_from(order)))]
+
+
 STEPS = st.lists(
     st.one_of(
+        *[st.tuples(st.just(0), fragments())] * 2,
         *[st.tuples(st.sampled_from([0, 0, 0, 1]), DATAGRAMS)] * 6,
         st.tuples(st.just("pause"), st.sampled_from([0.3, 1.0, 4.0])),
         st.tuples(st.just("attach"), st.sampled_from([SECOND, PEERS[1]])),
@@ -107,7 +124,8 @@ class Host:
         elif kind == "detach":
             self.transport.detach(value)
         else:
-            self.peers[kind].sendto(value, self._unicast.getsockname())
+            for data in [value] if isinstance(value, bytes) else value:
+                self.peers[kind].sendto(data, self._unicast.getsockname())
         if self._by_packets:
             for data, sender in _drain(self._unicast):
                 self.loop.counters.add("judp.received")

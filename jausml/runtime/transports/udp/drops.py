@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import struct
+import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ class KernelDrops:
             sock: A new socket.
             option: What the kernel is asked.
         """
+        if sys.platform != "linux":
+            return sock.recvfrom
         if len(_told(sock, option)) == _MEMINFO.size:
             self._known[sock] = 0
             return sock.recvfrom
