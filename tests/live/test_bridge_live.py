@@ -164,7 +164,10 @@ def test_diagnostics_name_each_connection(system):
     arrays = system.ros.listen(DiagnosticArray, "/diagnostics")
     wait_for(lambda: len(arrays) > 2, "diagnostics")
     statuses = {status.name.rpartition(": ")[2]: status for status in arrays[-1].status}
-    assert list(statuses) == ["odometry", "speed", "pose", "drive", "cruise", "estimate"]
+    assert list(statuses) == [
+        *("odometry", "speed", "pose", "drive", "cruise", "estimate"),
+        "jaus state",
+    ]
     odometry = {value.key: value.value for value in statuses["odometry"].values}
     assert float(odometry["declared rate (Hz)"]) == 20.0
     assert int(odometry["messages passed"]) > 0

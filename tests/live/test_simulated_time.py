@@ -104,11 +104,11 @@ def test_commands_stand_while_the_simulation_rests(system, simulation):
     drive(system)
     wait_for(lambda: len(commands(system.vehicle)) > count, "command during the pause")
     # Longer than the 0.4 s of the model, in which the report of the bridge comes again.
-    state(system, "clock")
+    state(system, "simulated time")
     reports = system.ros.received["/diagnostics"]
     known = len(reports)
     wait_for(lambda: len(reports) > known + 1, "reports during the pause")
-    assert state(system, "clock").level == b"\x00"
+    assert state(system, "simulated time").level == b"\x00"
     assert not is_stopped(system)
     simulation.ratio = 1.0
     wait_for(lambda: is_stopped(system), "safe value after the pause")
@@ -126,7 +126,7 @@ def test_a_clock_that_ends_stops_commands(system, simulation):
     drive(system)
     simulation.ratio = None
     wait_for(lambda: is_stopped(system), "safe value without a clock")
-    wait_for(lambda: state(system, "clock").level == b"\x03", "status STALE of the clock")
+    wait_for(lambda: state(system, "simulated time").level == b"\x03", "status STALE of the clock")
     simulation.ratio = 1.0
     drive(system)
 

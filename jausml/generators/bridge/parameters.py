@@ -55,6 +55,7 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
     """
     element = view.bridge
     yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
+    yield ParameterLine("autostart", value=True, about="Whether the node becomes active by itself.")
     yield ParameterLine(
         "jaus_authority",
         element.authority,

@@ -50,6 +50,8 @@ class Bridge:
         component: The JAUS side, while the bridge is open.
         clock: The time by which messages are late, while the bridge is open: that of the loop, or
             of a simulation.
+        standing: State of the node and of the JAUS component.
+        is_active: Whether messages may pass (ROS 2, managed nodes).
         simulation: What the bridge follows when the clock of ROS is simulated.
     """
 
@@ -68,13 +70,16 @@ class Bridge:
         self.connections: list[AnyConnection] = []
         self.parameters: Sequence[AttributeParameter] = ()
         self._is_open = False
-        self._standing = Standing(Status.INITIALIZE, None)
+        self.standing = Standing(Status.INITIALIZE, None)
+        self.is_active = True
+        self._side: _BridgeComponent
+        self._diagnosing: Diagnosing | None = None
         self._topics: SharedTopics
         self._messages: SharedMessages
 
     # ------------------------------------------------------------------ life
 
-    def open(self, ros: RosSide, transport: Transport) -> None:
+    def open(self, ros: RosSide, transport: Transport, *, active: bool = True) -> None:
         """Makes publishers, subscriptions and events, then starts the JAUS component.
 
         All of them are there before the first message, so that none is lost at the start.
@@ -82,9 +87,10 @@ class Bridge:
         Args:
             ros: The ROS side; it starts to wait for messages afterwards.
             transport: The JAUS side.
+            active: Whether messages pass; if not, `set_active` lets them.
         """
         self.ros = ros
-        self.component = _BridgeComponent(self, transport)
+        self.component = self._side = _BridgeComponent(self, transport)
         ros.attach(transport.loop)
         self.clock = self._chosen_clock()
         self.component.event_clock = self.clock
@@ -96,13 +102,16 @@ class Bridge:
             self._read(each)
         with self.loop.lock:
             self._open_connections()
+            self.is_active = self.component.control_available = active
             self.component.start()
-            self._standing = self._present_standing()
+            self.standing = self._present_standing()
             self._is_open = True
             for connection in self.connections:
                 connection.watch()
+                connection.follow(self.standing, None)
             self._measure_latency(ros.parameter(parameters.latency(), self._measure_latency))
-            Diagnosing(self, period).start()
+            self._diagnosing = Diagnosing(self, period)
+            self._diagnosing.start()
 
     def _chosen_clock(self) -> Timing:
         """Returns the time of the loop, or that of a simulation, which it begins to follow."""
@@ -139,12 +148,26 @@ class Bridge:
         if not self._is_open:
             return
         with self.loop.lock:
+            if self._diagnosing is not None:
+                self._diagnosing.stop()
             ended = [each for each in self.connections if each.end()]
             self._log_stops(ended, StopReason.END)
             self.component.stop()
             for each in self.connections:
                 each.note_losses()
             self._is_open = False
+
+    def set_active(self, wanted: bool) -> None:  # noqa: FBT001
+        """Lets messages pass, or stops what is commanded and lets nothing pass.
+
+        While nothing passes, the JAUS component is in Standby and control is not available.
+        """
+        with self.loop.lock:
+            self.is_active = self.component.control_available = wanted
+            if not wanted:
+                self._side.withdraw()
+            self.component.permit_control(wanted)
+            self.follow()
 
     def on_not_ready(self) -> None:
         """Hook: the bridge left Ready; the stops of commands are sent already."""
@@ -156,15 +179,15 @@ class Bridge:
         """Stops what must not go on now that the state or the controller is another."""
         if not self._is_open:
             return
-        former, self._standing = self._standing, self._present_standing()
-        lost = self._standing.lost_since(former)
-        stopped = [each for each in self.connections if each.follow(self._standing, lost)]
-        reason = lost or self._standing.halt
+        former, self.standing = self.standing, self._present_standing()
+        lost = self.standing.lost_since(former)
+        stopped = [each for each in self.connections if each.follow(self.standing, lost)]
+        reason = lost or self.standing.halt
         if reason is not None:
             self._log_stops(stopped, reason)
 
     def _present_standing(self) -> Standing:
-        return Standing(self.component.status, self.component.controller)
+        return Standing(self.component.status, self.component.controller, self.is_active)
 
     def _log_stops(self, connections: Sequence[AnyConnection], reason: StopReason) -> None:
         commands = [each for each in connections if each.is_command]
@@ -252,3 +275,10 @@ class _BridgeComponent(JausComponent):
 
     def core_state_changed(self) -> None:
         self._bridge.follow()
+
+    def withdraw(self) -> None:
+        """Goes to Standby, without a controller."""
+        self._jaus_core.management.withdraw()
+
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        super().permit_control(permitted and self._bridge.is_active)

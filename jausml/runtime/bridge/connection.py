@@ -43,6 +43,7 @@ TargetT = TypeVar("TargetT")
 BLOCKED = "blocked"
 FILTERED = "filtered"
 FAILED = "translation_failed"
+INACTIVE = "inactive"
 NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 OUT_OF_RANGE = "out_of_range"
@@ -90,6 +91,7 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
         self._transcode: Transcode
         self._reporter = Reporter(self)
         self._is_open = False
+        self._latest: tuple[bytes, Any] | None = None
         self._wants_latency = self._all_want_latency = False
         self._latency: Latency | None = None
         self._measured: Take | None = None
@@ -155,19 +157,27 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
         return {}
 
     @property
+    def is_latched(self) -> bool:
+        """Whether the latest message counts until there is another, however old it is."""
+        return False
+
+    @property
     def declared_rate(self) -> float:
         """Messages each second that the model promises; 0 when it promises none."""
         return 0.0
 
     # ------------------------------------------------------------------ messages
 
-    def take(self, data: bytes, origin: Any = None) -> None:  # noqa: ARG002
+    def take(self, data: bytes, origin: Any = None) -> None:
         """Takes one message from the source and passes its translation on.
 
         Args:
             data: The encoded message.
             origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
         """
+        if self._halt is StopReason.INACTIVE and self.is_latched:
+            self._latest = data, origin
+            return
         if self._halt is not None:
             self.refuse_halted(self._halt)
             return
@@ -197,6 +207,17 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
         self.form = self.readable_form()
         return readable(self._translate, self.decoder(), self.encode, self._note_blocking)
 
+    def halt(self, reason: StopReason | None) -> bool:
+        """Passes nothing on from now on, after the stop; or again, for None.
+
+        What counts until there is another is passed on then, as its source will not say it again.
+        """
+        stopped = super().halt(reason)
+        if reason is None and self._latest is not None:
+            latest, self._latest = self._latest, None
+            self.take(*latest)
+        return stopped
+
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a message that is not passed on."""
         drops = self.statistics.drops
@@ -204,8 +225,14 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def refuse_halted(self, reason: StopReason) -> None:
-        """Counts a message that comes while nothing is passed on, unless it is the end anyway."""
-        if reason is not StopReason.END:
+        """Counts a message that comes while nothing is passed on, unless it is the end anyway.
+
+        The log does not tell what an inactive bridge drops, as somebody wants it so.
+        """
+        if reason is StopReason.INACTIVE:
+            drops = self.statistics.drops
+            drops[INACTIVE] = drops.get(INACTIVE, 0) + 1
+        elif reason is not StopReason.END:
             self.drop(NOT_READY, reason.value)
 
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:

@@ -5,16 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from .diagnostic_array import DiagnosticArray
-from .diagnostics import double_status, socket_status
+from .diagnostics import double_status, socket_status, state_status
 from .ends import Ends
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..base.loop import Loop
+    from ..base.loop import Loop, Timer
     from .connection import AnyConnection
     from .diagnostics import ConnectionStatus
     from .simulation import Simulation
+    from .stops import Standing
 
 SLICE = 4
 """Connections that are looked at in one turn: messages must not wait for all of them."""
@@ -26,10 +27,12 @@ class Diagnosed(Ends, Protocol):
     Attributes:
         connections: What is carried across.
         simulation: What it follows when the clock of ROS is simulated.
+        standing: State of the node and of the JAUS component.
     """
 
     connections: list[AnyConnection]
     simulation: Simulation | None
+    standing: Standing
 
 
 class Diagnosing:
@@ -49,15 +52,22 @@ class Diagnosing:
         self._array: DiagnosticArray
         self._waiting: Sequence[AnyConnection] = ()
         self._kernel_drops = 0
+        self._timer: Timer | None = None
 
     def start(self) -> None:
         """Begins; the first report comes after a period."""
         self._next = self._loop.now() + self._period
-        self._loop.call_at(self._next, self._begin)
+        self._timer = self._loop.call_at(self._next, self._begin)
+
+    def stop(self) -> None:
+        """Ends."""
+        self._waiting = ()
+        if self._timer is not None:
+            self._timer.cancel()
 
     def _begin(self) -> None:
         self._next = max(self._next + self._period, self._loop.now())
-        self._loop.call_at(self._next, self._begin)
+        self._timer = self._loop.call_at(self._next, self._begin)
         if self._waiting:
             return  # connections are many and the period is short: this report ends first
         self._array = DiagnosticArray(self._bridge.ros.name)
@@ -77,15 +87,17 @@ class Diagnosing:
         ros.publish_diagnostics(self._array.serialized(ros.now()))
 
     def _of_the_process(self) -> list[ConnectionStatus]:
-        """Returns what concerns no connection alone; nothing while all is well."""
-        bridge, found = self._bridge, []
+        """Returns what concerns no connection alone: the state, and what is not well."""
+        bridge = self._bridge
+        own, controller = str(bridge.settings.address), bridge.component.controller
+        found = [state_status(own, bridge.standing, str(controller or ""))]
         double = bridge.component.transport.double_of(bridge.settings.address)
         if double is not None:
             found.append(double_status(double, self._loop.now()))
         if bridge.simulation is not None:
-            found.append(bridge.simulation.status(str(bridge.settings.address)))
+            found.append(bridge.simulation.status(own))
         drops = bridge.component.counters.snapshot().get("judp.kernel_dropped", 0)
         if drops:
             is_new, self._kernel_drops = drops > self._kernel_drops, drops
-            found.append(socket_status(drops, str(bridge.settings.address), is_new=is_new))
+            found.append(socket_status(drops, own, is_new=is_new))
         return found

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..services.definitions import Status
+
 if TYPE_CHECKING:
     from ..transports.delivery import Double
-    from .stops import StopReason
+    from .stops import Standing, StopReason
 
 LOST_IN_QUEUE = "lost_in_queue"
 """Messages of a topic that the queue of its subscription had no room for."""
@@ -26,6 +28,9 @@ NOT_LOST = frozenset([UNHEARD])
 
 DOUBLE_LIFETIME = 10.0
 """Seconds after which a component with the same address that was heard no more is history."""
+
+
+_LEVELS = {Status.EMERGENCY: "warning", Status.FAILURE: "error"}
 
 
 @dataclass(slots=True)
@@ -74,6 +79,20 @@ class ConnectionStatus:
     message: str
     hardware_id: str
     values: tuple[tuple[str, str], ...]
+
+
+def state_status(hardware_id: str, standing: Standing, controller: str) -> ConnectionStatus:
+    """Returns the status of the bridge itself.
+
+    Args:
+        hardware_id: JAUS address of the bridge.
+        standing: State of the node and of the JAUS component.
+        controller: JAUS address of the controller; empty without one.
+    """
+    node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
+    level = _LEVELS.get(standing.status, "ok" if standing.is_active else "stale")
+    values = (("node", node), ("jaus", jaus), ("controller", controller or "none"))
+    return ConnectionStatus("jaus state", level, f"{node}, {jaus}", hardware_id, values)
 
 
 def double_status(double: Double, now: float) -> ConnectionStatus:

@@ -71,6 +71,12 @@ class FromTopics(Connection[SourceT, TargetT]):
         take = self.make_take(self._switch)
         self._feeds = [ends.subscribe(self._type, topic, take) for topic in self._topics]
 
+    @property
+    def is_latched(self) -> bool:
+        """Whether the latest message counts until there is another, as that of a latched topic."""
+        latches = any(topic.qos.durability != "volatile" for topic in self._topics)
+        return latches and not self.is_command
+
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes objects of serialized messages."""
         real = uses_ros_classes(self._translate)

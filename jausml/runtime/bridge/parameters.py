@@ -115,6 +115,12 @@ def diagnostics_frequency(value: float) -> Parameter:
     return Parameter("diagnostics_frequency", value, text, (0.01, 100.0))
 
 
+def autostart() -> Parameter:
+    """Returns whether the bridge becomes active by itself."""
+    text = "Whether the node becomes active by itself; if not, it waits unconfigured."
+    return Parameter("autostart", default=True, description=text)
+
+
 def queue_age_limit() -> Parameter:
     """Returns the time in seconds after which a ROS message that waits is too old; 0 is never."""
     text = "Seconds after which a message of a topic that is not latched is too old to be taken."

@@ -24,6 +24,7 @@ from ..component.process import (
 from . import parameters
 from .collection import QuietCollection, without_collection
 from .errors import RosLostError, RosTypeError
+from .managed import ManagedBridge
 from .parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -153,15 +154,19 @@ def _configure(
 def _serve(bridge: Bridge, node: RosNode, transport: TransportSettings, stop: StopRequest) -> None:
     with running_transport(transport) as network:
         network.loop.on_failure = stop.fail
+        managed = ManagedBridge(bridge, node, node, network, stop.request)
         try:
-            bridge.open(node, network)
-            bridge.component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
+            node.manage(managed)
+            if node.parameter(parameters.autostart()):
+                with network.loop.lock:  # nothing is taken between the two transitions
+                    node.bring_up()
+            else:
+                LOGGER.info("%s waits to be configured", node.name)
             node.start(stop.fail)
             QuietCollection(network.loop).start()
-            LOGGER.info("%s runs as %s", node.name, bridge.settings.address)
             LOGGER.info("%s ends: %s", node.name, stop.wait())
         finally:
-            # JAUS first: stops are sent and control is released while ROS still delivers.
-            bridge.close()
+            node.shut_down()
+            managed.cleanup()
             passed = {each.name: each.statistics.passed for each in bridge.connections}
             log_counts("messages", passed)

@@ -33,6 +33,7 @@ from .quality import EndpointHealth
 from .ros_codec import Codec, message_class
 from .ros_events import matched_event, publisher_events, subscription_events
 from .ros_internals import internals, require_internals
+from .ros_lifecycle import ManagedNode
 from .ros_listener import Listener, NoListenerError
 from .ros_log import RosLogHandler
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from .parameter import Parameter
     from .quality import TopicFault
+    from .ros_lifecycle import Managed
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
@@ -98,11 +100,12 @@ class RosNode:
                 context=self._context,
                 signal_handler_options=SignalHandlerOptions.NO,
             )
-            self._node = rclpy.create_node(name, namespace=namespace, context=self._context)
+            self._node = ManagedNode(name, namespace=namespace, context=self._context)
         require_internals(self._node)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread: threading.Thread | None = None
+        self._fail: Callable[[BaseException], None] | None = None
         self._is_closing = False
         self._log = RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -333,16 +336,61 @@ class RosNode:
             fail: Told, on the thread concerned, why nobody waits any more, unless the node is
                 closed.
         """
+        LOGGER.addHandler(self._log)
+        LOGGER.propagate = False
+        self._fail = fail
+        self.listen()
+        self._thread = threading.Thread(target=self._spin, args=[fail], name="ros", daemon=True)
+        self._thread.start()
+
+    def listen(self) -> None:
+        """Begins to take the messages of what was subscribed to; before `start`, that does."""
+        if self._waiting is None or self._fail is None:
+            return
         possible = (
             each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
         )
         tell_unknown(self._node, possible)
-        LOGGER.addHandler(self._log)
-        LOGGER.propagate = False
+        self._waiting.start(self._fail)
+
+    def release(self) -> None:
+        """Gives all topics back, once subscribers have what was published last.
+
+        The caller must not hold the lock of the loop: whoever waits may need it to finish.
+        """
+        deadline = time.monotonic() + LAST_WORDS
+        for publisher in self._publishers if self._context.ok() else ():
+            left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
+            publisher.wait_for_all_acked(left.get_c_duration())
         if self._waiting is not None:
-            self._waiting.start(fail)
-        self._thread = threading.Thread(target=self._spin, args=[fail], name="ros", daemon=True)
-        self._thread.start()
+            self._waiting.close()
+            self._waiting = None
+        for handle in (*self._events, *self._subscriptions, *self._publishers):
+            handle.destroy_when_not_in_use()
+        for known in (self._events, self._subscriptions, self._publishers):
+            known.clear()
+        self._health.clear()
+        self._kin.clear()
+        self._parameters.release()
+
+    # ------------------------------------------------------------------ transitions
+
+    def manage(self, managed: Managed) -> None:
+        """Has transitions of the node act on something from now on."""
+        self._node.manage(managed)
+
+    def bring_up(self) -> None:
+        """Goes from unconfigured to active.
+
+        Raises:
+            BaseException: What keeps it from there.
+        """
+        self._node.bring_up()
+
+    def shut_down(self) -> None:
+        """Goes to finalized, unless it is there or ROS is gone."""
+        if self._context.ok() and self._node.state != "finalized":
+            self._node.trigger_shutdown()
 
     def close(self) -> None:
         """Stops to wait and leaves ROS, once subscribers have what was published last.
@@ -352,19 +400,12 @@ class RosNode:
         if self._is_closing:
             return
         self._is_closing = True
-        deadline = time.monotonic() + LAST_WORDS
-        for publisher in self._publishers if self._context.ok() else ():
-            left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
-            publisher.wait_for_all_acked(left.get_c_duration())
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
-        if self._waiting is not None:
-            self._waiting.close()
+        self.release()
         self._executor.shutdown()
         if self._thread is not None:
             self._thread.join()
-        for handle in (*self._events, *self._subscriptions, *self._publishers):
-            handle.destroy_when_not_in_use()
         self._node.destroy_node()
         try_shutdown(context=self._context)
 

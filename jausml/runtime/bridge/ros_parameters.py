@@ -42,6 +42,8 @@ class NodeParameters:
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
+        self._former: set[str] = set()
+        self._declared: set[str] = set()
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
 
@@ -57,15 +59,30 @@ class NodeParameters:
             ParameterError: The command line or a parameter file gives it a value of another type,
                 or one that does not do.
         """
+        if parameter.name in self._former:
+            return self._again(parameter, changed)
         if parameter.check is not None:
             self._checks[parameter.name] = parameter.check
         with as_parameter_error():
             declared = self._node.declare_parameter(
                 parameter.name, parameter.default, _descriptor(parameter, is_fixed=changed is None)
             )
+        self._declared.add(parameter.name)
         if changed is not None:
             self.follow(parameter.name, changed)
         return declared.value
+
+    def release(self) -> None:
+        """Follows none any more; those that are declared again have their present values."""
+        self._former = set(self._declared)
+        for name in self._former:
+            self._followers.pop(name, None)
+
+    def _again(self, parameter: Parameter, changed: Callable[[Any], None] | None) -> Any:
+        self._former.discard(parameter.name)
+        if changed is not None:
+            self.follow(parameter.name, changed)
+        return self._node.get_parameter(parameter.name).value
 
     def follow(self, name: str, changed: Callable[[Any], None]) -> None:
         """Calls a function with each later value of a parameter that exists."""

@@ -64,7 +64,7 @@ class Simulation:
         elif self.is_silent:
             level, message = "stale", StopReason.CLOCK.value
         values = (("ratio to real time", f"{clock.ratio:.2f}"), ("jumps", str(clock.seeks)))
-        return ConnectionStatus("clock", level, message, hardware_id, values)
+        return ConnectionStatus("simulated time", level, message, hardware_id, values)
 
     def _look(self) -> None:
         heard = self.clock.heard

@@ -87,6 +87,7 @@ class Stopping:
             ends: The bridge, whose two sides are there.
         """
         self._ends = ends
+        self._halt = self.stopped = None  # of an earlier life
         self.silence_timeout = ends.ros.parameter(
             parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
         )
@@ -213,7 +214,7 @@ class Stopping:
             self.fail(error)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
-        """Stops what must not go on as the JAUS side of the bridge stands.
+        """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
 
         Args:
             standing: State and controller of the bridge.
@@ -222,7 +223,7 @@ class Stopping:
         Returns:
             Whether something was stopped.
         """
-        return False
+        return self.halt(None if standing.is_active else StopReason.INACTIVE)
 
     def lose(self, reason: StopReason) -> bool:
         """Stops what is watched for silence: its time does not pass any more.

@@ -19,6 +19,7 @@ class StopReason(Enum):
     SILENCE = "the source is silent"
     CONTROL_LOST = "control was released or lapsed"
     TAKEN_OVER = "another component took control"
+    INACTIVE = "the bridge is inactive"
     CLOCK = "nobody says the time on /clock"
     STANDBY = "the bridge stands by"
     RESET = "the bridge is reset"
@@ -43,10 +44,12 @@ class Standing:
     Attributes:
         status: Management state (AS5710).
         controller: The component that controls the bridge.
+        is_active: Whether the node is active (ROS 2, managed nodes).
     """
 
     status: Status
     controller: JausAddress | None
+    is_active: bool = True
 
     @property
     def halt(self) -> StopReason | None:
@@ -55,6 +58,8 @@ class Standing:
         A bridge that somebody controls commands in Ready alone. One that nobody controls works by
         itself: the Standby of a bridge that nobody ever resumes forbids nothing.
         """
+        if not self.is_active:
+            return _HALTS.get(self.status, StopReason.INACTIVE)
         if self.status is Status.STANDBY and self.controller is not None:
             return StopReason.STANDBY
         return _HALTS.get(self.status)
@@ -65,6 +70,8 @@ class Standing:
         Args:
             former: What held before.
         """
+        if former.is_active and not self.is_active:
+            return StopReason.INACTIVE
         if self.status is not former.status and self.status in _HALTS:
             return _HALTS[self.status]
         if former.status in _HALTS:

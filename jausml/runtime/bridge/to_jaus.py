@@ -168,9 +168,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """What is searched for and not found."""
         return str(self._peers.search) if self._peers.is_lacking else ""
 
-    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what the bridge commands while it may not command."""
-        return self.is_command and self.halt(standing.halt)
+        return self.halt(standing.halt) if self.is_command else super().follow(standing, lost)
 
     def deliver(self, payload: bytes) -> bool:
         """Sends to each peer that obeys; False when none does."""

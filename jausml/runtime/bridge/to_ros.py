@@ -244,6 +244,11 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
                 ends.simulation.clock.follow_ratio(self._ask_anew)
         super().open(ends)
 
+    @property
+    def is_latched(self) -> bool:
+        """Whether the latest report counts until there is another, as with every change."""
+        return self.rate is None and not self.is_command
+
     def _set_rate(self, hertz: float) -> None:
         with self._ends.loop.lock:
             self.rate = hertz
@@ -374,10 +379,10 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""
-        if not self.is_command:
-            return False
+        if not (self.is_command and standing.is_active):
+            return super().follow(standing, lost)
         # Of other commands the guard decides, which the bridge asks before it takes a message.
-        if self._when is Guard.ANY and self.halt(standing.halt):
+        if self.halt(standing.halt if self._when is Guard.ANY else None):
             return True
         return lost is not None and self.stop(lost)
 

@@ -107,6 +107,11 @@ class ManagementService:
         if self.status is Status.READY:
             self._enter(Status.STANDBY)
 
+    def withdraw(self) -> None:
+        """Leave Ready for Standby and tell the controller that there is no control to have."""
+        self.stand_by()
+        self._access.drop(Reject.NOT_AVAILABLE)
+
     def _standby(self, _message: Standby, _sender: JausAddress) -> None:
         self.stand_by()
 

@@ -86,6 +86,7 @@ def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, se
         "drive": "the stop is sent",
         "goal": "the last message stands (a goal stands until the next one)",
         "timeout": None,
+        "jaus state": None,
     }
 
 
@@ -128,7 +129,7 @@ def test_diagnostics_of_many_connections_take_turns_and_come_as_one(world, setti
         turns += 1
     assert turns >= 3
     (statuses,) = setting.ros.statuses
-    assert list(statuses) == [f"e{number}" for number in range(many)]
+    assert list(statuses) == [*(f"e{number}" for number in range(many)), "jaus state"]
     world.run(1.1)
     assert len(setting.ros.statuses) == 2
 

@@ -74,7 +74,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     setting.ros.deliver["numbers"](Number(5.0))
     simulation.run(20.0, 0.0)
     assert peer.take() == [minutes(5)]
-    assert setting.ros.statuses[-1]["clock"].level == "ok"
+    assert setting.ros.statuses[-1]["simulated time"].level == "ok"
     simulation.run(CLOCK_TIMEOUT - 0.1, None)
     assert peer.take() == []
     simulation.run(0.2, None)
@@ -82,7 +82,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     assert connection.stopped is StopReason.CLOCK
     simulation.run(10.0, None)
     assert peer.take() == []
-    status = setting.ros.statuses[-1]["clock"]
+    status = setting.ros.statuses[-1]["simulated time"]
     assert (status.level, status.message) == ("stale", "nobody says the time on /clock")
     setting.ros.deliver["numbers"](Number(6.0))
     assert peer.take() == [minutes(6)]
@@ -92,7 +92,7 @@ def test_a_clock_that_nobody_speaks_on_is_told(world, setting):
     setting.ros.is_simulated = True
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     world.run(5.0)
-    status = setting.ros.statuses[-1]["clock"]
+    status = setting.ros.statuses[-1]["simulated time"]
     assert (status.level, status.message) == ("stale", "nothing was heard on /clock yet")
 
 

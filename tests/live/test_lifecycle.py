@@ -1,0 +1,158 @@
+"""A bridge as a managed node: transitions by real services, and what JAUS and ROS see of each."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import Repeater, generate, wait_for
+from .test_bridge_live import OPERATOR, System, call, efforts, state, twist
+
+pytestmark = [
+    pytest.mark.live,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+MANUAL = ("-m", "loop_bridge.main", "--ros-args", "-p", "autostart:=false", "--")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return generate(tmp_path_factory.mktemp("workspace"))
+
+
+@pytest.fixture
+def system(path, tmp_path, request):
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 71) % 90))
+        arguments = getattr(request, "param", ("-m", "loop_bridge.main"))
+        started = System(path, tmp_path, bridge=arguments)
+        yield started
+        started.close()
+
+
+def lifecycle(system):
+    """The state that `ros2 lifecycle get` shows."""
+    from lifecycle_msgs.srv import GetState
+
+    return call(system, GetState, "get_state", GetState.Request()).current_state.label
+
+
+def change(system, name):
+    """Whether a transition succeeded, as `ros2 lifecycle set` asks for it."""
+    from lifecycle_msgs.srv import ChangeState
+
+    request = ChangeState.Request()
+    request.transition.label = name
+    return call(system, ChangeState, "change_state", request).success
+
+
+def status_of_the_bridge(system):
+    return {each.key: each.value for each in state(system, "jaus state").values}
+
+
+def subscriptions(system):
+    return system.ros.node.count_subscribers("cmd_vel")
+
+
+def is_stopped(system):
+    return efforts(system.vehicle)[-1]["rotational"] is None
+
+
+def test_it_becomes_active_by_itself(system):
+    wait_for(lambda: lifecycle(system) == "active", "active state")
+    wait_for(lambda: status_of_the_bridge(system)["node"] == "active", "status")
+    assert status_of_the_bridge(system) == {
+        "node": "active",
+        "jaus": "standby",
+        "controller": "none",
+    }
+
+
+@pytest.mark.parametrize("system", [MANUAL], indirect=True)
+def test_it_waits_for_its_manager(system):
+    wait_for(lambda: lifecycle(system) == "unconfigured", "unconfigured state")
+    assert subscriptions(system) == 0
+    assert not change(system, "activate")
+    assert change(system, "configure")
+    assert lifecycle(system) == "inactive"
+    wait_for(lambda: subscriptions(system) == 1, "subscription")
+    wait_for(lambda: status_of_the_bridge(system)["node"] == "inactive", "status")
+    assert not system.vehicle.of_kind("effort")
+    assert change(system, "activate")
+    drive(system)
+
+
+def drive(system):
+    """Sends commands until the vehicle drives."""
+    from geometry_msgs.msg import Twist
+
+    known = len(efforts(system.vehicle))
+    with Repeater(system.ros.publisher(Twist, "cmd_vel", 1), twist(1.0, 0.5)):
+        wait_for(lambda: len(efforts(system.vehicle)) > known and not is_stopped(system), "command")
+        yield_to = len(efforts(system.vehicle))
+        wait_for(lambda: len(efforts(system.vehicle)) > yield_to, "more commands")
+
+
+def test_inactive_stops_and_passes_nothing_either_way(system):
+    from geometry_msgs.msg import Twist, TwistStamped
+    from nav_msgs.msg import Odometry
+
+    odometry = system.ros.listen(Odometry, "odometry_copy")
+    cruise = system.ros.listen(TwistStamped, "cruise")
+    operator = system.start(OPERATOR)
+    wait_for(lambda: cruise and cruise[-1].twist.linear.x > 0, "command of the operator")
+    wait_for(lambda: odometry, "odometry")
+    with Repeater(system.ros.publisher(Twist, "cmd_vel", 1), twist(1.0, 0.5)):
+        wait_for(lambda: efforts(system.vehicle) and not is_stopped(system), "command")
+        assert change(system, "deactivate")
+        wait_for(lambda: is_stopped(system), "stop of the vehicle")
+        wait_for(lambda: cruise[-1].twist.linear.x == 0.0, "stop on the topic")
+        wait_for(lambda: status_of_the_bridge(system)["node"] == "inactive", "status")
+        assert status_of_the_bridge(system) == {
+            "node": "inactive",
+            "jaus": "standby",
+            "controller": "none",
+        }
+        known, reports = len(efforts(system.vehicle)), len(odometry)
+        wait_for(lambda: state(system, "drive").message == "the bridge is inactive", "reason")
+        assert len(efforts(system.vehicle)) == known
+        assert len(odometry) == reports
+        # The operator goes on asking for control, and gets it when there is some to have.
+        assert change(system, "activate")
+        wait_for(lambda: not is_stopped(system), "command after activation")
+        wait_for(lambda: len(odometry) > reports, "odometry after activation")
+        wait_for(lambda: cruise[-1].twist.linear.x > 0, "command of the operator")
+        wait_for(lambda: status_of_the_bridge(system)["jaus"] == "ready", "status")
+        assert status_of_the_bridge(system)["controller"] != "none"
+    assert operator.stop() == 0
+
+
+def test_cleanup_gives_all_back_and_it_can_be_configured_again(system):
+    for _ in range(2):
+        wait_for(lambda: subscriptions(system) == 1, "subscription")
+        drive(system)
+        assert change(system, "deactivate")
+        wait_for(lambda: is_stopped(system), "stop")
+        assert change(system, "cleanup")
+        assert lifecycle(system) == "unconfigured"
+        wait_for(lambda: subscriptions(system) == 0, "end of the subscription")
+        assert change(system, "configure")
+        assert change(system, "activate")
+        system.ros._publishers.clear()
+    drive(system)
+    assert system.bridge.stop() == 0
+    text = system.bridge.log.read_text()
+    assert "Traceback" not in text
+
+
+def test_shutdown_of_ros_ends_the_process(system):
+    wait_for(lambda: lifecycle(system) == "active", "active state")
+    drive(system)
+    assert change(system, "shutdown")
+    assert system.bridge.popen.wait(timeout=20) == 0
+    wait_for(lambda: is_stopped(system), "stop")

@@ -1,0 +1,183 @@
+"""Bridges that are inactive, and bridges that are opened again."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime import Guard
+from jausml.runtime.bridge.stops import StopReason
+from jausml.runtime.bridge.to_reports import TopicsToReport
+from jausml.runtime.bridge.topics import Qos, Topic
+from jausml.runtime.messages import (
+    ConfirmControl,
+    QueryStatus,
+    QueryTime,
+    RejectControl,
+    ReportEventTimeout,
+    ReportStatus,
+    ReportTime,
+    RequestControl,
+    Resume,
+    SetEmergency,
+)
+
+from .bridge_support import (
+    CORE,
+    OTHER,
+    OWN,
+    PEER,
+    Number,
+    command,
+    event,
+    message_connection,
+    minutes,
+    peer_component,
+    safe,
+)
+
+
+def report(name="served", **options):
+    return TopicsToReport(
+        name,
+        lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
+        message=ReportTime,
+        type=Number,
+        query=QueryTime,
+        topics=[Topic("numbers", **options)],
+    )
+
+
+def test_a_command_stops_and_goes_on_with_the_next_message(world, setting):
+    peer = world.probe(str(PEER))
+    connection = setting.open(command(safe_value=safe, is_command=True))
+    peer.take()
+    setting.ros.deliver["numbers"](Number(5.0))
+    setting.bridge.set_active(False)
+    setting.ros.deliver["numbers"](Number(6.0))
+    assert peer.take() == [minutes(5), minutes(0)]
+    assert connection.stopped is StopReason.INACTIVE
+    assert setting.drops(connection) == {"inactive": 1}
+    setting.bridge.set_active(True)
+    assert peer.take() == []
+    setting.ros.deliver["numbers"](Number(7.0))
+    assert peer.take() == [minutes(7)]
+    assert setting.drops(connection) == {"inactive": 1}
+
+
+def test_control_ends_and_is_not_to_be_had(world, setting):
+    connection = setting.open(
+        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0), is_command=True),
+        services=CORE,
+    )
+    operator = world.probe("5.1.1")
+    for each in (RequestControl(authority_code=200), Resume(), minutes(2)):
+        operator.send(each, OWN)
+    world.settle()
+    operator.take()
+    topic = setting.ros.numbers("times")
+    assert topic == [-1.0, 2.0]
+    setting.bridge.set_active(False)
+    world.settle()
+    (reject,) = [each for each in operator.take() if isinstance(each, RejectControl)]
+    assert reject.response_code == RejectControl.ResponseCode.NOT_AVAILABLE
+    operator.send(RequestControl(authority_code=255), OWN)
+    operator.send(minutes(3), OWN)
+    world.settle()
+    (answer,) = [each for each in operator.take() if isinstance(each, ConfirmControl)]
+    assert answer.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
+    (status,) = operator.ask(QueryStatus(), OWN)
+    assert status.status == ReportStatus.Status.STANDBY
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
+    setting.bridge.set_active(True)
+    for each in (RequestControl(authority_code=200), Resume(), minutes(4)):
+        operator.send(each, OWN)
+    world.settle()
+    assert setting.ros.numbers("times")[-1] == 4.0
+    assert connection.stopped is None
+
+
+def test_an_emergency_is_one_while_inactive_too(world, setting):
+    setting.open(command(safe_value=safe, is_command=True), services=CORE)
+    setting.bridge.set_active(False)
+    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    assert setting.bridge.standing.halt is StopReason.EMERGENCY
+    setting.bridge.set_active(True)
+    peer = world.probe(str(PEER))
+    setting.ros.deliver["numbers"](Number(5.0))
+    assert minutes(5) not in peer.take()
+
+
+def test_reports_are_withdrawn(world, setting):
+    setting.open(report(), services=CORE)
+    probe = world.probe(str(OTHER))
+    setting.ros.deliver["numbers"](Number(3.0))
+    assert len(probe.ask(QueryTime(presence_vector=1), OWN)) == 1
+    setting.bridge.set_active(False)
+    setting.ros.deliver["numbers"](Number(4.0))
+    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    setting.bridge.set_active(True)
+    assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
+    setting.ros.deliver["numbers"](Number(5.0))
+    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    assert answer.time_stamp.minutes == 5
+
+
+def test_what_is_latched_passes_afterwards(world, setting):
+    setting.open(report(qos=Qos(durability="transient_local")), services=CORE)
+    probe = world.probe(str(OTHER))
+    setting.bridge.set_active(False)
+    for number in (3.0, 4.0):
+        setting.ros.deliver["numbers"](Number(number))
+    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    setting.bridge.set_active(True)
+    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    assert answer.time_stamp.minutes == 4
+
+
+@pytest.mark.parametrize(("rate", "passed"), [(None, 1), (10.0, 0)])
+def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(
+    world, setting, rate, passed
+):
+    connection = setting.open(event(rate=rate))
+    setting.bridge.set_active(False)
+    for timeout in (6, 7):
+        connection.take(ReportEventTimeout(timeout=timeout).encode(), PEER)
+    assert connection.statistics.passed == 0
+    setting.bridge.set_active(True)
+    assert setting.ros.numbers("timeout") == [7.0] * passed
+    world.run(1.0)
+    assert connection.statistics.passed == passed
+
+
+def test_periodic_events_go_on(world, setting):
+    peer_component(world)
+    connection = setting.open(event(rate=10.0))
+    setting.bridge.set_active(False)
+    world.run(1.0)
+    assert connection.statistics.passed == 0
+    setting.bridge.set_active(True)
+    world.run(1.0)
+    assert connection.statistics.passed >= 9
+
+
+def test_it_can_be_opened_again(world, setting):
+    peer = peer_component(world)
+    connections = (command(safe_value=safe, is_command=True), event(rate=10.0), report())
+    setting.open(*connections, services=CORE)
+    watched = world.probe("9.1.1")
+    for number in (5.0, 6.0):
+        world.run(1.0)
+        setting.ros.deliver["numbers"](Number(number))
+        world.run(1.0)
+        assert connections[1].status().message == "running"
+        assert connections[0].stopped is None
+        assert len(watched.ask(QueryTime(presence_vector=1), OWN)) == 1
+        setting.bridge.close()
+        setting.bridge.close()
+        world.settle()
+        assert watched.ask(QueryTime(presence_vector=1), OWN) == []
+        setting.ros.made.clear()
+        setting.bridge.open(setting.ros, world)
+    assert peer.running
+    assert connections[0].statistics.passed == 2
