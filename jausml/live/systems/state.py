@@ -91,7 +91,7 @@ class ConnectionState:
 
     Attributes:
         bridge: Full name of the node of its bridge.
-        name: Name of the connection; `jaus id` and `jaus socket` concern the bridge.
+        name: Name of the connection; `jaus state` and the like concern the bridge.
         jaus_id: JAUS id of the bridge.
         level: How well it goes.
         reason: Why so, in a few words.

@@ -136,9 +136,7 @@ def test_what_is_latched_passes_afterwards(world, setting):
 
 
 @pytest.mark.parametrize(("rate", "passed"), [(None, 1), (10.0, 0)])
-def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(
-    world, setting, rate, passed
-):
+def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(world, setting, rate, passed):
     connection = setting.open(event(rate=rate))
     setting.bridge.set_active(False)
     for timeout in (6, 7):
@@ -155,10 +153,11 @@ def test_periodic_events_go_on(world, setting):
     connection = setting.open(event(rate=10.0))
     setting.bridge.set_active(False)
     world.run(1.0)
-    assert connection.statistics.passed == 0
+    passed = connection.statistics.passed
+    assert passed <= 1  # before
     setting.bridge.set_active(True)
     world.run(1.0)
-    assert connection.statistics.passed >= 9
+    assert connection.statistics.passed >= passed + 9
 
 
 def test_it_can_be_opened_again(world, setting):
