@@ -87,14 +87,17 @@ def flu_quaternion_to_frd_angles(
     """
     y, z = -y, -z
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
-    sine = 2 * (w * y - z * x) / (xx + yy + zz + ww)
-    if not fit(sine, -_VERTICAL, _VERTICAL):
+    sines: list[float] = (2 * (w * y - z * x) / (xx + yy + zz + ww)).tolist()
+    # Where one is not a number, its pitch is none either, whatever is found of the others.
+    if min(sines) < -_VERTICAL or max(sines) > _VERTICAL:
         none = x * math.nan
         return none, none, none
+    try:
+        pitch = numpy.fromiter(map(math.asin, sines), "<f8", len(sines))
+    except ValueError:
+        pitch = x * math.nan
     roll = _directions(2 * (w * x + y * z), ww - xx - yy + zz)
     yaw = _directions(2 * (w * z + x * y), ww + xx - yy - zz)
-    # The arc sine of zero is zero, with its sign.
-    pitch = numpy.fromiter(map(math.asin, sine.tolist()), "<f8", len(x)) if sine.any() else sine
     return roll, pitch, yaw
 
 
@@ -107,8 +110,6 @@ def enu_quaternion_to_ned_angles(
 
 
 def _directions(y: Column, x: Column) -> Column:
-    if not y.any() and numpy.minimum.reduce(x).item() > 0.0:
-        return y  # zeros with their signs, as atan2 has it
     return numpy.fromiter(map(math.atan2, y.tolist(), x.tolist()), "<f8", len(y))
 
 
