@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from contextlib import ExitStack, contextmanager
 from datetime import datetime, timezone
@@ -67,11 +68,8 @@ def command(
     """
     from jausml.cli.operating import Settings, until_interrupted
 
-    if not (once or as_json) and find_spec("textual") is None:
-        raise EnvironmentFault(
-            "the terminal view needs textual: pip install 'jausml[top]'; "
-            "--once and --json do without"
-        )
+    if not (once or as_json):
+        _require_terminal()
     known = models if model is None else (*models, model)
     settings = Settings(network_from(**network), known, timeout=1.0, as_json=as_json)
     observation = _expected(model)
@@ -87,6 +85,15 @@ def command(
             _show(observation, operator, ros, interval)
     if once:
         raise click.exceptions.Exit(observation.state().weight)
+
+
+def _require_terminal() -> None:
+    without = "--once and --json do without"
+    if find_spec("textual") is None:
+        reason = "the terminal view needs textual: pip install 'jausml[top]'"
+        raise EnvironmentFault(f"{reason}; {without}")
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise EnvironmentFault(f"this is no terminal; {without}")
 
 
 def _expected(model: str | None) -> Observation:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 import time
 
@@ -108,3 +110,35 @@ def test_without_its_extra_it_says_so(jausml, monkeypatch):
     result = jausml("top")
     assert result.exit_code == 2
     assert "pip install 'jausml[top]'" in result.stderr
+
+
+@pytest.mark.ports
+@pytest.mark.skipif(sys.platform == "win32", reason="has no pseudo terminals")
+@pytest.mark.parametrize("key", [b"q", b"\x03"], ids=["q", "Ctrl-C"])
+def test_the_view_ends_and_leaves_the_terminal_as_it_was(key, free_port):
+    import pty
+
+    ours, theirs = pty.openpty()
+    line = [sys.executable, "-m", "jausml", "top", "--port", str(free_port)]
+    environment = {**os.environ, "TERM": "xterm-256color"}
+    streams = {"stdin": theirs, "stdout": theirs, "stderr": theirs}
+    screen = b""
+    with subprocess.Popen(line, env=environment, start_new_session=True, **streams) as process:
+        os.close(theirs)
+        try:
+            while b"nothing is heard" not in screen:
+                screen += os.read(ours, 65536)
+            os.write(ours, key)
+            while b"\x1b[?1049l" not in screen:
+                screen += os.read(ours, 65536)
+            assert process.wait(timeout=30) == 0
+        finally:
+            process.kill()
+            os.close(ours)
+    assert screen.index(b"\x1b[?1049h") < screen.index(b"\x1b[?1049l")
+
+
+def test_what_is_no_terminal_is_refused(jausml):
+    result = jausml("top")
+    assert result.exit_code == 2
+    assert "this is no terminal; --once and --json do without" in result.stderr

@@ -75,6 +75,7 @@ class SystemView(App[None]):
         Binding("r", "reverse", "Reverse"),
         Binding("escape", "leave", "Back"),
         Binding("q", "quit", "Quit"),
+        Binding("ctrl+c", "quit", "Quit", show=False, priority=True),
     ]
 
     def __init__(self, state: Callable[[], SystemState], looking: Looking, interval: float) -> None:
@@ -153,9 +154,7 @@ class SystemView(App[None]):
         rows = [_cells(each) for each in found]
         if keys == self._shown:
             for index, cells in enumerate(rows):
-                for place, text in enumerate(cells):
-                    if table.get_cell_at(Coordinate(index, place)) != text:
-                        table.update_cell_at(Coordinate(index, place), text, update_width=True)
+                self._update_row(table, index, cells)
             return
         chosen = self._chosen_key()
         table.clear()
@@ -164,6 +163,14 @@ class SystemView(App[None]):
         self._shown = keys
         if chosen in keys:
             table.move_cursor(row=keys.index(chosen))
+
+    @staticmethod
+    def _update_row(table: Connections, index: int, cells: list[Text]) -> None:
+        for place, text in enumerate(cells):
+            at = Coordinate(index, place)
+            former = table.get_cell_at(at)
+            if former != text:
+                table.update_cell_at(at, text, update_width=len(text) != len(former))
 
     def _show_components(self) -> None:
         table = self.query_one("#components", DataTable)
