@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,10 +18,16 @@ if TYPE_CHECKING:
 
     from jausml.live.peers.measuring import Stream
     from jausml.live.peers.spread import Spread
+    from jausml.live.systems.state import ConnectionState
     from jausml.runtime.base.address import JausAddress
 
 _HEAD = ("component", "report", "reports", "Hz", "jitter", "", "age", "", "query", "", "lost")
 _UNDER_HEAD = ("", "", "", "", "median", "p99", "median", "p99", "median", "p99", "")
+
+_PLACES, _WORDS = ("in the bridge", "source to bridge"), ("p50", "p99", "max")
+_BRIDGE_FIGURES = tuple(f"{place} {word}" for place in _PLACES for word in _WORDS)
+_BRIDGE_HEAD = ("bridge", "connection", _PLACES[0], "", "", _PLACES[1], "", "")
+_BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
 
 
 @click.command("latency")
@@ -65,10 +72,15 @@ def command(
     MESSAGE is a report, its query, or what their names share: VelocityState. Without one it is
     every report of the component that its services have, the core services apart.
 
+    With a MODEL, what its bridges themselves measure is shown too, where there is ROS 2 and their
+    parameter `latency` is on.
+
     Exit status: 0 measured, 1 a report did not come at all or a model has errors, 2 nobody answers
     or an option is wrong, 3 internal error.
     """
     from jausml.live.peers.measuring import measure, offered_reports
+    from jausml.live.systems.observing import Observation, listening
+    from jausml.live.systems.state import SystemState
 
     model, target = _meant(source)
     if model and messages:
@@ -76,7 +88,12 @@ def command(
     if model:
         settings = replace(settings, models=(*settings.models, source))
     streams: list[Stream] = []
-    with settings.operator() as operator, until_interrupted():
+    observation = Observation(SystemState())
+    with ExitStack() as stack:
+        operator = stack.enter_context(settings.operator())
+        stack.enter_context(until_interrupted())
+        if model:
+            stack.enter_context(listening(observation))
         if target is not None:
             names = messages or offered_reports(operator, target)
             wanted = [(target, each) for each in names]
@@ -85,7 +102,8 @@ def command(
         if not wanted:
             raise click.UsageError(f"{source} has no report that could be measured")
         streams = measure(operator, wanted, duration=duration, rate=rate, interval=interval)
-    _show(streams, as_json=settings.as_json)
+    connections = [each for each in observation.state().connections.values() if each.latency]
+    _show(streams, connections, as_json=settings.as_json)
     if any(not each.arrivals and each.answers is None for each in streams) or not streams:
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -103,14 +121,24 @@ def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | No
     return reports_of(read_model(source)), None
 
 
-def _show(streams: Sequence[Stream], *, as_json: bool) -> None:
+def _show(
+    streams: Sequence[Stream], connections: Sequence[ConnectionState], *, as_json: bool
+) -> None:
     for each in streams:
         if each.fault:
             remark(f"{each.component} {each.report.name}: no event: {each.fault}")
     if as_json:
-        click.echo(to_json({"reports": [_as_json(each) for each in streams]}))
+        bridges = [_bridge_as_json(each) for each in connections]
+        reports = [_as_json(each) for each in streams]
+        click.echo(to_json({"reports": reports, "bridges": bridges}))
         return
-    rows = [_HEAD, _UNDER_HEAD, *map(_row, streams)]
+    _print_table([_HEAD, _UNDER_HEAD, *map(_row, streams)])
+    if connections:
+        click.echo()
+        _print_table([_BRIDGE_HEAD, _BRIDGE_UNDER_HEAD, *map(_bridge_row, connections)])
+
+
+def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [
@@ -133,6 +161,22 @@ def _row(stream: Stream) -> tuple[str, ...]:
         *_cells(stream.answers),
         f"{lost}/{len(stream.round_trips)}",
     )
+
+
+def _bridge_row(connection: ConnectionState) -> tuple[str, ...]:
+    from jausml.live.peers.rendering import printable
+
+    figures = (connection.latency.get(name) for name in _BRIDGE_FIGURES)
+    cells = ("-" if each is None else f"{each / 1e3:.3f}" for each in figures)
+    return (printable(connection.bridge), printable(connection.name), *cells)
+
+
+def _bridge_as_json(connection: ConnectionState) -> dict[str, Any]:
+    return {
+        "bridge": connection.bridge,
+        "connection": connection.name,
+        "milliseconds": {name: round(value / 1e3, 6) for name, value in connection.latency.items()},
+    }
 
 
 def _cells(spread: Spread | None) -> tuple[str, str]:

@@ -223,3 +223,32 @@ def test_the_last_message_on_both_sides(system):
             lambda: system.ros.node.count_subscribers("/odometry") == before, "end of the look"
         )
         looking.close()
+
+
+def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system):
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import SetParameters
+
+    client = system.ros.node.create_client(SetParameters, "/loop_bridge/set_parameters")
+    assert client.wait_for_service(10)
+
+    def measure(wanted):
+        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=wanted)
+        parameter = Parameter(name="latency", value=value)
+        future = client.call_async(SetParameters.Request(parameters=[parameter]))
+        (result,) = wait_for(lambda: future.done() and future.result(), "answer").results
+        assert result.successful
+
+    process = system.top()
+    measure(wanted=True)
+    becomes(process, "connections", "odometry", present=["latency_us"])
+    words = ("latency", str(MODEL), "--duration", "3", "--timeout", "0.5")
+    line = [sys.executable, "-m", "jausml", *words, "--port", str(system.port)]
+    result = subprocess.run(line, capture_output=True, text=True, timeout=100)
+    measure(wanted=False)
+    process.stop()
+    bridges = result.stdout.partition("bridge ")[2]
+    (odometry,) = (each for each in bridges.splitlines() if each.split()[1:2] == ["odometry"])
+    name, _, p50, p99, greatest, *_ = odometry.split()
+    assert name == "/loop_bridge"
+    assert 0 < float(p50) <= float(p99) <= float(greatest)
