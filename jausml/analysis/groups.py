@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     Carrier = bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
 
+_FOUND = "found", "they command who is found at run time, which may be the same component"
+
 _ROS_SERVICES = "ROS services and actions, whose JAUS messages answer each other, stay together"
 
 
@@ -117,9 +119,13 @@ def _ties(owner: bridge.Bridge, carrier: Carrier) -> Iterator[tuple[Hashable, st
     """Yields what a connection may have in common with others, and how to say that."""
     if not isinstance(carrier, bridge.Connection):
         yield "services", _ROS_SERVICES
-        # They may ask and command whom topics do.
+        # They may ask and command whom topics do, or be asked and commanded as topics are.
         yield from (_controlled(each) for each in carrier.peers)
-        yield from (_provided(each) for each in owner.provides)
+        if carrier.direction.name == "jausToRos":
+            yield from (_provided(each) for each in owner.provides)
+            yield _commanded(owner)
+        elif carrier.search is not None and carrier.control:
+            yield _FOUND
         return
     for each in carrier.topics:
         name = resolve_topic(str(each.name), owner.namespace or "", str(owner.name))
@@ -140,7 +146,7 @@ def _control(owner: bridge.Bridge, carrier: bridge.Connection) -> Iterator[tuple
     service = carrier.map.message.eContainer()
     if keeps_control(carrier):
         if carrier.search is not None or _finds_controlled(owner):
-            yield "found", "they command who is found at run time, which may be the same component"
+            yield _FOUND
         yield from (_controlled(peer) for peer in carrier.peers)
     elif (
         is_to_ros(carrier)
@@ -148,12 +154,21 @@ def _control(owner: bridge.Bridge, carrier: bridge.Connection) -> Iterator[tuple
         and service is not None
         and needs_control(carrier.map.message, service)
     ):
-        yield "commanded", f"whoever controls {owner.name} commands all of them"
+        yield _commanded(owner)
 
 
 def _finds_controlled(owner: bridge.Bridge) -> bool:
-    connections = owner.bridgeConnections
-    return any(each.search is not None and keeps_control(each) for each in connections)
+    return any(
+        keeps_control(each)
+        if isinstance(each, bridge.Connection)
+        else each.control and each.direction.name == "rosToJaus"
+        for each in carriers_of(owner)
+        if each.search is not None
+    )
+
+
+def _commanded(owner: bridge.Bridge) -> tuple[Hashable, str]:
+    return "commanded", f"whoever controls {owner.name} commands all of them"
 
 
 def _controlled(peer: jaus.Component) -> tuple[Hashable, str]:

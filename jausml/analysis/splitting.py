@@ -224,7 +224,8 @@ def _partner(made: Sequence[bridge.Bridge], message: jaus.MessageDef) -> bridge.
 
 def _provides(owner: bridge.Bridge, service: jaus.Service) -> bool:
     """Tells whether a bridge serves messages of a service."""
-    if owner.serviceConnections or owner.actionConnections:
+    calls: list[Carrier] = [*owner.serviceConnections, *owner.actionConnections]
+    if any(each.direction.name == "jausToRos" for each in calls):
         return True
     return any(serves(service, each) for each in owner.bridgeConnections)
 

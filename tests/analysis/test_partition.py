@@ -108,6 +108,24 @@ def test_private_topics_keep_their_full_names(system):
     assert "velocity" in moved or "effort" in moved
 
 
+def test_calls_of_ros_services_stay_with_whom_they_ask(system):
+    text = STATION.replace(
+        "    connection effort",
+        """    bridge.ros_service_connection stop {
+        direction: rosToJaus  service: stop  type: std_srvs/Trigger  control: false
+        message: QueryStatus  answer: ReportStatus  successMember: success  peers: vehicle
+    }
+    connection effort""",
+    )
+    whole = system(text.replace("uses: PrimitiveDriver", "uses: Management, PrimitiveDriver"))
+    proposal = propose(whole, GRIDS, 2)
+    first, second = split(proposal, whole)
+    assert [each.name for each in first.serviceConnections] == ["stop"]
+    assert {"effort", "speed"} <= {each.name for each in first.bridgeConnections}
+    assert [each.name for each in second.bridgeConnections] == ["costs"]
+    assert "Management" in [each.name for each in first.uses]
+
+
 def test_who_is_commanded_keeps_name_and_address(system):
     whole = system(
         VEHICLE
