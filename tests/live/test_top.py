@@ -122,7 +122,7 @@ def test_rates_peers_states_and_controllers(watched):
     vehicle = becomes(watched, "components", "10.1.1", present=["round_trip_ms"], **wanted)
     assert (vehicle["level"], vehicle["name"]) == ("ok", "vehicle")
     # Nobody commands, and the trailer and the operator of the model do not run.
-    becomes(watched, "connections", "cruise", level="stale", reason="no message yet")
+    becomes(watched, "connections", "cruise", level="stale")
     becomes(watched, "components", "10.1.2", level="not heard")
     assert watched.facts[-1]["health"] == "error"
 
@@ -172,6 +172,15 @@ def test_with_rclpy_hidden_jaus_alone_is_shown(system):
     assert "no ROS here" in result.stdout
     assert "odometry" not in result.stdout
     assert "READY" in next(line for line in result.stdout.splitlines() if " 10.1.1 " in line)
+
+
+def test_without_a_network_for_jaus_ros_alone_is_shown(system):
+    result = system.once(MODEL, "--interface", "203.0.113.7")
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert "JAUS: the network cannot be used" in result.stdout
+    assert "confirmed" in next(line for line in result.stdout.splitlines() if "odometry" in line)
+    vehicle = next(line for line in result.stdout.splitlines() if " vehicle " in line)
+    assert vehicle.split()[:2] == ["unknown", "10.1.1"]
 
 
 def test_a_hostile_status_is_data(system):

@@ -25,7 +25,8 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
         topics: dict[object, list[TopicName]] = {}
         for end in endpoints([owner]):
             found = topics.setdefault(end.element.eContainer(), [])
-            found.append(TopicName(end.topic, _full_name(end.type)))
+            is_absolute = end.topic == getattr(end.element, end.feature)
+            found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
             yield _declaration(owner, connection, tuple(topics.get(connection, ())))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.live.messages import MessageError
@@ -11,14 +12,13 @@ from jausml.live.peers.entry_messages import message_class
 from jausml.live.peers.network import component_address
 from jausml.live.peers.samples import full_query
 from jausml.live.peers.values import field_texts
-from jausml.live.systems.state import TopicName
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.entry_messages import EntryMessage
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
-    from jausml.live.systems.state import ConnectionState, Declaration
+    from jausml.live.systems.state import ConnectionState, Declaration, TopicName
 
 PAUSE = 1.0
 """Seconds from one question for a report to the next."""
@@ -142,10 +142,9 @@ def topic_of(connection: ConnectionState, declaration: Declaration) -> TopicName
     topic = declaration.topics[0]
     there = declaration.bridge.rpartition("/")[0] + "/"
     here = connection.bridge.rpartition("/")[0] + "/"
-    is_relative = there != "/" and topic.name.startswith(there)
-    if here == there or not (is_relative or there == "/"):
+    if topic.is_absolute or not topic.name.startswith(there):
         return topic
-    return TopicName(here + topic.name.removeprefix(there), topic.type)
+    return replace(topic, name=here + topic.name.removeprefix(there))
 
 
 def reporters_of(connection: ConnectionState, declaration: Declaration) -> list[str]:

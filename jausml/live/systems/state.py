@@ -47,10 +47,12 @@ class TopicName:
     Attributes:
         name: Full name.
         type: Its type, such as `std_msgs/msg/Float64`.
+        is_absolute: Whether it has the same name in whatever namespace its bridge runs.
     """
 
     name: str
     type: str
+    is_absolute: bool = False
 
 
 @dataclass(frozen=True, slots=True)
