@@ -29,8 +29,7 @@ class RuntimeConstants:
         acknowledge_timeout: Time after which a packet is repeated.
         acknowledge_retries: Repetitions of a packet.
         event_rate_min: Slowest periodic event that a component offers.
-        event_rate_max: Fastest periodic event that a component offers.
-        highest_event_rate: Fastest periodic event that the standard knows.
+        highest_event_rate: Fastest periodic event, of the standard and of components.
         check_interval: Longest time between two renewals of an every-change event.
         watch_interval: Longest time between two renewals of control.
         renewals: Renewals of control within the time in which it lapses.
@@ -48,7 +47,6 @@ class RuntimeConstants:
     acknowledge_timeout: float
     acknowledge_retries: int
     event_rate_min: float
-    event_rate_max: float
     highest_event_rate: float
     check_interval: float
     watch_interval: float
@@ -75,7 +73,6 @@ def runtime_constants() -> RuntimeConstants:
         acknowledge_timeout=settings.default("TransportSettings", "acknowledge_timeout"),
         acknowledge_retries=int(settings.default("TransportSettings", "acknowledge_retries")),
         event_rate_min=definitions.default("ComponentSettings", "event_rate_min"),
-        event_rate_max=definitions.default("ComponentSettings", "event_rate_max"),
         highest_event_rate=definitions.value("MAX_EVENT_RATE"),
         check_interval=definitions.default("ComponentSettings", "check_interval"),
         watch_interval=definitions.default("ComponentSettings", "watch_interval"),

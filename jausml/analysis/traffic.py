@@ -204,7 +204,7 @@ class _Streams:
         """Returns the rate that a provider gives a client that asks for another."""
         if provider is None or provider.external:
             return min(hertz, self._constants.highest_event_rate)
-        return min(max(hertz, self._constants.event_rate_min), self._constants.event_rate_max)
+        return min(max(hertz, self._constants.event_rate_min), self._constants.highest_event_rate)
 
     def _report_size(self, ask: _Ask, feeding: list[bridge.Connection], length: int) -> Size:
         present: frozenset[str] | None = None

@@ -59,9 +59,6 @@ def asked_rate(provider: jaus.Component, rate: float) -> Iterator[str]:
     constants = runtime_constants()
     if rate > constants.highest_event_rate:
         yield f"{rate:g} Hz is more than an event can have, {constants.highest_event_rate:g} Hz"
-    elif not provider.external and rate > constants.event_rate_max:
-        highest = constants.event_rate_max
-        yield f"{provider.name} gives {highest:g} Hz at most, {rate:g} Hz are asked"
     elif not provider.external and rate < constants.event_rate_min:
         lowest = constants.event_rate_min
         yield f"{provider.name} gives {lowest:g} Hz at least, {rate:g} Hz are asked"

@@ -28,8 +28,7 @@ def test_constants_are_those_of_the_runtime():
     assert found.acknowledge_timeout == transport.acknowledge_timeout
     assert found.acknowledge_retries == transport.acknowledge_retries
     assert found.event_rate_min == component.event_rate_min
-    assert found.event_rate_max == component.event_rate_max
-    assert found.highest_event_rate == MAX_EVENT_RATE
+    assert found.highest_event_rate == component.event_rate_max == MAX_EVENT_RATE
     assert found.check_interval == component.check_interval
     assert found.watch_interval == component.watch_interval
     assert found.renewals == RENEWALS

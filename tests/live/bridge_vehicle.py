@@ -71,7 +71,7 @@ def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--address", required=True)
     own, rest = parser.parse_known_args()
-    settings = ComponentSettings(control_timeout=2, register_services=False, event_rate_max=1000.0)
+    settings = ComponentSettings(control_timeout=2, register_services=False)
     return run_component(
         Vehicle,
         ComponentProgram(

@@ -108,7 +108,7 @@ class ComponentSettings:
     control_survives_emergency: bool = False
     event_timeout: int = 1
     event_rate_min: float = 0.1
-    event_rate_max: float = 100.0
+    event_rate_max: float = MAX_EVENT_RATE
     max_events: int = 255
     heartbeat_rate: float | None = None
     heartbeat_scope: Scope = Scope.SUBSYSTEM

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from lossy_network import OPERATOR, STEP, VEHICLE, LossyNetwork
 
@@ -33,6 +35,17 @@ def wait_for_ready(network, session, seconds):
         assert network.time < start + seconds
         network.run(STEP)
     return network.time - start
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.3, 0.4])
+@pytest.mark.parametrize("seed", range(4))
+def test_loss_costs_little_more_than_what_is_lost(share, seed):
+    with LossyNetwork(share, 100 * seed, control_timeout=2) as network:
+        drive(network, 20.0)
+        left = 20.0 / (STEP * STEPS_EACH) * (1.0 - share)
+        assert len(network.obeyed) >= 0.9 * left
+        times = [1000.0, *network.obeyed, network.time]
+        assert max(b - a for a, b in pairwise(times)) < 2.0
 
 
 @pytest.mark.parametrize("seed", range(5))

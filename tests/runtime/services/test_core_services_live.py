@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
+from itertools import pairwise
+from statistics import median
 
 import pytest
 
@@ -17,7 +20,13 @@ from jausml.runtime import (
     chain,
 )
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import QueryTime, ReportTime, SetAuthority
+from jausml.runtime.messages import (
+    QueryHeartbeatPulse,
+    QueryTime,
+    ReportHeartbeatPulse,
+    ReportTime,
+    SetAuthority,
+)
 
 from .state_tables import CORE_NAMES, V1_1, core_services
 
@@ -103,3 +112,18 @@ def test_list_command_time_and_emergency(robot, operator, wait_until):
     wait_until(lambda: ends == [True, False])
     operator.clear_emergency(ROBOT)
     wait_until(lambda: robot.status is not Status.EMERGENCY)
+
+
+@pytest.mark.parametrize("rate", [200.0, 1000.0])
+def test_events_are_as_fast_as_they_are_asked_for(robot, operator, wait_until, rate):
+    """A provider that gave 100 Hz at most would have 10 ms between two reports."""
+    times = []
+    operator.subscribe(
+        robot.address,
+        QueryHeartbeatPulse(),
+        ReportHeartbeatPulse,
+        lambda *_: times.append(time.monotonic()),
+        rate=rate,
+    )
+    wait_until(lambda: len(times) > 500, 30.0)
+    assert median(b - a for a, b in pairwise(times)) < 0.009

@@ -66,6 +66,15 @@ def test_reports_arrive_at_the_rate(world, client):
     assert inbox[0] == ReportHeartbeatPulse()
 
 
+@pytest.mark.parametrize("rate", [0.1, 1.0, 100.0, 200.0, 500.0, 1092.0])
+def test_every_rate_of_the_standard_is_given(world, client, rate):
+    provider(world)
+    inbox = Inbox()
+    pulses(client, inbox, rate=rate)
+    world.run(100 / rate, step=0.1 / rate)
+    assert len(inbox) == pytest.approx(101, abs=2)
+
+
 def test_every_change_reports_the_present_value_first(world, client):
     tested = provider(world)
     inbox = Inbox()
