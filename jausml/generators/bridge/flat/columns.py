@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NoReturn, Protocol
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.column_values import columnwise, is_true
@@ -23,7 +23,6 @@ from jausml.generators.bridge.flat.vectors import dtype, is_packed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from jausml.generators.bridge.flat.lowering import Lowering
     from jausml.generators.bridge.flat.protocols import (
         Group,
         Place,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
         SequenceReading,
         SequenceWriting,
         Target,
+        Values,
     )
 
 _STEP = " " * 4
@@ -64,6 +64,18 @@ class _Values:
     def sequence(self, path: str) -> NoReturn:
         """Refuses: records have no lists."""
         raise NotFlatError(f"{path} is no list")
+
+
+class LoopLowering(Protocol):
+    """The statements around a loop."""
+
+    def columns_of(
+        self, loop: Loop, writing: Values, kind: type[ColumnLowering]
+    ) -> tuple[SequenceReading, ColumnLowering]:
+        """Returns what reads the elements of a loop, and what lowers it to columns."""
+
+    def claim(self, name: str) -> str:
+        """Returns the name of a new local variable."""
 
 
 class ColumnLowering(Statements):
@@ -307,7 +319,7 @@ def _alike(places: Iterable[Place]) -> list[list[Place]]:
     return list(found.values())
 
 
-def by_columns(lowering: Lowering, loop: Loop) -> ByColumns:
+def by_columns(lowering: LoopLowering, loop: Loop) -> ByColumns:
     """Returns how a loop runs on columns.
 
     Args:
@@ -335,7 +347,7 @@ def by_columns(lowering: Lowering, loop: Loop) -> ByColumns:
     return ByColumns(tuple(body), records, reading.count, target, ranges, loop.index, fits)
 
 
-def _ranges(limits: dict[str, tuple[str, str]], lowering: Lowering) -> Iterator[Range]:
+def _ranges(limits: dict[str, tuple[str, str]], lowering: LoopLowering) -> Iterator[Range]:
     """Yields what is asked of columns, those of the same limits together."""
     found: dict[tuple[str, str], list[str]] = {}
     for variable, bounds in limits.items():

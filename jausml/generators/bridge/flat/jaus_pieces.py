@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.bridge.flat.jaus_wanted import Value
-    from jausml.generators.bridge.flat.jaus_writing import JausSequenceWriting
     from jausml.generators.python.codec.members import Member
     from jausml.generators.python.codec.messages import MessageView
     from jausml.generators.python.names import Scope
@@ -56,6 +55,24 @@ class Given:
     conditional: bool
 
 
+class ListPieces(Protocol):
+    """What has the elements of a list.
+
+    Attributes:
+        name: Local variable of their bytes, or of all of them together.
+        error: Local variable of the error of an element that does not fit.
+        is_vector: Whether the variable has the bytes of all.
+        is_array: Whether it may be an array.
+        is_sure: Whether it is one, and all of it fits.
+    """
+
+    name: str
+    error: str
+    is_vector: bool
+    is_array: bool
+    is_sure: bool
+
+
 @dataclass
 class Tree:
     """What is given to a message or element.
@@ -68,7 +85,7 @@ class Tree:
 
     values: dict[str, Given] = field(default_factory=dict)
     made: dict[str, str] = field(default_factory=dict)
-    lists: dict[str, JausSequenceWriting] = field(default_factory=dict)
+    lists: dict[str, ListPieces] = field(default_factory=dict)
 
     def within(self, path: str) -> bool:
         """Whether anything is given at a path or inside it."""

@@ -93,12 +93,13 @@ class PartReading:
             NotFlatError: The path leads to no list.
         """
         wanted = self._find(path)
-        if wanted.sequence is None:
-            found = [v for v in self._at(path) if isinstance(v, ListValue | ArrayValue)]
-            if len(found) != 1:
-                raise NotFlatError(f"{path} is no list")
-            wanted.sequence = JausSequence(self._around, found[0], self._word(path))
-        return wanted.sequence
+        if isinstance(wanted.sequence, JausSequence):
+            return wanted.sequence
+        found = [v for v in self._at(path) if isinstance(v, ListValue | ArrayValue)]
+        if len(found) != 1:
+            raise NotFlatError(f"{path} is no list")
+        wanted.sequence = made = JausSequence(self._around, found[0], self._word(path))
+        return made
 
     def chosen(self, path: str, class_name: str) -> str:
         """Asks for an option of a variant; returns the condition that it was sent.

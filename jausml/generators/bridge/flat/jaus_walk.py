@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.jaus_blocks import INDENT, Block, Slot
-from jausml.generators.bridge.flat.jaus_wanted import Surroundings, Value, Wanted
+from jausml.generators.bridge.flat.jaus_wanted import Elements, Surroundings, Value, Wanted
 from jausml.generators.bridge.flat.pieces import sliced
 from jausml.generators.python.codec.classes import ContainerClass, VariableFieldClass
 from jausml.generators.python.codec.compounds import ArrayValue, ListValue, PartValue, VariantValue
@@ -17,7 +17,6 @@ from jausml.generators.python.codec.scalars import Bits, Blob, Fixed
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from jausml.generators.bridge.flat.jaus_reading import JausSequence
     from jausml.generators.python.codec.members import Member
 
 
@@ -403,7 +402,7 @@ class JausWalk:
         if sequence is not None and sequence.uses_end:
             self.lines.append(f"{sequence.end} = {self.at}")
 
-    def _rows(self, sequence: JausSequence, block: Block, count: str) -> None:
+    def _rows(self, sequence: Elements, block: Block, count: str) -> None:
         """Reads elements with a presence vector, at once where all have the same."""
         self.may_fail = True
         layouts = sequence.kind or block.layout(self._around.constants)

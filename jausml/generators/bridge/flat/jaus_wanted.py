@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from jausml.generators.bridge.flat.constants import Constants
-    from jausml.generators.bridge.flat.jaus_reading import JausSequence
+    from jausml.generators.bridge.flat.jaus_blocks import Block
     from jausml.generators.python.codec.classes import BitFieldClass
     from jausml.generators.python.codec.compounds import (
         ArrayValue,
@@ -23,6 +23,30 @@ if TYPE_CHECKING:
 Value: TypeAlias = "Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue"
 
 
+class Elements(Protocol):
+    """How a list is gone through: the variables that its reading sets.
+
+    Attributes:
+        count: Number of elements.
+        begin: Where the first one stands.
+        end: Where the last one ends.
+        rows: The values of each, where one layout has them all.
+        row: That layout; None where there is none.
+        kind: The constant of their types as records; empty where no array has them.
+        uses_begin: Whether the first of these is used.
+        uses_end: Whether the second is.
+    """
+
+    count: str
+    begin: str
+    end: str
+    rows: str
+    row: Block | None
+    kind: str
+    uses_begin: bool
+    uses_end: bool
+
+
 @dataclass
 class Wanted:
     """What is wanted of a value and of what is in it.
@@ -35,7 +59,7 @@ class Wanted:
 
     local: str = ""
     inner: dict[str, Wanted] = field(default_factory=dict)
-    sequence: JausSequence | None = None
+    sequence: Elements | None = None
 
     def child(self, step: str) -> Wanted:
         """Returns what is wanted of a member; nothing when nobody asked."""
