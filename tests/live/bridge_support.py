@@ -65,12 +65,15 @@ def wait_for(condition, what: str, seconds: float = PATIENCE):
 class Process:
     """A process whose stdout is read line by line as JSON."""
 
-    def __init__(self, arguments: list[str], path: list[str], log: Path) -> None:
+    def __init__(
+        self, arguments: list[str], path: list[str], log: Path, *, stdin: bool = False
+    ) -> None:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "PYTHONUNBUFFERED": "1"}
         self.log = log
         self._log_file = log.open("ab")
         self.popen = subprocess.Popen(
             [sys.executable, *arguments],
+            stdin=subprocess.PIPE if stdin else None,
             stdout=subprocess.PIPE,
             stderr=self._log_file,
             env=environment,
@@ -88,6 +91,11 @@ class Process:
     def of_kind(self, *kinds: str) -> list[dict]:
         """What the process said of some kinds so far."""
         return [fact for fact in list(self.facts) if fact["kind"] in kinds]
+
+    def tell(self, line: str) -> None:
+        """Writes a line to a process that was started with `stdin`."""
+        self.popen.stdin.write(f"{line}\n")
+        self.popen.stdin.flush()
 
     def kill(self) -> None:
         """Ends the process at once, as a crash does."""
@@ -108,6 +116,8 @@ class Process:
         self.popen.wait(timeout=PATIENCE)
         self._reader.join(timeout=PATIENCE)
         self.popen.stdout.close()
+        if self.popen.stdin is not None:
+            self.popen.stdin.close()
         self._log_file.close()
 
 
