@@ -18,6 +18,8 @@ from .base.address import JausAddress
 from .base.api import API_VERSION, ApiVersionError, require_api
 from .base.errors import JausError
 from .base.settings import TransportKind, TransportSettings, peers
+from .bridge.action_to_list import ActionToList
+from .bridge.actions import ListAction, Progress
 from .bridge.bridge import Bridge
 from .bridge.connection import AnyConnection
 from .bridge.ends import RosSide
@@ -25,6 +27,8 @@ from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.forms import differing_forms
 from .bridge.joins import Join
 from .bridge.layouts import CdrLayouts, CdrRows, PresenceLayouts
+from .bridge.list_driver import ListMessages
+from .bridge.list_to_action import ListToAction
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.settings import BridgeSettings
@@ -68,6 +72,7 @@ __all__ = [
     "API_VERSION",
     "AbsentFieldError",
     "Action",
+    "ActionToList",
     "AnyConnection",
     "ApiVersionError",
     "AttributeParameter",
@@ -94,8 +99,11 @@ __all__ = [
     "JausError",
     "Join",
     "Kind",
+    "ListAction",
     "ListElement",
+    "ListMessages",
     "ListRequest",
+    "ListToAction",
     "Message",
     "MessageToTopics",
     "ModelledComponent",
@@ -107,6 +115,7 @@ __all__ = [
     "PendingQuery",
     "PresenceLayouts",
     "Priority",
+    "Progress",
     "Qos",
     "QueryToTopics",
     "RosSide",

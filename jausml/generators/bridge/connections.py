@@ -91,6 +91,11 @@ class ConnectionView:
     # ------------------------------------------------------------------ both ends
 
     @property
+    def owner(self) -> bridge.Bridge | None:
+        """The bridge in the model."""
+        return self.connection.eContainer()
+
+    @property
     def name(self) -> str:
         """Its name in Python."""
         return self.translated.name

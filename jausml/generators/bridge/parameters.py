@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
+from jausml.generators.bridge.actions import ActionView
 from jausml.generators.bridge.translation import AssignmentError
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.semantics.freshness import freshness_of
@@ -83,6 +84,8 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
 def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
     name, connection = view.name, view.connection
     about = " ".join(printable(connection.documentation or "").split())
+    if isinstance(view, ActionView):
+        yield from _action_lines(view, f"Action of {name}. {about}".strip())
     main = [topic for topic in connection.topics if topic.join is None]
     yield from _topic_lines(name, main, f"Topic of {name}. {about}".strip())
     if view.named_peers:
@@ -105,6 +108,13 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         yield from _topic_lines(owner, list(join.topics))
     for topic in connection.topics:
         yield from _quality_lines(connection, topic)
+
+
+def _action_lines(view: ActionView, about: str) -> Iterator[ParameterLine]:
+    yield ParameterLine(f"{view.name}.action", str(view.action.action), about)
+    if not view.to_ros:
+        about = "Speed at which lists are executed (m/s)."
+        yield ParameterLine(f"{view.name}.speed", view.speed, about)
 
 
 def _topic_lines(

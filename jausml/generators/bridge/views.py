@@ -11,6 +11,7 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
+from jausml.generators.bridge.actions import ActionView, carried, messages_of_driver
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.connections import ConnectionView, query_of
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
@@ -30,6 +31,7 @@ from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import long_string
+from jausml.semantics.installed import package_of
 from jausml.semantics.requests import requested_fields
 from jausml.semantics.used_maps import used_maps
 
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus, ros
-    from jausml.metamodel.classes.bridge import Bridge
+    from jausml.metamodel.classes.bridge import Bridge, Connection
     from jausml.metamodel.classes.system import System
     from jausml.model.model import Model
 
@@ -102,27 +104,47 @@ class BridgeView:
         """
         classes = {view.class_name for view in self.messages}
         taken = {*classes, *runtime.names(), self.class_name, self.base_name}
-        return translate(self.bridge, self.message_of, taken)
+        return translate(self.bridge, self._carried, self.message_of, taken)
 
     @functools.cached_property
     def light(self) -> LightModule:
         """The light classes of the ROS types of the connections."""
-        return LightModule(_ros_types_of(self.bridge.bridgeConnections))
+        return LightModule(_ros_types_of(self._carried))
 
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
         """The connections in model order, under names that are unique in Python."""
         requested = requested_fields(self.bridge)
-        pairs = zip(self.bridge.bridgeConnections, self.translations.connections, strict=True)
-        return tuple(
-            ConnectionView(
-                connection,
-                translated,
-                self.message_of,
-                requested.get(connection.map.message, frozenset()),
-            )
-            for connection, translated in pairs
+        translated = self.translations.connections
+        count = len(self.bridge.bridgeConnections)
+        own = zip(self.bridge.bridgeConnections, translated[:count], strict=True)
+        lists = zip(
+            self._carried[count:], translated[count:], self.bridge.actionConnections, strict=True
         )
+        return (
+            *(
+                ConnectionView(
+                    connection,
+                    found,
+                    self.message_of,
+                    requested.get(connection.map.message, frozenset()),
+                )
+                for connection, found in own
+            ),
+            *(
+                ActionView(connection, found, self.message_of, action=action)
+                for connection, found, action in lists
+            ),
+        )
+
+    @property
+    def actions(self) -> tuple[ActionView, ...]:
+        """The connections with ROS actions."""
+        return tuple(each for each in self.connections if isinstance(each, ActionView))
+
+    @functools.cached_property
+    def _carried(self) -> tuple[Connection, ...]:
+        return tuple(carried(self.bridge))
 
     @functools.cached_property
     def connection_names(self) -> frozenset[str]:
@@ -132,12 +154,14 @@ class BridgeView:
     @functools.cached_property
     def message_map(self) -> dict[jaus.MessageDef, MessageView]:
         """The JAUS messages that the bridge takes, makes and asks for."""
-        return build_message_map(
+        drivers = map(messages_of_driver, self.bridge.actionConnections)
+        elements = (
             element
-            for connection in self.bridge.bridgeConnections
+            for connection in self._carried
             for element in (*_messages_of(connection), query_of(connection))
-            if element is not None
         )
+        of_drivers = (each for one in drivers for each in (one.execute, one.query, one.report))
+        return build_message_map(each for each in (*elements, *of_drivers) if each is not None)
 
     @functools.cached_property
     def messages(self) -> tuple[MessageView, ...]:
@@ -182,6 +206,7 @@ class BridgeView:
                 **self.light.origins(self.translations.ros_classes, ".ros_types"),
                 **offered(".messages", *(view.class_name for view in self.messages)),
                 **offered(".", "transcoders"),
+                **offered("typing", "Any"),
             }
         )
 
@@ -207,6 +232,7 @@ class BridgeView:
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
+            packages |= {package_of(each.type) for each in self.bridge.actionConnections}
             if self.transcoders.uses_numpy:
                 packages.add("python3-numpy")
         return tuple(sorted(packages))
@@ -233,6 +259,10 @@ class BridgeView:
             )
             for view in self.connections
         )
+        of_goals = tuple(
+            MethodContract(each.hook, each.hook_parameters, "", each.hook_stub, optional=True)
+            for each in self.actions
+        )
         hooks = tuple(
             MethodContract(name, (), f"hook:{name}", "", optional=True)
             for name in ("on_not_ready", "on_control_lost")
@@ -242,7 +272,7 @@ class BridgeView:
             for each in self.module.methods
         )
         return SkeletonContract(
-            self.class_name, self.base_name, (*translations, *hooks, *conversions)
+            self.class_name, self.base_name, (*translations, *of_goals, *hooks, *conversions)
         )
 
 

@@ -19,6 +19,7 @@ from ..conversions import Time
 from ..services.definitions import Guard, Status
 from . import parameters
 from .diagnosing import Diagnosing
+from .list_driver import ListDriver
 from .sharing import SharedMessages, SharedTopics
 from .simulation import Simulation
 from .stops import Standing, StopReason
@@ -30,10 +31,12 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
+    from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
     from .connection import AnyConnection
     from .ends import Feed, ReportHolder, RosPublisher, RosSide
+    from .list_driver import ListMessages
     from .parameters import AttributeParameter
     from .settings import BridgeSettings
     from .topics import Topic
@@ -74,6 +77,7 @@ class Bridge:
         self.is_active = True
         self._side: _BridgeComponent
         self._diagnosing: Diagnosing | None = None
+        self._list_drivers: dict[ListMessages, ListDriver] = {}
         self._topics: SharedTopics
         self._messages: SharedMessages
 
@@ -96,6 +100,7 @@ class Bridge:
         self.component.event_clock = self.clock
         self._topics = SharedTopics(ros)
         self._messages = SharedMessages(self.component)
+        self._list_drivers.clear()
         frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
         period = 1 / ros.parameter(frequency)
         for each in self.parameters:
@@ -201,6 +206,11 @@ class Bridge:
         """Time of the ROS clock, or of the system while the bridge is not open."""
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
 
+    @property
+    def list_drivers(self) -> Sequence[ListDriver]:
+        """What executes the list that the controller edits."""
+        return tuple(self._list_drivers.values())
+
     # ------------------------------------------------------------------ for connections
 
     @property
@@ -239,6 +249,12 @@ class Bridge:
         """Offers a report; connections that feed one report share its value."""
         return self._messages.report(query, report)
 
+    def list_driver(self, messages: ListMessages) -> ListDriver:
+        """Returns the list driver of the bridge; connections that name its messages share it."""
+        if messages not in self._list_drivers:
+            self._list_drivers[messages] = ListDriver(self.component, messages)
+        return self._list_drivers[messages]
+
     def _read(self, each: AttributeParameter) -> None:
         """Gives an attribute the value of its parameter, now and whenever that changes."""
         assign = partial(setattr, self, each.attribute)
@@ -264,6 +280,16 @@ class _BridgeComponent(JausComponent):
             settings=settings.component,
         )
         self._bridge = bridge
+
+    def supports_element(self, element: ListElement) -> bool:
+        drivers = self._bridge.list_drivers
+        if not drivers:
+            return super().supports_element(element)
+        return any(each.supports(element) for each in drivers)
+
+    def on_list_changed(self) -> None:
+        for each in self._bridge.list_drivers:
+            each.list_changed()
 
     def on_not_ready(self) -> None:
         self._bridge.follow()

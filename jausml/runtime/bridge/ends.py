@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..conversions import Time
     from ..services.definitions import Guard
     from ..wire import Message
+    from .actions import ActionClient, GoalTaker, ListAction
+    from .list_driver import ListDriver, ListMessages
     from .parameter import Parameter
     from .quality import TopicFault
     from .settings import BridgeSettings
@@ -105,6 +107,20 @@ class RosSide(Protocol):
             The counts, which go on.
         """
 
+    def action_client(self, action: ListAction) -> ActionClient:
+        """Makes what sends goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+        """
+
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
+        """Takes the goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+        """
+
     def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""
 
@@ -176,3 +192,6 @@ class Ends(Protocol):
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report."""
+
+    def list_driver(self, messages: ListMessages) -> ListDriver:
+        """Returns the list driver that the bridge provides."""

@@ -20,6 +20,7 @@ from .parameter import Parameter
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from .actions import ListAction
     from .ends import RosSide
     from .settings import BridgeSettings
     from .topics import Topic
@@ -29,6 +30,9 @@ LEAST = 1e-9
 
 GREATEST = 1.7976931348623157e308
 """Greatest number."""
+
+GREATEST_SPEED = 327.67
+"""Metres per second that a speed of AS6009 can say."""
 
 LONGEST_TIME = 3600.0
 """Longest time in seconds that a parameter takes."""
@@ -183,6 +187,26 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
     text = f"Topics of {owner}, in the order of the model."
     names = ros.parameter(Parameter(f"{owner}.topics", default, text, check=check))
     return tuple(replace(each, name=name) for each, name in zip(modelled, names, strict=True))
+
+
+def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
+    """Returns the action of a connection under the name that a parameter gives it.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: The action that the model names.
+    """
+    text = f"Action of {connection}."
+    return replace(
+        modelled, name=ros.parameter(Parameter(f"{connection}.action", modelled.name, text))
+    )
+
+
+def speed(connection: str, value: float) -> Parameter:
+    """Returns the speed in m/s at which the lists of a connection are executed."""
+    text = f"Speed at which the lists of {connection} are executed (m/s)."
+    return Parameter(f"{connection}.speed", value, text, (0.0, GREATEST_SPEED))
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:

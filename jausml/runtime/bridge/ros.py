@@ -47,8 +47,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from ..base.loop import Loop
+    from .actions import ActionClient, GoalTaker, ListAction
     from .parameter import Parameter
     from .quality import TopicFault
+    from .ros_actions import NodeActions
     from .ros_lifecycle import Managed
 
 LAST_WORDS = 1.0
@@ -115,6 +117,8 @@ class RosNode:
         self._subscriptions: list[Any] = []
         self._events: list[Any] = []
         self._waiting_name = waiting
+        self._loop: Loop | None = None
+        self._actions: NodeActions | None = None
         self._waiting: Waiting | None = None
         self._parameters = NodeParameters(self._node)
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
@@ -187,6 +191,7 @@ class RosNode:
         Raises:
             ParameterError: Only a listener would do, and there is none.
         """
+        self._loop = loop
         if self._waiting_name == "wait-set":
             self._waiting = WaitSets(loop, self._context)
             return
@@ -197,6 +202,34 @@ class RosNode:
                 raise parameters.ParameterError(f"--ros-waiting listener: {error}") from error
             LOGGER.warning("waiting for ROS with a wait set, which is slower: %s", error)
             self._waiting = WaitSets(loop, self._context)
+
+    def action_client(self, action: ListAction) -> ActionClient:
+        """Makes what sends goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: A parameter gives it a name that ROS refuses.
+        """
+        return self._node_actions().client(action)
+
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
+        """Takes the goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+            ParameterError: A parameter gives it a name that ROS refuses.
+        """
+        self._node_actions().serve(action, taker)
+
+    def _node_actions(self) -> NodeActions:
+        # Bridges without actions do not wait for what rclpy imports for them.
+        from .ros_actions import NodeActions  # noqa: PLC0415
+
+        if self._loop is None:
+            raise RuntimeError("no loop is attached")
+        if self._actions is None:
+            self._actions = NodeActions(self._node, self._executor, self._loop)
+        return self._actions
 
     def publisher(
         self,
@@ -362,6 +395,7 @@ class RosNode:
         for publisher in self._publishers if self._context.ok() else ():
             left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
             publisher.wait_for_all_acked(left.get_c_duration())
+        self._release_actions(deadline)
         if self._waiting is not None:
             self._waiting.close()
             self._waiting = None
@@ -372,6 +406,15 @@ class RosNode:
         self._health.clear()
         self._kin.clear()
         self._parameters.release()
+
+    def _release_actions(self, deadline: float) -> None:
+        """Gives the actions back, once their goals have ended; transitions cannot wait for that."""
+        actions, self._actions = self._actions, None
+        if actions is None:
+            return
+        if self._context.ok() and threading.current_thread() is not self._thread:
+            actions.wait(deadline)
+        actions.destroy()
 
     # ------------------------------------------------------------------ transitions
 

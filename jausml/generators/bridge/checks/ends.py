@@ -71,7 +71,7 @@ class Ends:
     @functools.cached_property
     def chains(self) -> list[Chain]:
         """The conversions of each FieldAssignment whose sources are of the main message."""
-        quantities = quantities_of(self.view.connection.eContainer())
+        quantities = quantities_of(self.view.owner)
         chains = [
             Chain(self.map, assignment, self.to_ros, quantities, self._unit_step(assignment))
             for assignment in self.assignments

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept close component connections loop now on_control_lost on_not_ready open publisher
-    parameters report ros settings subscribe
+    accept clock close component connections follow list_driver list_drivers loop now
+    on_control_lost on_not_ready open publisher parameters report ros settings simulation subscribe
     """
 )
 
@@ -84,6 +84,7 @@ class Translations:
 
 def translate(
     element: bridge.Bridge,
+    connections: Iterable[bridge.Connection],
     view_of: Callable[[jaus.MessageDef], MessageView],
     taken: Iterable[str],
 ) -> Translations:
@@ -91,6 +92,7 @@ def translate(
 
     Args:
         element: The bridge.
+        connections: What it carries across.
         view_of: Returns the class of a JAUS message.
         taken: Names of other classes in the module.
 
@@ -104,7 +106,7 @@ def translate(
     uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
     named = [
         (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
-        for each in element.bridgeConnections
+        for each in connections
     ]
     shared, maps = SharedTranslations(uses), AlikeMaps()
     translated = tuple(_translated(*each, uses, shared, maps) for each in named)
@@ -140,6 +142,8 @@ def _translated(
     else:
         lines = shared.lines(alike, name, make)
     safe_lines: tuple[str, ...] = ()
-    if has_stop(connection):
+    if connection.eContainer() is not None and has_stop(
+        connection
+    ):  # lists have stops of their own
         safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
     return Translated(name, ros_name, joins, lines, safe_lines, alike)

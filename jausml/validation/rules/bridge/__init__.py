@@ -1,6 +1,7 @@
 """Rules about bridges, connections and attribute maps."""
 
 from jausml.validation.rules.bridge import (
+    actions,
     connections,
     conversions,
     coordinates,
@@ -23,6 +24,7 @@ from jausml.validation.rules.bridge import (
 )
 
 MODULES = (
+    actions,
     connections,
     conversions,
     coordinates,
