@@ -28,12 +28,12 @@ from .transcoding import Form
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
     from ..services.element_list import ListElement
     from ..transports.transport import Transport
     from ..wire.message import Message
+    from .by_sender import Taker
     from .connection import AnyConnection
     from .ends import Feed, ReportHolder, RosPublisher, RosSide
     from .list_driver import ListMessages
@@ -239,11 +239,11 @@ class Bridge:
     def accept(
         self,
         message: type[Message],
-        take: Callable[[bytes, JausAddress], None],
+        taker: Taker,
         when: Guard | Callable[[Any], Guard],
     ) -> None:
         """Takes messages that other components send to the bridge."""
-        self._messages.accept(message, take, when)
+        self._messages.accept(message, taker, when)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report; connections that feed one report share its value."""

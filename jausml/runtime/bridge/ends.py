@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
     from ..component.component import JausComponent
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from ..services.definitions import Guard
     from ..wire import Message
     from .actions import ActionClient, GoalTaker, ListAction
+    from .by_sender import Taker
     from .list_driver import ListDriver, ListMessages
     from .parameter import Parameter
     from .quality import TopicFault
@@ -185,7 +185,7 @@ class Ends(Protocol):
     def accept(
         self,
         message: type[Message],
-        take: Callable[[bytes, JausAddress], None],
+        taker: Taker,
         when: Guard | Callable[[Any], Guard],
     ) -> None:
         """Takes messages that other components send to the bridge."""

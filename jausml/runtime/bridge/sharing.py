@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..services.definitions import Guard
+from .by_sender import BySender, Taker
 from .ends import ReportHolder
 from .topics import TopicCounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..base.address import JausAddress
     from ..component.component import JausComponent
     from ..wire.message import Message
     from .ends import RosPublisher, RosSide
@@ -102,27 +102,30 @@ class SharedMessages:
             component: The JAUS side.
         """
         self._component = component
-        self._commands: dict[type[Message], tuple[When, list[Take]]] = {}
+        self._listeners: dict[type[Message], BySender] = {}
+        self._commands: dict[type[Message], tuple[When, BySender]] = {}
         self._reports: dict[type[Message], ReportHolder] = {}
 
-    def accept(self, message: type[Message], take: Take, when: When) -> None:
+    def accept(self, message: type[Message], taker: Taker, when: When) -> None:
         """Takes messages that others send, of whom `handle` says more.
 
         Args:
             message: The message.
-            take: Takes each message and its sender.
+            taker: Takes each message and its sender.
             when: Whom to obey, or a function that tells it from the message; a command has one
                 handler, which its connections share.
         """
         if when is Guard.ANY:
-            self._component.on_payload(message, take, is_robust=True)
+            self._listeners.setdefault(message, BySender()).add(taker)
         else:
-            self._commands.setdefault(message, (when, []))[1].append(take)
+            self._commands.setdefault(message, (when, BySender()))[1].add(taker)
 
     def handle(self) -> None:
-        """Begins to take the commands that were asked for."""
+        """Begins to take the messages that were asked for."""
+        for message, listeners in self._listeners.items():
+            self._component.on_payload(message, listeners.taking(), is_robust=True)
         for message, (when, takers) in self._commands.items():
-            self._component.handle_payload(message, to_each(takers), when=when, is_robust=True)
+            self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
         """Offers a report; connections that feed one report share its value.
@@ -143,7 +146,7 @@ def to_each(takers: Sequence[Take]) -> Take:
         return takers[0]
     several = tuple(takers)
 
-    def take(data: bytes, origin: JausAddress | int) -> None:
+    def take(data: bytes, origin: Any) -> None:
         for each in several:
             each(data, origin)
 

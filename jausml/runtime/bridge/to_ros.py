@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from . import parameters
+from .by_sender import Taker
 from .connection import FILTERED, Connection
 from .diagnostics import UNHEARD
 from .latency import age_of_stamp
@@ -108,12 +109,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         drop, fail, publishers = self.drop, self.fail, self._publishers
         publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
         publish = publisher.publish
-        known = self.senders()
 
         def take(data: bytes, sender: JausAddress | None = None) -> None:
-            if known is not None and sender not in known.present:
-                drop(UNEXPECTED, str(sender))
-                return
             if switch.unusual is not None:
                 switch.unusual(data, sender)
                 return
@@ -143,10 +140,6 @@ class ToTopics(Connection[SourceT, TargetT]):
                     publisher.unmatched += 1
 
         return take
-
-    def senders(self) -> PeerBinding | None:
-        """Returns whose messages alone are taken; None where only they can arrive, or anybody."""
-        return None
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message with a TimeStamp."""
@@ -375,7 +368,8 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
         super().open(ends)
-        ends.accept(self._message, self._take, self._when)
+        senders = None if self._peers.is_anybody else self._peers
+        ends.accept(self._message, Taker(self._take, senders, self._refuse_sender), self._when)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""
@@ -390,9 +384,9 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """The JAUS components whose messages are taken."""
         return super().describe_peers() or [("peer", "any")]
 
-    def senders(self) -> PeerBinding | None:
-        """Returns whose messages alone are taken; None for those of anybody."""
-        return None if self._peers.is_anybody else self._peers
+    def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
+        """Counts a message that no connection takes from its sender."""
+        self.drop(UNEXPECTED, str(sender))
 
 
 class _Publishers:

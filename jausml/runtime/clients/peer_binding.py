@@ -32,6 +32,11 @@ class PeerBinding:
         self.present: tuple[JausAddress, ...] = (
             () if isinstance(peers, PeerSearch) else tuple(peers)
         )
+        self._on_change: list[Callable[[], None]] = []
+
+    def on_change(self, action: Callable[[], None]) -> None:
+        """Calls a function whenever they are others, before who comes is met."""
+        self._on_change.append(action)
 
     def follow(
         self,
@@ -49,6 +54,8 @@ class PeerBinding:
 
         def change(found: Sequence[JausAddress]) -> None:
             before, self.present = self.present, tuple(found)
+            for action in self._on_change:
+                action()
             for peer in before:
                 if peer not in self.present:
                     leave(peer)

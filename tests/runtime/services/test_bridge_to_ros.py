@@ -19,6 +19,7 @@ from jausml.runtime.messages import (
 
 from .bridge_support import (
     CORE,
+    OTHER,
     OWN,
     PEER,
     Number,
@@ -126,6 +127,24 @@ def test_message_from_a_stranger_is_counted(world, setting):
     world.settle()
     assert setting.ros.numbers("times") == [8.0]
     assert setting.drops(connection) == {"unexpected_source": 1}
+
+
+@pytest.mark.parametrize("when", [Guard.ANY, Guard.READY])
+def test_connections_of_one_message_take_those_of_their_peers_alone(world, setting, when):
+    """Two sensors of one kind: neither is a stranger, and somebody else is one, once."""
+    first = message_connection(peers=[PEER], when=when, is_command=False)
+    second = message_connection(peers=[OTHER], when=when, is_command=False)
+    setting.open(first, second, services=CORE)
+    sensors = [world.probe(str(address)) for address in (PEER, OTHER)]
+    for number, sensor in enumerate((*sensors, world.probe("5.1.1"))):
+        sensor.send(RequestControl(authority_code=100 + number), OWN)
+        sensor.send(Resume(), OWN)
+        sensor.send(minutes(number), OWN)
+    world.settle()
+    assert setting.ros.numbers("times") == [0.0, 1.0]
+    assert [each.statistics.passed for each in (first, second)] == [1, 1]
+    assert setting.drops(first) == {"unexpected_source": 1}
+    assert setting.drops(second) == {}
 
 
 def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
