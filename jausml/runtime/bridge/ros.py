@@ -389,13 +389,31 @@ class RosNode:
     def release(self) -> None:
         """Gives all topics back, once subscribers have what was published last.
 
-        The caller must not hold the lock of the loop: whoever waits may need it to finish.
+        At the end of the process, `close` does. The caller must not hold the lock of the loop:
+        whoever waits may need it to finish.
         """
+        self._finish()
+        # The executor may look at ends just now; while it runs, it alone may destroy them.
+        if self._thread in (None, threading.current_thread()):
+            self._give_back()
+
+    def _finish(self) -> None:
+        """Waits until subscribers have what was published, and clients the ends of their goals."""
+        if not self._context.ok():
+            return
         deadline = time.monotonic() + LAST_WORDS
-        for publisher in self._publishers if self._context.ok() else ():
+        for publisher in self._publishers:
             left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
             publisher.wait_for_all_acked(left.get_c_duration())
-        self._release_actions(deadline)
+        # Goals end on the thread of the executor, which cannot wait for itself.
+        if self._actions is not None and threading.current_thread() is not self._thread:
+            self._actions.wait(deadline)
+
+    def _give_back(self) -> None:
+        """Destroys all ends; to be called on the thread of the executor, or when it is over."""
+        if self._actions is not None:
+            self._actions.destroy()
+            self._actions = None
         if self._waiting is not None:
             self._waiting.close()
             self._waiting = None
@@ -406,15 +424,6 @@ class RosNode:
         self._health.clear()
         self._kin.clear()
         self._parameters.release()
-
-    def _release_actions(self, deadline: float) -> None:
-        """Gives the actions back, once their goals have ended; transitions cannot wait for that."""
-        actions, self._actions = self._actions, None
-        if actions is None:
-            return
-        if self._context.ok() and threading.current_thread() is not self._thread:
-            actions.wait(deadline)
-        actions.destroy()
 
     # ------------------------------------------------------------------ transitions
 
@@ -445,10 +454,11 @@ class RosNode:
         self._is_closing = True
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
-        self.release()
+        self._finish()
         self._executor.shutdown()
         if self._thread is not None:
             self._thread.join()
+        self._give_back()
         self._node.destroy_node()
         try_shutdown(context=self._context)
 
