@@ -39,11 +39,16 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
         ParameterError: A parameter has a value with which the node cannot be made.
     """
     atexit.register(ignore_signals)
-    # ROS itself ends on SIGINT; Python's KeyboardInterrupt would strike anywhere, even in clean-up.
-    signal.signal(signal.SIGINT, lambda *_: None)
+    # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
+    # clean-up. What comes before ROS has begun is not forgotten.
+    early: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _: early.append(number))
     with as_parameter_error():
         rclpy.init(args=None if arguments is None else list(arguments))
     try:
+        if early:
+            return
         node = _made(factory)
         tell_unknown(node)
         # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.

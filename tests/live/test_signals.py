@@ -1,0 +1,76 @@
+"""A bridge ends well whenever a signal comes, once or twice, also while it begins.
+
+Before its first own line Python itself decides what a signal does; a moment counts from when the
+process catches SIGTERM, which is when that line has run.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from .bridge_support import PATIENCE, free_port, generate, wait_for
+
+pytestmark = pytest.mark.live
+
+LONGEST = 1.5
+"""Seconds from the first line to the signal; a bridge runs after half of them."""
+SHARED_MEMORY = Path("/dev/shm")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return os.pathsep.join(generate(tmp_path_factory.mktemp("workspace")))
+
+
+def catches_signals(process):
+    status = Path(f"/proc/{process.pid}/status").read_text("ascii")
+    mask = next(line for line in status.splitlines() if line.startswith("SigCgt"))
+    return int(mask.split()[1], 16) & 1 << signal.SIGTERM - 1
+
+
+def fast_dds():
+    return {each.name for each in SHARED_MEMORY.glob("*fastdds*")} | {
+        each.name for each in SHARED_MEMORY.glob("*fastrtps*")
+    }
+
+
+@pytest.mark.parametrize(
+    "rounds", [pytest.param(20), pytest.param(100, marks=pytest.mark.slow)], ids=str
+)
+def test_signals_at_any_moment(path, tmp_path, rounds):
+    chance, before = random.Random(rounds), fast_dds()
+    environment = {
+        **os.environ,
+        "PYTHONPATH": path,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(10 + os.getpid() % 90),
+    }
+    for number in range(rounds):
+        log = tmp_path / f"{number}.log"
+        line = [sys.executable, "-m", "loop_bridge.main", "--jaus-port", str(free_port())]
+        with log.open("wb") as output:
+            process = subprocess.Popen(line, env=environment, stdout=output, stderr=output)
+            try:
+                wait_for(lambda: catches_signals(process), "first line")  # noqa: B023
+                time.sleep(chance.uniform(0.0, LONGEST))
+                kinds = chance.choices((signal.SIGINT, signal.SIGTERM), k=chance.choice((1, 2)))
+                for each in kinds:
+                    process.send_signal(each)
+                    time.sleep(chance.uniform(0.0, 0.1))
+                code = process.wait(PATIENCE)
+            finally:
+                process.kill()
+                process.wait()
+        assert code == 0, (kinds, log.read_text("utf-8"))
+        assert "Traceback" not in log.read_text("utf-8")
+    assert fast_dds() <= before
