@@ -21,16 +21,21 @@ from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.action_to_list import ActionToList
 from .bridge.actions import ListAction, Progress
 from .bridge.bridge import Bridge
+from .bridge.call_translation import CallTranslation
+from .bridge.calls import RosService
+from .bridge.carried import Carried
 from .bridge.connection import AnyConnection
 from .bridge.ends import RosSide
 from .bridge.errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .bridge.forms import differing_forms
+from .bridge.jaus_to_service import JausToRosService
 from .bridge.joins import Join
 from .bridge.layouts import CdrLayouts, CdrRows, PresenceLayouts
 from .bridge.list_driver import ListMessages
 from .bridge.list_to_action import ListToAction
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
+from .bridge.service_to_jaus import RosServiceToJaus
 from .bridge.settings import BridgeSettings
 from .bridge.to_jaus import TopicsToMessage
 from .bridge.to_reports import TopicsToReport
@@ -78,6 +83,8 @@ __all__ = [
     "AttributeParameter",
     "Bridge",
     "BridgeSettings",
+    "CallTranslation",
+    "Carried",
     "CdrLayouts",
     "CdrRows",
     "Completion",
@@ -97,6 +104,7 @@ __all__ = [
     "JausAddress",
     "JausComponent",
     "JausError",
+    "JausToRosService",
     "Join",
     "Kind",
     "ListAction",
@@ -118,6 +126,8 @@ __all__ = [
     "Progress",
     "Qos",
     "QueryToTopics",
+    "RosService",
+    "RosServiceToJaus",
     "RosSide",
     "Scope",
     "ServiceIdentity",

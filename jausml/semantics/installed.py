@@ -80,9 +80,11 @@ class InstalledTypes:
 
 def kind_of(element: InterfaceType) -> str:
     """Returns the ending of the definition file of a type: `msg`, `srv` or `action`."""
-    if isinstance(element, ros.ServiceType):
+    owner = element.eContainer()
+    if isinstance(element, ros.ServiceType) or isinstance(owner, ros.ServiceType):
         return "srv"
-    return "action" if isinstance(element, ros.ActionType) else "msg"
+    is_of_action = isinstance(element, ros.ActionType) or isinstance(owner, ros.ActionType)
+    return "action" if is_of_action else "msg"
 
 
 def parts_of(element: InterfaceType) -> list[ros.MessageType]:

@@ -23,10 +23,14 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
     incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for each in dict.fromkeys(incoming):
-        fields[each.message] |= {
-            path.split(".")[0].partition("[")[0] for path in _read_paths(each.toRos)
-        }
+        fields[each.message] |= requested_in(each)
     return {message: frozenset(names) for message, names in fields.items()}
+
+
+def requested_in(used: bridge.AttributeMap | None) -> frozenset[str]:
+    """Returns the fields of its message that a map reads; none without a map."""
+    paths = () if used is None else _read_paths(used.toRos)
+    return frozenset(path.split(".")[0].partition("[")[0] for path in paths)
 
 
 def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:

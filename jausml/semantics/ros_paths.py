@@ -151,9 +151,11 @@ class RosPlace:
 
 
 def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -> str:
-    """Returns the full name of a ROS type, such as `geometry_msgs/Pose`."""
-    package = message_type.eContainer()
-    prefix = f"{package.name}/" if package is not None and package.name else ""
+    """Returns the full name of a ROS type: `geometry_msgs/Pose`, `std_srvs/SetBool.request`."""
+    owner = message_type.eContainer()
+    if isinstance(owner, ros.ServiceType | ros.ActionType):
+        return f"{ros_name(owner)}.{message_type.eContainmentFeature().name}"
+    prefix = f"{owner.name}/" if owner is not None and owner.name else ""
     return f"{prefix}{message_type.name}"
 
 

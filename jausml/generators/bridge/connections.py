@@ -26,7 +26,7 @@ from jausml.semantics.standard_services import standard_services
 from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Container, Iterable
 
     from jausml.generators.bridge.translation import Translated
     from jausml.generators.python.codec.messages import MessageView
@@ -197,14 +197,6 @@ class ConnectionView:
             return (self.message_name,)
         return (self.message_name, self.query.class_name)
 
-    def _query_call(self, query: MessageView) -> str:
-        """The query as it is asked: its presence vector names the fields that are read."""
-        presence = query.find(PRESENCE_VECTOR)
-        if not presence:
-            return call(query.class_name)
-        bits = (m.bit for m in self.message.body.members if m.jaus_name in self.requested)
-        return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
-
     # ------------------------------------------------------------------ construction
 
     @property
@@ -215,7 +207,11 @@ class ConnectionView:
             ("type", self.ros_name),
         ]
         if self.query is not None:
-            query = self._query_call(self.query) if self.to_ros else self.query.class_name
+            query = (
+                query_call(self.query, self.message, self.requested)
+                if self.to_ros
+                else self.query.class_name
+            )
             found.append(("query", query))
         if self.rate is not None:
             found.append(("rate", python_literal(self.rate)))
@@ -244,9 +240,7 @@ class ConnectionView:
         found = []
         if self.connection.control and self.guard != "ANY":
             found.append(("control", f"Guard.{self.guard}"))
-        if self.connection.priority.name != "standard":
-            names = {"low": "LOW", "high": "HIGH", "safetyCritical": "SAFETY_CRITICAL"}
-            found.append(("priority", f"Priority.{names[self.connection.priority.name]}"))
+        found += priority_of(self.connection)
         if self.connection.acknowledge:
             found.append(("acknowledge", "True"))
         return found
@@ -278,10 +272,7 @@ class ConnectionView:
     @property
     def peers(self) -> str:
         """Addresses of the JAUS components at the other end, or how they are found."""
-        search = self.connection.search
-        if search is not None:
-            return search_call(search)
-        return _list(map(address_call, self.connection.peers))
+        return peers_of(self.connection)
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -303,17 +294,9 @@ class ConnectionView:
     @property
     def guard(self) -> str:
         """Whom the receiver of a command obeys: the bridge itself, or its peers (AS5710)."""
-        service = self.message_element.eContainer()
-        if service is None or not needs_control(self.message_element, service):
-            return "ANY"
-        # A command that a service keeps in Standby moves what listens to a topic at once.
-        receivers = (self.connection.eContainer(),) if self.to_ros else self.connection.peers
-        provided = [provided_services(each) for each in receivers if each is not None]
-        if not self.to_ros and self.connection.search is not None:
-            # What is found mostly is as components are that name nothing.
-            provided = [[*searched_services(self.connection.search), *standard_services()]]
-        is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
-        return "READY" if is_for_ready else "CONTROLLED"
+        receivers = [self.connection.eContainer()] if self.to_ros else self.connection.peers
+        search = None if self.to_ros else self.connection.search
+        return guard_of(self.message_element, receivers, search)
 
     @property
     def _handler_guard(self) -> str:
@@ -371,6 +354,45 @@ class ConnectionView:
         return can_be_lost and stops.has_stop(self.connection)
 
 
+def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:
+    """Returns a query as it is asked: its presence vector names the fields that are read.
+
+    Args:
+        query: The query.
+        report: The report, if something of it is read.
+        fields: The fields that are read.
+    """
+    presence = query.find(PRESENCE_VECTOR)
+    if not presence or report is None:
+        return call(query.class_name)
+    bits = (m.bit for m in report.body.members if m.jaus_name in fields)
+    return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
+
+
+def guard_of(
+    message: jaus.MessageDef,
+    receivers: Iterable[jaus.Component | None],
+    search: jaus.PeerSearch | None,
+) -> str:
+    """Returns whom the receivers of a message obey, as a member of `Guard`.
+
+    Args:
+        message: The message.
+        receivers: Those that are named.
+        search: How they are found otherwise.
+    """
+    service = message.eContainer()
+    if service is None or not needs_control(message, service):
+        return "ANY"
+    # A command that a service keeps in Standby moves what listens to a topic at once.
+    provided = [provided_services(each) for each in receivers if each is not None]
+    if search is not None:
+        # What is found mostly is as components are that name nothing.
+        provided = [[*searched_services(search), *standard_services()]]
+    is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
+    return "READY" if is_for_ready else "CONTROLLED"
+
+
 def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     """Returns the query for the report of a connection; None for single messages.
 
@@ -393,6 +415,23 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     if query is None:
         raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
     return query
+
+
+def peers_of(connection: bridge.Connection | bridge.RosServiceConnection) -> str:
+    """Returns the components at the other end of a connection, or how they are found, as Python."""
+    if connection.search is not None:
+        return search_call(connection.search)
+    return _list(map(address_call, connection.peers))
+
+
+def priority_of(
+    connection: bridge.Connection | bridge.RosServiceConnection,
+) -> list[tuple[str, str]]:
+    """Returns the argument of the priority of a connection; none for the usual one."""
+    if connection.priority.name == "standard":
+        return []
+    names = {"low": "LOW", "high": "HIGH", "safetyCritical": "SAFETY_CRITICAL"}
+    return [("priority", f"Priority.{names[connection.priority.name]}")]
 
 
 def _list(items: Iterable[str]) -> str:

@@ -19,6 +19,7 @@ from jausml.semantics.topics import reliability, resolve_topic
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from jausml.generators.bridge.call_views import CallView
     from jausml.generators.bridge.connections import ConnectionView
     from jausml.generators.bridge.views import BridgeView
     from jausml.metamodel.classes import bridge
@@ -79,6 +80,8 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
             yield ParameterLine(each.name, each.value, each.description)
         for connection in view.connections:
             yield from _connection_lines(connection)
+        for call in view.calls:
+            yield from _call_lines(call)
 
 
 def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
@@ -115,6 +118,21 @@ def _action_lines(view: ActionView, about: str) -> Iterator[ParameterLine]:
     if not view.to_ros:
         about = "Speed at which lists are executed (m/s)."
         yield ParameterLine(f"{view.name}.speed", view.speed, about)
+
+
+def _call_lines(view: CallView) -> Iterator[ParameterLine]:
+    name, connection = view.name, view.connection
+    about = " ".join(printable(connection.documentation or "").split())
+    yield ParameterLine(
+        f"{name}.service", connection.service, f"ROS service of {name}. {about}".strip()
+    )
+    if connection.peers and connection.search is None:
+        yield ParameterLine(f"{name}.peers", [str(each.address) for each in connection.peers])
+    yield ParameterLine(
+        f"{name}.timeout",
+        float(connection.timeout),
+        "Seconds after which a call without an answer has failed.",
+    )
 
 
 def _topic_lines(

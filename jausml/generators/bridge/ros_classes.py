@@ -40,7 +40,9 @@ class RosClasses:
         kind = ros_type(element)
         if kind not in self.names:
             package = "".join(word.capitalize() for word in kind.package.split("_"))
-            name = f"{package}{kind.name}" if kind.name in self._taken else kind.name
+            name = kind.class_name
+            if name in self._taken:
+                name = f"{package}{name}"
             self.names[kind] = name
             self._taken.add(name)
         return self.names[kind]

@@ -13,6 +13,7 @@ from jausml.generation.literals import python_literal, python_string
 from jausml.generation.system import source_of, system_of
 from jausml.generators.bridge.actions import ActionView, carried, messages_of_driver
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
+from jausml.generators.bridge.call_views import CallView
 from jausml.generators.bridge.connections import ConnectionView, query_of
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
 from jausml.generators.bridge.light.module import LightModule
@@ -31,6 +32,7 @@ from jausml.generators.python.codec.message_builder import build_message_map
 from jausml.generators.python.names import class_name, package_name
 from jausml.generators.python.package import EntryPoint, laid_out
 from jausml.generators.python.statements import long_string
+from jausml.semantics import calls
 from jausml.semantics.installed import package_of
 from jausml.semantics.requests import requested_fields
 from jausml.semantics.used_maps import used_maps
@@ -109,7 +111,9 @@ class BridgeView:
     @functools.cached_property
     def light(self) -> LightModule:
         """The light classes of the ROS types of the connections."""
-        return LightModule(_ros_types_of(self._carried))
+        return LightModule(
+            [*_ros_types_of(self._carried), *_types_of_calls(self.bridge.serviceConnections)]
+        )
 
     @functools.cached_property
     def connections(self) -> tuple[ConnectionView, ...]:
@@ -147,6 +151,18 @@ class BridgeView:
         return tuple(carried(self.bridge))
 
     @functools.cached_property
+    def calls(self) -> tuple[CallView, ...]:
+        """The service connections in model order."""
+        pairs = zip(self.bridge.serviceConnections, self.translations.calls, strict=True)
+        return tuple(CallView(connection, each, self.message_of) for connection, each in pairs)
+
+    @functools.cached_property
+    def translated(self) -> tuple[ConnectionView, ...]:
+        """All that has a translation: connections, and the halves of calls."""
+        halves = (half for call in self.calls for half in call.halves.values())
+        return (*self.connections, *halves)
+
+    @functools.cached_property
     def connection_names(self) -> frozenset[str]:
         """The names of the connections in Python."""
         return frozenset(view.name for view in self.connections)
@@ -160,8 +176,14 @@ class BridgeView:
             for connection in self._carried
             for element in (*_messages_of(connection), query_of(connection))
         )
+        of_calls = (
+            element
+            for connection in self.bridge.serviceConnections
+            for element in _messages_of_calls(connection)
+        )
         of_drivers = (each for one in drivers for each in (one.execute, one.query, one.report))
-        return build_message_map(each for each in (*elements, *of_drivers) if each is not None)
+        found = (*elements, *of_calls, *of_drivers)
+        return build_message_map(each for each in found if each is not None)
 
     @functools.cached_property
     def messages(self) -> tuple[MessageView, ...]:
@@ -257,7 +279,7 @@ class BridgeView:
                 _stub(view),
                 optional=True,
             )
-            for view in self.connections
+            for view in self.translated
         )
         of_goals = tuple(
             MethodContract(each.hook, each.hook_parameters, "", each.hook_stub, optional=True)
@@ -296,6 +318,14 @@ def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
         yield attribute_map.message
 
 
+def _messages_of_calls(connection: bridge.RosServiceConnection) -> Iterator[jaus.MessageDef]:
+    """Yields the messages of a service connection and those inside them."""
+    yield from calls.messages(connection)
+    for half in calls.halves(connection):
+        for attribute_map in used_maps(half.map, to_ros=half.to_ros):
+            yield attribute_map.message
+
+
 def _ros_types_of(connections: Iterable[bridge.Connection]) -> Iterator[ros.MessageType]:
     """Yields the ROS types that connections take and make, joined and nested ones too."""
     for connection in connections:
@@ -303,6 +333,16 @@ def _ros_types_of(connections: Iterable[bridge.Connection]) -> Iterator[ros.Mess
         for attribute_map in used_maps(connection.map, to_ros=to_ros):
             yield attribute_map.type
             yield from (join.type for join in attribute_map.joins)
+
+
+def _types_of_calls(
+    connections: Iterable[bridge.RosServiceConnection],
+) -> Iterator[ros.MessageType]:
+    """Yields the types of requests and responses, and nested ones too."""
+    for each in connections:
+        yield from calls.types(each)
+        for half in calls.halves(each):
+            yield from (used.type for used in used_maps(half.map, to_ros=half.to_ros))
 
 
 def _stub(view: ConnectionView) -> str:

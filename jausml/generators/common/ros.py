@@ -53,6 +53,11 @@ class RosType:
         """Name as ROS tools print it, e.g. `nav_msgs/msg/Odometry`."""
         return f"{self.package}/{self.kind}/{self.name}"
 
+    @property
+    def class_name(self) -> str:
+        """Name of a class for it: its own, or `SetBoolRequest` for the part of a service."""
+        return self.name if self.kind == "msg" else self.name.replace("_", "")
+
 
 def ros_type(element: ros.MessageType | ros.ServiceType | ros.ActionType) -> RosType:
     """Returns the type of a modelled type, which belongs to a package."""
@@ -70,14 +75,15 @@ def local_names(types: Iterable[RosType], taken: Iterable[str]) -> dict[RosType,
         taken: Other names of the module.
     """
     unique, reserved = sorted(set(types)), frozenset(taken)
-    uses = Counter(kind.name for kind in unique)
+    uses = Counter(kind.class_name for kind in unique)
     scope = Scope(reserved)
     names = {}
     for kind in unique:
-        is_builtin = class_name(kind.name).endswith("_")
-        is_clear = uses[kind.name] == 1 and kind.name not in reserved and not is_builtin
+        plain = kind.class_name
+        is_builtin = class_name(plain).endswith("_")
+        is_clear = uses[plain] == 1 and plain not in reserved and not is_builtin
         package = kind.package.title().replace("_", "")
-        names[kind] = scope.claim(kind.name if is_clear else f"{package}{kind.name}")
+        names[kind] = scope.claim(plain if is_clear else f"{package}{plain}")
     return names
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.common.components import with_inherited
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.semantics import calls
 from jausml.semantics.core_services import CORE
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ def _used_services(model: Model) -> Iterator[jaus.Service]:
     for owner in model.instances(bridge.Bridge):
         for each in owner.bridgeConnections:
             yield from _owners(each.map.message, each.query)
+        for each_call in owner.serviceConnections:
+            yield from _owners(*calls.messages(each_call))
 
 
 def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:

@@ -8,6 +8,7 @@ from jausml.generation.system import system_of
 from jausml.generators.common.components import with_inherited
 from jausml.metamodel.classes import jaus
 from jausml.model import library_root, read_models
+from jausml.semantics import calls
 from jausml.semantics.core_services import CORE
 from jausml.semantics.standard_services import NEWEST_SET
 
@@ -51,6 +52,8 @@ def _services(model: Model) -> Iterator[jaus.Service]:
     for owner in system.bridges:
         for each in owner.bridgeConnections:
             yield from _owners(each.map.message, each.query)
+        for each_call in owner.serviceConnections:
+            yield from _owners(*calls.messages(each_call))
 
 
 def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:

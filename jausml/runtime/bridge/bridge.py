@@ -14,6 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base.counters import LOGGER
+from ..clients.exchanges import Exchanges
 from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
     from ..wire.message import Message
     from .by_sender import Taker
-    from .connection import AnyConnection
+    from .carried import Carried
     from .ends import Feed, ReportHolder, RosPublisher, RosSide
     from .list_driver import ListMessages
     from .parameters import AttributeParameter
@@ -51,6 +52,7 @@ class Bridge:
         parameters: Attributes that parameters of the node may change.
         ros: The ROS side, while the bridge is open.
         component: The JAUS side, while the bridge is open.
+        exchanges: What asks other components, while the bridge is open.
         clock: The time by which messages are late, while the bridge is open: that of the loop, or
             of a simulation.
         standing: State of the node and of the JAUS component.
@@ -60,6 +62,7 @@ class Bridge:
 
     ros: RosSide
     component: JausComponent
+    exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None = None
 
@@ -70,7 +73,7 @@ class Bridge:
             settings: What the model says.
         """
         self.settings = settings
-        self.connections: list[AnyConnection] = []
+        self.connections: list[Carried] = []
         self.parameters: Sequence[AttributeParameter] = ()
         self._is_open = False
         self.standing = Standing(Status.INITIALIZE, None)
@@ -101,6 +104,7 @@ class Bridge:
         self._topics = SharedTopics(ros)
         self._messages = SharedMessages(self.component)
         self._list_drivers.clear()
+        self.exchanges = Exchanges(self.component)
         frequency = parameters.diagnostics_frequency(min(self.settings.frequency, 1.0))
         period = 1 / ros.parameter(frequency)
         for each in self.parameters:
@@ -194,7 +198,7 @@ class Bridge:
     def _present_standing(self) -> Standing:
         return Standing(self.component.status, self.component.controller, self.is_active)
 
-    def _log_stops(self, connections: Sequence[AnyConnection], reason: StopReason) -> None:
+    def _log_stops(self, connections: Sequence[Carried], reason: StopReason) -> None:
         commands = [each for each in connections if each.is_command]
         if commands:
             told = "; ".join(f"{each.name}: {each.when_lost}" for each in commands)

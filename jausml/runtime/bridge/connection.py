@@ -12,15 +12,11 @@ thread.
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from ..conversions import ConversionError
-from ..wire.message import DecodeError, EncodeError
 from . import parameters
-from .errors import AbsentFieldError, OutOfRangeError, StaleJoinError
 from .latency import Latency
-from .limits import CLAMP, DROP_FIELD, ERROR, Clamp, DropField, DropMessage, Error
+from .limiting import Limiting
 from .reporting import Reporter
 from .stopping import Stopping, Switch
 from .stops import StopReason
@@ -29,7 +25,6 @@ from .transcoding import Form, readable, transcoder_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from ..base.counters import Counters
     from .diagnostics import ConnectionStatus
     from .ends import Ends
     from .quality import TopicFault
@@ -40,37 +35,20 @@ if TYPE_CHECKING:
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
 
-BLOCKED = "blocked"
 FILTERED = "filtered"
-FAILED = "translation_failed"
 INACTIVE = "inactive"
 NOT_READY = "not_ready"
 NO_PEER = "no_peer"
-OUT_OF_RANGE = "out_of_range"
-STALE_JOIN = "stale_join"
-
-_REASONS: tuple[tuple[type[Exception], str], ...] = (
-    (AbsentFieldError, "absent_field"),
-    (ConversionError, "no_counterpart"),
-    (EncodeError, "not_encodable"),
-    (DecodeError, "not_decodable"),
-)
 
 
-class Connection(Stopping, Generic[SourceT, TargetT]):
+class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     """What the connections of both directions have in common.
 
     Attributes:
-        clamp: Moves values into the range of their target field.
-        drop_field: Leaves fields out whose value is out of range.
-        drop_message: Drops messages with a value out of range.
-        error: Does the same, as an error.
         form: Form in which the translation runs, while the bridge is open.
-        counters: Counters of the process, while the bridge is open.
     """
 
     form: Form
-    counters: Counters
 
     def __init__(
         self, name: str, translate: Callable[..., TargetT | None], **when_lost: Any
@@ -82,15 +60,11 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             translate: Makes the target message, or None to pass nothing on.
             when_lost: What happens when the source is lost: the parameters of `Stopping`.
         """
-        super().__init__(name, **when_lost)
-        self.clamp = Clamp(self._note_out_of_range)
-        self.drop_field = DropField(self._note_out_of_range)
-        self.drop_message = DropMessage(self._note_out_of_range)
-        self.error = Error(self._note_out_of_range)
+        Stopping.__init__(self, name, **when_lost)
+        Limiting.__init__(self)
         self._translate = translate
         self._transcode: Transcode
         self._reporter = Reporter(self)
-        self._is_open = False
         self._latest: tuple[bytes, Any] | None = None
         self._wants_latency = self._all_want_latency = False
         self._latency: Latency | None = None
@@ -205,7 +179,7 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             self.form = Form.FLAT
             return factory(self._ends, self)
         self.form = self.readable_form()
-        return readable(self._translate, self.decoder(), self.encode, self._note_blocking)
+        return readable(self._translate, self.decoder(), self.encode, self.note_blocking)
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.
@@ -218,12 +192,6 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             self.take(*latest)
         return stopped
 
-    def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
-        """Counts a message that is not passed on."""
-        drops = self.statistics.drops
-        drops[reason] = drops.get(reason, 0) + 1
-        self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
-
     def refuse_halted(self, reason: StopReason) -> None:
         """Counts a message that comes while nothing is passed on, unless it is the end anyway.
 
@@ -234,51 +202,6 @@ class Connection(Stopping, Generic[SourceT, TargetT]):
             drops[INACTIVE] = drops.get(INACTIVE, 0) + 1
         elif reason is not StopReason.END:
             self.drop(NOT_READY, reason.value)
-
-    def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
-        """Counts a value that its target field cannot carry.
-
-        A value that is left out is ordinary traffic: ROS marks what is unknown by values that no
-        JAUS field carries. One that is clamped stands for another one, of which the log tells once
-        and the end of the process again. What is dropped goes into the log.
-        """
-        counts = self.statistics.out_of_range
-        counts[policy, field] = counts.get((policy, field), 0) + 1
-        self.statistics.limited += policy == CLAMP
-        if not self._is_open:  # a translation that is tried
-            return
-        name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
-        if policy == DROP_FIELD:
-            self.counters.add(name)
-        else:
-            level = logging.ERROR if policy == ERROR else logging.WARNING
-            self.counters.count(name, reason, level=level, once=policy == CLAMP)
-
-    def _note_blocking(self, seconds: float) -> None:
-        """Counts a translation during which nothing else went on."""
-        detail = f"the translation took {seconds:.1f} s; nothing was received meanwhile"
-        self.counters.count(f"bridge.{self.name}.{BLOCKED}", detail)
-
-    def _refuse(self, error: OutOfRangeError) -> None:
-        """Counts a message that is not passed on because of one of its values."""
-        drops = self.statistics.drops
-        drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
-        self.statistics.errors += error.policy == ERROR
-        self._note_out_of_range(error.policy, error.field, str(error))
-
-    def fail(self, error: Exception) -> None:
-        """Counts a message that could not be translated or handed over."""
-        if isinstance(error, OutOfRangeError):
-            self._refuse(error)
-            return
-        if isinstance(error, StaleJoinError):
-            self.drop(f"{STALE_JOIN}_{error.join}", str(error))
-            return
-        for kind, reason in _REASONS:
-            if isinstance(error, kind):
-                self.drop(reason, str(error))
-                return
-        self.drop(FAILED, repr(error), error)
 
     # ------------------------------------------------------------------ latency
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.loop import Loop, Timer
-    from .connection import AnyConnection
+    from .carried import Carried
     from .diagnostics import ConnectionStatus
     from .simulation import Simulation
     from .stops import Standing
@@ -30,7 +30,7 @@ class Diagnosed(Ends, Protocol):
         standing: State of the node and of the JAUS component.
     """
 
-    connections: list[AnyConnection]
+    connections: list[Carried]
     simulation: Simulation | None
     standing: Standing
 
@@ -50,7 +50,7 @@ class Diagnosing:
         self._period = period
         self._next = 0.0
         self._array: DiagnosticArray
-        self._waiting: Sequence[AnyConnection] = ()
+        self._waiting: Sequence[Carried] = ()
         self._kernel_drops = 0
         self._timer: Timer | None = None
 

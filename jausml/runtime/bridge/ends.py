@@ -10,12 +10,14 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from ..base.simulated_clock import Timing
+    from ..clients.exchanges import Exchanges
     from ..component.component import JausComponent
     from ..conversions import Time
     from ..services.definitions import Guard
     from ..wire import Message
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
+    from .calls import RosService, ServiceClient
     from .list_driver import ListDriver, ListMessages
     from .parameter import Parameter
     from .quality import TopicFault
@@ -114,8 +116,28 @@ class RosSide(Protocol):
             RosTypeError: Its type is not installed as the model has it.
         """
 
+    def serve(
+        self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
+    ) -> None:
+        """Serves a service.
+
+        Args:
+            service: The service.
+            take: Is given each serialized request and what replies to it, on the loop.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+        """
+
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
         """Takes the goals of an action.
+
+        Raises:
+            RosTypeError: Its type is not installed as the model has it.
+        """
+
+    def service_client(self, service: RosService) -> ServiceClient:
+        """Returns what calls a service.
 
         Raises:
             RosTypeError: Its type is not installed as the model has it.
@@ -158,11 +180,13 @@ class Ends(Protocol):
         settings: What the model says.
         component: The JAUS side.
         ros: The ROS side.
+        exchanges: What asks other components.
         clock: The time by which messages are late: that of the loop, or of a simulation.
         simulation: What is followed when the clock of ROS is simulated.
     """
 
     settings: BridgeSettings
+    exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None
     ros: RosSide

@@ -161,8 +161,10 @@ def installed_class(light: type[LightMessage]) -> Any:
 def _installed(name: str) -> Any:
     package, kind, own = name.split("/")
     module = importlib.import_module(f"{package}.{kind}")
+    # The parts of services are SetBool_Request in ROS, and SetBool.Request in rclpy.
+    whole, _, part = own.rpartition("_") if kind == "srv" else (own, "", "")
     try:
-        return getattr(module, own)
+        return getattr(getattr(module, whole), part) if part else getattr(module, own)
     except AttributeError:
         raise ImportError(f"{package} has no type {own}", name=module.__name__) from None
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from .actions import ListAction
+    from .calls import RosService
     from .ends import RosSide
     from .settings import BridgeSettings
     from .topics import Topic
@@ -207,6 +208,25 @@ def speed(connection: str, value: float) -> Parameter:
     """Returns the speed in m/s at which the lists of a connection are executed."""
     text = f"Speed at which the lists of {connection} are executed (m/s)."
     return Parameter(f"{connection}.speed", value, text, (0.0, GREATEST_SPEED))
+
+
+def service(ros: RosSide, connection: str, modelled: RosService) -> RosService:
+    """Returns the service of a connection under the name that a parameter gives it.
+
+    Args:
+        ros: The ROS side.
+        connection: The connection.
+        modelled: The service that the model names.
+    """
+    text = f"ROS service of {connection}."
+    name = ros.parameter(Parameter(f"{connection}.service", modelled.name, text))
+    return replace(modelled, name=name)
+
+
+def timeout(connection: str, seconds: float) -> Parameter:
+    """Returns the time in seconds after which a call without an answer has failed."""
+    text = f"Seconds after which a call of {connection} without an answer has failed."
+    return Parameter(f"{connection}.timeout", seconds, text, (0.001, LONGEST_TIME))
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:

@@ -39,6 +39,7 @@ from .ros_log import RosLogHandler
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
 from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
 from .ros_publisher import NodePublisher
+from .ros_services import NodeServices
 from .ros_taking import Subscription
 from .ros_wait_set import WaitSets
 from .topics import Qos, Topic, TopicCounts
@@ -48,10 +49,12 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from .actions import ActionClient, GoalTaker, ListAction
+    from .calls import RosService
     from .parameter import Parameter
     from .quality import TopicFault
     from .ros_actions import NodeActions
     from .ros_lifecycle import Managed
+    from .ros_services import NodeClient, TakeRequest
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
@@ -120,6 +123,7 @@ class RosNode:
         self._loop: Loop | None = None
         self._actions: NodeActions | None = None
         self._waiting: Waiting | None = None
+        self._services: NodeServices | None = None
         self._parameters = NodeParameters(self._node)
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
@@ -192,6 +196,7 @@ class RosNode:
             ParameterError: Only a listener would do, and there is none.
         """
         self._loop = loop
+        self._services = NodeServices(self._node, loop)
         if self._waiting_name == "wait-set":
             self._waiting = WaitSets(loop, self._context)
             return
@@ -293,6 +298,20 @@ class RosNode:
             Subscription(handle, matched, found, depth, take, age_limit, counts)
         )
         return counts
+
+    def serve(self, service: RosService, take: TakeRequest) -> None:
+        """Serves a service; see `RosSide`."""
+        self._present_services.serve(service, take)
+
+    def service_client(self, service: RosService) -> NodeClient:
+        """Returns what calls a service; see `RosSide`."""
+        return self._present_services.client(service)
+
+    @property
+    def _present_services(self) -> NodeServices:
+        if self._services is None:
+            raise RuntimeError("no loop is attached")
+        return self._services
 
     def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does.
@@ -419,6 +438,9 @@ class RosNode:
             self._waiting = None
         for handle in (*self._events, *self._subscriptions, *self._publishers):
             handle.destroy_when_not_in_use()
+        if self._services is not None:
+            self._services.destroy()
+            self._services = None
         for known in (self._events, self._subscriptions, self._publishers):
             known.clear()
         self._health.clear()

@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..clients.control_state import ControlState
-from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from ..transports.packets.packet import Priority
-from . import parameters
 from .connection import FILTERED, NO_PEER, NOT_READY
+from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
 
 if TYPE_CHECKING:
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ..base.address import JausAddress
-    from ..clients.control_session import ControlSession
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .connection import Take
@@ -77,11 +74,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             options: The other parameters of `FromTopics`.
         """
         super().__init__(name, translate, **options)
-        self._peers = PeerBinding(peers)
-        self._control = control
+        self._peers = ControlledPeers(peers, control)
         self._priority = priority
         self._acknowledge = acknowledge
-        self._sessions: dict[JausAddress, ControlSession] = {}
         self._prepared: dict[JausAddress, Send] = {}
         self._route = _Route()
 
@@ -93,8 +88,9 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
-        self._peers = parameters.peers(ends.ros, self.name, self._peers)
-        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+        self._peers.open(
+            ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
+        )
 
     def make_take(self, switch: Switch) -> Take:
         """Returns the short way of messages, for which all peers obey."""
@@ -127,20 +123,10 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _join(self, peer: JausAddress) -> None:
         self._prepared[peer] = self._sender(peer)
-        if self._control is not Guard.ANY:
-            self._sessions[peer] = self._ends.component.control(
-                peer,
-                authority=self._ends.settings.authority,
-                resume=self._control is Guard.READY,
-                on_change=partial(self._control_changed, peer),
-            )
         self._find_route()
 
     def _leave(self, peer: JausAddress) -> None:
         del self._prepared[peer]
-        session = self._sessions.pop(peer, None)
-        if session is not None:
-            session.release()
         self._find_route()
 
     def _sender(self, peer: JausAddress) -> Send:
@@ -154,7 +140,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def _find_route(self) -> None:
         """Finds out who gets the messages, now that peers, their control or a halt changed."""
         route, prepared = self._route, self._prepared
-        obeying = [peer for peer in prepared if self._is_obeyed(peer)]
+        obeying = [peer for peer in prepared if self._peers.obeys(peer)]
         route.senders = tuple(prepared[peer] for peer in obeying)
         route.refusing = tuple(peer for peer in prepared if peer not in obeying)
         route.is_whole = bool(obeying) and not route.refusing and self._halt is None
@@ -166,7 +152,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
-        return str(self._peers.search) if self._peers.is_lacking else ""
+        return self._peers.lacking()
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what the bridge commands while it may not command."""
@@ -192,7 +178,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
         The others get it when they obey again.
         """
-        obeying = [peer for peer in self.peers if self._is_obeyed(peer)]
+        obeying = [peer for peer in self.peers if self._peers.obeys(peer)]
         return self._send_stop(obeying, payload)
 
     def _send_stop(self, peers: Sequence[JausAddress], payload: bytes) -> bool:
@@ -203,26 +189,12 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
             )
         return bool(peers)
 
-    def _is_obeyed(self, peer: JausAddress) -> bool:
-        """Whether a peer listens; one that demands no control does always."""
-        if self._control is Guard.ANY:
-            return True
-        session = self._sessions.get(peer)
-        return session is not None and self._obeys(session.state)
-
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components and the state of their control."""
-        states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
-        named = [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.peers]
-        return [*self._peers.describe(), *named]
+        return self._peers.describe()
 
-    def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
+    def _control_changed(self, peer: JausAddress) -> None:
         self._find_route()
         # A peer that was away when the topics fell silent has missed the safe value.
-        if self._obeys(state) and self.is_silent:
+        if self._peers.obeys(peer) and self.is_silent:
             self.send_safe_value(partial(self._send_stop, [peer]))
-
-    def _obeys(self, state: ControlState) -> bool:
-        if state is ControlState.CONTROLLED:
-            return self._control is Guard.CONTROLLED
-        return state is ControlState.READY

@@ -40,6 +40,7 @@ def identifiers(subject: Subject) -> Iterator[Finding]:
         *(jaus.StateMachine, jaus.ServiceConnection),
         *(ros.TopicEndpoint, ros.ServiceEndpoint, ros.Parameter, ros.Node),
         *(bridge.AttributeMap, bridge.Connection),
+        *(bridge.RosServiceConnection, bridge.RosActionConnection),
         *(system.System, system.Host),
     )
     files = (jaus.Component, jaus.Service, ros.Node, system.System)
@@ -223,7 +224,8 @@ def _siblings(subject: Subject) -> Iterator[Sequence[Named]]:
     yield from (each.states for each in subject.instances(jaus.State))
     yield from (each.connections for each in subject.instances(jaus.Component, needs=()))
     for owner in subject.instances(bridge.Bridge, needs=()):
-        yield from (owner.maps, owner.bridgeConnections)
+        yield owner.maps
+        yield [*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections]
     for node in subject.instances(ros.Node, needs=()):
         yield [*node.publishers, *node.serviceClients]
         yield [*node.subscriptions, *node.serviceServers]

@@ -128,26 +128,36 @@ class TestModule:
                 sampled.append((ends, sample))
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
+        for call in self.bridge.calls:
+            for half in call.halves.values():
+                yield from self._translation(self._ends(half, half.name))[1]
 
     def _ends(self, view: ConnectionView, name: str) -> Ends:
         return Ends(view, name, self._ros_classes.name_of, self.bridge.translations.uses)
 
     def _shared(self, ends: Ends) -> tuple[Sample | None, list[Check]]:
         """Returns a source message, if one is known to pass, and the checks without safe values."""
+        sample, checks = self._translation(ends)
+        checks.append(forms(ends, sample))
+        return sample, checks
+
+    @staticmethod
+    def _translation(ends: Ends) -> tuple[Sample | None, list[Check]]:
+        """Returns a source message, if one is known to pass, and what is said of the values."""
         checks = list(vectors(ends))
         sample = sample_of(ends)
         if sample is not None:
             checks += examples(ends, sample)
             checks += absences(ends, sample)
             checks += limits(ends, sample)
-        checks.append(forms(ends, sample))
         return sample, checks
 
     def _connections(self) -> Check:
         """Shows that the bridge can be made, where there is nothing else to show."""
         about = "The bridge has its connections."
+        count = len(self.bridge.connections) + len(self.bridge.calls)
         return Check(
             "connections",
             about,
-            (f"assert len(bridge.connections) == {len(self.bridge.connections)}",),
+            (f"assert len(bridge.connections) == {count}",),
         )

@@ -7,13 +7,19 @@ types.
 from __future__ import annotations
 
 from jausml.generators.bridge.translation.surroundings import Surroundings
-from jausml.generators.bridge.translation.translating import Translated, Translations, translate
+from jausml.generators.bridge.translation.translating import (
+    Translated,
+    TranslatedCall,
+    Translations,
+    translate,
+)
 from jausml.generators.bridge.translation.values import AssignmentError, ros_constant, ros_kind
 
 __all__ = [
     "AssignmentError",
     "Surroundings",
     "Translated",
+    "TranslatedCall",
     "Translations",
     "ros_constant",
     "ros_kind",

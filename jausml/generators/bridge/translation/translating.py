@@ -12,11 +12,12 @@ from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml.generators.bridge.translation.sharing import SharedTranslations
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
+from jausml.semantics import calls
 from jausml.semantics.stops import has_stop
 from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable
+    from collections.abc import Callable, Hashable, Iterable, Mapping
 
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import bridge, jaus
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept clock close component connections follow list_driver list_drivers loop now
+    accept clock close component connections exchanges follow list_driver list_drivers loop now
     on_control_lost on_not_ready open publisher parameters report ros settings simulation subscribe
     """
 )
@@ -68,16 +69,35 @@ class Translated:
 
 
 @dataclass(frozen=True)
+class TranslatedCall:
+    """The methods of one service connection.
+
+    Attributes:
+        name: Name of the connection in Python.
+        request_name: Name of the class of its requests in the module.
+        response_name: Name of the class of its responses in the module.
+        halves: Its halves that maps translate, as connections, with their translations.
+    """
+
+    name: str
+    request_name: str
+    response_name: str
+    halves: Mapping[str, tuple[bridge.Connection, Translated]]
+
+
+@dataclass(frozen=True)
 class Translations:
     """All translations of a bridge.
 
     Attributes:
         connections: Those of the connections, in model order.
+        calls: Those of the service connections, in model order.
         uses: What they use of class and module.
         ros_classes: Names of the ROS message classes.
     """
 
     connections: tuple[Translated, ...]
+    calls: tuple[TranslatedCall, ...]
     uses: Surroundings
     ros_classes: RosClasses
 
@@ -110,7 +130,31 @@ def translate(
     ]
     shared, maps = SharedTranslations(uses), AlikeMaps()
     translated = tuple(_translated(*each, uses, shared, maps) for each in named)
-    return Translations(translated, uses, ros_classes)
+    calling = [
+        (each, attributes.claim(snake_case(each.name)), ros_classes)
+        for each in element.serviceConnections
+    ]
+    of_calls = tuple(_translated_call(*each, uses, shared, maps) for each in calling)
+    return Translations(translated, of_calls, uses, ros_classes)
+
+
+def _translated_call(
+    connection: bridge.RosServiceConnection,
+    name: str,
+    ros_classes: RosClasses,
+    uses: Surroundings,
+    shared: SharedTranslations,
+    maps: AlikeMaps,
+) -> TranslatedCall:
+    request, response = map(ros_classes.name_of, calls.types(connection))
+    halves = {}
+    for half in calls.halves(connection):
+        made = calls.as_connection(connection, half)
+        own = uses.attributes.claim(f"{name}_{half.kind}")
+        ros_name = ros_classes.name_of(half.map.type)
+        translated = _translated(made, own, ros_name, uses, shared, maps)
+        halves[half.kind] = (made, translated)
+    return TranslatedCall(name, request, response, halves)
 
 
 def _translated(
@@ -142,8 +186,7 @@ def _translated(
     else:
         lines = shared.lines(alike, name, make)
     safe_lines: tuple[str, ...] = ()
-    if connection.eContainer() is not None and has_stop(
-        connection
-    ):  # lists have stops of their own
+    # Lists and calls, which are in no model as connections, end in ways of their own.
+    if connection.eContainer() is not None and has_stop(connection):
         safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
     return Translated(name, ros_name, joins, lines, safe_lines, alike)

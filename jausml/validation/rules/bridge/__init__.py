@@ -2,6 +2,7 @@
 
 from jausml.validation.rules.bridge import (
     actions,
+    calls,
     connections,
     conversions,
     coordinates,
@@ -25,6 +26,7 @@ from jausml.validation.rules.bridge import (
 
 MODULES = (
     actions,
+    calls,
     connections,
     conversions,
     coordinates,

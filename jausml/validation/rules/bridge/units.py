@@ -98,7 +98,10 @@ def quantities(subject: Subject) -> Iterator[Finding]:
 
 
 def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
-    maps = [*owner.maps, *(each.map for each in owner.bridgeConnections if each.map is not None)]
+    referred: list[bridge.AttributeMap | None] = [each.map for each in owner.bridgeConnections]
+    for call in owner.serviceConnections:
+        referred += [call.request, call.response]
+    maps = [*owner.maps, *(each for each in referred if each is not None)]
     return {quantity.name: quantity for each in maps for quantity in each.quantities}
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics import calls
 from jausml.semantics.commands import is_command
 from jausml.validation.rule import Finding, Note, rule
 
@@ -45,7 +46,11 @@ def no_own_peers(subject: Subject) -> Iterator[Finding]:
 
     Good: `peers="vehicle"`
     """
-    for connection in subject.instances(bridge.Connection, needs=("name", "peers")):
+    needs = ("name", "peers")
+    found: list[bridge.Connection | bridge.RosServiceConnection] = []
+    found += subject.instances(bridge.Connection, needs=needs)
+    found += subject.instances(bridge.RosServiceConnection, needs=needs)
+    for connection in found:
         owner = connection.eContainer()
         if owner is not None and any(peer is owner for peer in connection.peers):
             message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
@@ -69,3 +74,8 @@ def _controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, jaus.
         if sends and connection.control and message is not None and is_command(message):
             for peer in connection.peers:
                 yield connection, "peers", peer
+    for call in component.serviceConnections:
+        asking = calls.asking(call)
+        if calls.serves(call) and call.control and asking is not None and is_command(asking):
+            for peer in call.peers:
+                yield call, "peers", peer

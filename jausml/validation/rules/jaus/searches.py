@@ -29,7 +29,11 @@ def named_or_searched(subject: Subject) -> Iterator[Finding]:
 
     Good: the connection with one of them
     """
-    for connection in subject.instances(bridge.Connection, needs=("name", "search", "peers")):
+    needs = ("name", "search", "peers")
+    found: list[bridge.Connection | bridge.RosServiceConnection] = []
+    found += subject.instances(bridge.Connection, needs=needs)
+    found += subject.instances(bridge.RosServiceConnection, needs=needs)
+    for connection in found:
         if connection.search is not None and connection.peers:
             message = f"'{connection.name}' names peers and searches for peers"
             yield Finding(connection, message, "search", "leave out one of them")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics import calls
 from jausml.semantics.layouts import signature
 from jausml.semantics.services import along_inheritance, code, lineage, with_inherited
 from jausml.semantics.standard_services import with_standard
@@ -153,4 +154,6 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
         for each in component.bridgeConnections:
             carried = each.map.message if each.map is not None else None
             found.update(dict.fromkeys((carried, each.query)))
+        for call in component.serviceConnections:
+            found.update(dict.fromkeys(calls.messages(call)))
     return [message for message in found if message is not None]

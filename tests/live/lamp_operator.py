@@ -1,0 +1,71 @@
+"""An operator of the live tests that asks the bridge: lines of standard input are what it does.
+
+`take` and `release` control of the bridge, `set NUMBER`. One line of JSON on standard output for
+each answer.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+
+from front.messages import ConfirmLamp, RejectLamp, SetLamp
+from jausml_runtime import (
+    ComponentProgram,
+    JausAddress,
+    JausComponent,
+    ServiceIdentity,
+    run_component,
+)
+
+BRIDGE = JausAddress(100, 1, 20)
+SERVICES = [ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)]
+
+
+class Operator(JausComponent):
+    """Does what it is told."""
+
+    def __init__(self, transport, address, settings):
+        super().__init__(transport, address, name="operator", services=SERVICES, settings=settings)
+        self.session = None
+        self.on_message(ConfirmLamp, lambda message, _: tell("confirm", value=message.brightness))
+        self.on_message(RejectLamp, lambda *_: tell("reject"))
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        for line in sys.stdin:
+            what, *numbers = line.split()
+            with self.loop.lock:
+                getattr(self, f"do_{what}")(*map(int, numbers))
+
+    def do_take(self):
+        self.session = self.control(
+            BRIDGE,
+            authority=200,
+            resume=True,
+            on_change=lambda state: tell("control", state=state.name),
+        )
+
+    def do_release(self):
+        self.session.release()
+        tell("released")
+
+    def do_set(self, brightness):
+        self.send(SetLamp(brightness=brightness), BRIDGE)
+
+
+def tell(kind, **facts):
+    sys.stdout.write(json.dumps({"kind": kind, **facts}) + "\n")
+    sys.stdout.flush()
+
+
+def main() -> int:
+    program = ComponentProgram(
+        name="operator", description="Operator of the live tests.", address=JausAddress(100, 1, 3)
+    )
+    return run_component(Operator, program, sys.argv[1:])
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
