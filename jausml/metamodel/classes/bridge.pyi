@@ -710,7 +710,8 @@ class RosActionConnection(NamedElement):
     """Path of the string of the result that says why the list was not done, such as error_msg."""
 
     speed: float
-    """Metres per second that ExecuteList asks for, with rosToJaus; 0 leaves it to the peer."""
+    """Metres per second that ExecuteList asks for, with rosToJaus; above 0, but for drivers
+    whose ExecuteList has none."""
 
     peers: abc.Sequence[jaus.Component]
     """JAUS components at the other end.

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept clock close component connections exchanges follow list_driver list_drivers loop now
-    on_control_lost on_not_ready open publisher parameters report ros settings simulation subscribe
+    accept clock close component connections exchanges follow is_active list_driver list_drivers
+    loop now on_control_lost on_not_ready open publisher parameters report ros set_active settings
+    simulation standing subscribe
     """
 )
 

@@ -1,0 +1,48 @@
+"""Names of connections: none hides what a bridge has anyway."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET
+from jausml.model import read_models
+from jausml.runtime import BridgeSettings, JausAddress
+from jausml.runtime.bridge.bridge import Bridge
+from jausml.text.notation import NOTATIONS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MODEL = """
+import mappings.local_waypoint_driver
+
+bridge robot {{
+    address: 1.1.1
+    provides: LocalWaypointListDriver
+{connections}
+}}
+"""
+CONNECTION = """
+    ros_action_connection `{name}` {{
+        action: go
+        type: nav2_msgs/FollowWaypoints
+        driver: LocalWaypointListDriver
+        element: local_waypoint
+        goalMember: poses
+    }}
+"""
+
+
+def test_a_connection_hides_nothing_of_its_bridge(tmp_path: Path) -> None:
+    made = Bridge(BridgeSettings(name="robot", address=JausAddress(1, 1, 1)))
+    public = {*dir(Bridge), *Bridge.__annotations__, *vars(made)}
+    names = sorted(each for each in public if not each.startswith("_"))
+    assert {"component", "connections", "follow", "settings"} < set(names)
+    path = tmp_path / "robot.ros2jaus"
+    connections = "".join(CONNECTION.format(name=name) for name in names)
+    path.write_text(MODEL.format(connections=connections), encoding="utf-8")
+    model = read_models([path], notations=NOTATIONS).model
+    base = next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
+    hidden = [name for name in names if f"self.{name}_ = ListToAction(" not in base]
+    assert hidden == []

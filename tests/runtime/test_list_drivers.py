@@ -1,0 +1,10 @@
+"""What elements of lists hold: the runtime and the toolchain know the same drivers."""
+
+from __future__ import annotations
+
+from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
+from jausml.semantics.list_drivers import ELEMENTS
+
+
+def test_both_know_the_same_elements() -> None:
+    assert ELEMENTS == ELEMENTS_OF_DRIVERS
