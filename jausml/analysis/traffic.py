@@ -7,7 +7,7 @@ them, single messages at their sender. Connections at the other end share it.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml import wire
@@ -108,7 +108,8 @@ class _Streams:
             provider = found if isinstance(found, jaus.Component) else None
             feeding = self._feeding(provider, asks[0].message)
             served.update(feeding)
-            yield from self._asked(provider, asks, feeding)
+            for alike in _by_way(asks):
+                yield from self._asked(provider, alike, feeding)
         for owner in self._system.bridges:
             for connection in owner.bridgeConnections:
                 if not (is_to_ros(connection) or is_single(connection) or connection in served):
@@ -378,3 +379,14 @@ def _has_presence_vector(query: jaus.MessageDef) -> bool:
 def _peers(connection: bridge.Connection) -> list[jaus.Component | None]:
     """Returns who is at the other end; None stands for those that nobody names."""
     return [*connection.peers] or [None]
+
+
+def _by_way(asks: list[_Ask]) -> Iterator[list[_Ask]]:
+    """Yields those that share an event; beside one of every change, a rate is served by queries."""
+    periodic = [each for each in asks if each.exchange == "periodic"]
+    others = [each for each in asks if each.exchange != "periodic"]
+    if not (periodic and others):
+        yield asks
+        return
+    yield others
+    yield [replace(each, exchange="query") for each in periodic]

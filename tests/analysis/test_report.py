@@ -46,6 +46,19 @@ def test_both_ends_see_one_stream(system):
     assert (command.hertz, command.basis) == (10, "assumed")
 
 
+def test_a_rate_beside_every_change_is_served_by_queries(system):
+    changes = "map: velocity_state  peers: vehicle  exchange: everyChangeEvent  topic changed"
+    text = PAIR.replace("RATE", "25").replace("ACK", "false")
+    text = text.replace(
+        "connection seen", f"connection changed {{ {changes} }}\n    connection seen"
+    )
+    report = report_of(system(text), Assumptions())
+    (station,) = (each for each in report.bridges if each.name == "station")
+    kinds = {each.name: [flow.kind for flow in each.flows] for each in station.connections}
+    assert kinds["changed"] == ["event"]
+    assert sorted(kinds["seen"]) == ["query", "report"]
+
+
 def test_what_one_end_sends_the_other_receives(system):
     _, found = pair(system)
     seen, velocity = found["station.seen"].load, found["vehicle.velocity"].load

@@ -38,9 +38,9 @@ class Clients:
             host: The component.
         """
         self.presence = Presence(host.loop)
-        self.events = EventClient(host, self.presence)
-        self.control = ControlClient(host, self.presence, self.events)
         self.queries = QueryClient(host)
+        self.events = EventClient(host, self.presence, self.queries)
+        self.control = ControlClient(host, self.presence, self.events)
         self.discovery = DiscoveryClient(host)
         self.peers = PeerClient(host, self.discovery)
         self.commands = CommandClient(host)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
     from .presence import Presence
+    from .query import QueryClient
 
 EVENT_REQUESTS = range(224)
 """Request ids of the events of one provider."""
@@ -43,9 +44,10 @@ DEFAULT_EVENT_TIMEOUT = 1
 class EventClient:
     """All subscriptions of one component, and the messages of Events that concern them."""
 
-    def __init__(self, component: Host, presence: Presence) -> None:
+    def __init__(self, component: Host, presence: Presence, queries: QueryClient) -> None:
         """Listen to the answers of providers."""
         self._component = component
+        self._queries = queries
         self._presence = presence
         self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}
         self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
@@ -84,6 +86,20 @@ class EventClient:
         subscription = EventSubscription(
             stream, on_report, rate, silence_timeout, on_silence, takes_payloads=payloads
         )
+
+        def ask(timeout: float) -> None:
+            self._queries.ask(
+                provider,
+                query,
+                report_class,
+                subscription.answer,
+                None,
+                timeout,
+                0,
+                payloads=payloads,
+            )
+
+        subscription.ask = ask
         stream.join(subscription, report_class)
         return subscription
 

@@ -161,13 +161,21 @@ class EventStream:
         return [each for group in self._groups.values() for each in group]
 
     def _agree_on_rate(self) -> None:
-        """Take the highest rate asked for; every change only when all want that."""
-        rates = [each.rate for each in self._subscriptions() if each.rate is not None]
-        rate = max(rates, default=None)
+        """Take every change when anybody wants that, else the highest rate asked for."""
+        rates = [each.rate for each in self._subscriptions()]
+        periodic = [rate for rate in rates if rate is not None]
+        rate = max(periodic) if len(periodic) == len(rates) else None
         if rate != self._rate:
             self._rate = rate
             if self._state is _State.ACTIVE:
                 self._renew()
+        self._pace_subscriptions()
+
+    def _pace_subscriptions(self) -> None:
+        """Tell each subscriber what it gets, to have its own rate of it."""
+        given = None if self._rate is None else self._confirmed_rate or self._rate
+        for subscription in self._subscriptions():
+            subscription.follow(given)
 
     # ---- requests ---------------------------------------------------------------------------
 
@@ -208,6 +216,7 @@ class EventStream:
         if is_new or changed:
             self._heard = self._loop.now()
             self._watch_silence()
+            self._pace_subscriptions()
         if self._asked_rate != self._rate:
             self._renew()
 

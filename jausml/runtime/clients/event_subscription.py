@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from .event_asking import Asking
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -12,6 +14,12 @@ if TYPE_CHECKING:
     from ..base.loop import Timer
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
+
+
+_LONG_AGO = float("-inf")
+
+_ALIKE = 0.999
+"""Share of a rate from which on another one is the same: on the wire a rate has 16 bits."""
 
 
 class Stream(Protocol):
@@ -43,7 +51,10 @@ class EventSubscription:
         provider: The component that provides the report.
         rate: Reports each second that the subscriber asked for; None means every change.
         takes_payloads: Whether the subscriber takes encoded reports.
+        ask: Asks the provider for one report, which `answer` takes.
     """
+
+    ask: Callable[[float], object]
 
     def __init__(
         self,
@@ -71,6 +82,10 @@ class EventSubscription:
         self._watch: Timer | None = None
         self._heard = 0.0
         self._silent = False
+        self._asking: Asking | None = None
+        self._period = 0.0
+        self._slack = 0.0
+        self._due = _LONG_AGO
 
     @property
     def active(self) -> bool:
@@ -99,9 +114,48 @@ class EventSubscription:
         if self._watch is not None:
             self._watch.cancel()
             self._watch = None
+        self._stop_asking()
+
+    def follow(self, given: float | None) -> None:
+        """Have the subscriber's own rate of an event that others share.
+
+        Args:
+            given: Reports of the event each second; None when they come at every change.
+        """
+        is_slower = self.rate is not None and given is not None and self.rate < _ALIKE * given
+        self._period = 1 / self.rate if is_slower and self.rate else 0.0
+        self._slack = 0.5 / given if given else 0.0
+        if self.rate is None or given is not None:
+            self._stop_asking()
+        elif self._asking is None:
+            self._component.when_started(self._start_asking)
+
+    def _start_asking(self) -> None:
+        if self._asking is None and self.rate is not None:
+            self._asking = Asking(self._component.loop, self.rate, self.ask)
+
+    def _stop_asking(self) -> None:
+        if self._asking is not None:
+            self._asking.stop()
+            self._asking = None
 
     def deliver(self, report: Message | bytes, now: float) -> None:
-        """Hand a report to the subscriber."""
+        """Hand a report of the event to the subscriber, unless it has another rate."""
+        if self._asking is not None:
+            return
+        if self._period:
+            if now < self._due - self._slack:
+                return
+            is_in_time = now < self._due + self._period
+            self._due = (self._due if is_in_time else now) + self._period
+        self._hand_over(report, now)
+
+    def answer(self, report: Message | bytes, _provider: JausAddress) -> None:
+        """Hand the answer to a query to the subscriber."""
+        if self._asking is not None:
+            self._hand_over(report, self._component.loop.now())
+
+    def _hand_over(self, report: Message | bytes, now: float) -> None:
         self._heard = now
         if self._silent:
             self._silent = False

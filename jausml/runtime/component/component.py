@@ -59,8 +59,9 @@ class JausComponent(ComponentBase):
 
         The event is created as soon as the provider answers, renewed, and created anew when the
         provider was restarted. Subscriptions of this component to the same provider and query
-        share one event: periodic at the highest rate asked for, or every change when nobody
-        asks for a rate. A later subscriber gets the last report at once.
+        share one event, and each has its own rate of it: the event comes at the highest rate, or
+        at every change when anybody wants that; who then asks for a rate is served by queries. A
+        later subscriber gets the last report at once.
 
         Args:
             provider: The component that provides the report.

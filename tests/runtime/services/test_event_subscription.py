@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from jausml.runtime.base.address import JausAddress
@@ -168,6 +170,64 @@ class TestSharing:
             world.run(1.0)
         assert counts[0] == counts[1]
 
+    @pytest.mark.parametrize("rates", [(1, 20), (3, 20), (7, 10), (0.5, 1, 100), (5, 5)])
+    def test_each_has_its_own_rate(self, world, client, rates):
+        """Of one event, at the highest rate."""
+        provider(world)
+        times = [[] for _ in rates]
+        for rate, heard in zip(rates, times, strict=True):
+            pulses(client, lambda *_, heard=heard: heard.append(world.time), rate=rate)
+        world.run(1.0)
+        world.log.clear()
+        for heard in times:
+            heard.clear()
+        world.run(10.0, step=0.002)
+        assert world.count(Event.CODE) == pytest.approx(10 * max(rates), abs=2)
+        for rate, heard in zip(rates, times, strict=True):
+            assert len(heard) == pytest.approx(10 * rate, abs=1.5)
+            gaps = [b - a for a, b in pairwise(heard)]
+            assert max(gaps) <= 1 / rate + 1 / max(rates) + 0.01
+
+    @pytest.mark.parametrize("is_first", [True, False])
+    def test_every_change_beside_a_rate(self, world, client, is_first):
+        """Each has what it asked for: the provider has one event for both, queries do the rest."""
+        tested = provider(world)
+        changes, periodic = Inbox(), Inbox()
+        if is_first:
+            statuses(client, changes)
+        share = statuses(client, periodic, rate=10)
+        world.run(1.0)
+        if not is_first:
+            statuses(client, changes)
+        world.run(1.0)
+        periodic.clear()
+        world.run(2.0)
+        assert len(periodic) == pytest.approx(20, abs=1)
+        assert {each.status for each in changes} == {2}
+        assert len(changes) == (1 if is_first else 2)  # what is known at once, and the first report
+        changes.clear()
+        tested.fail("broken")
+        world.settle()
+        assert [each.status for each in changes] == [4]
+        world.run(0.2)
+        assert periodic[-1].status == 4
+        share.cancel()
+        world.log.clear()
+        world.run(5.0)
+        assert world.count(QueryStatus.CODE) == world.count(ReportStatus.CODE) == 0
+        assert len(changes) == 1
+
+    def test_nothing_old_comes_at_a_rate_from_a_provider_that_is_gone(self, world, client):
+        first = provider(world)
+        periodic = Inbox()
+        statuses(client, Inbox())
+        statuses(client, periodic, rate=10)
+        world.run(1.0)
+        kill(world, first)
+        periodic.clear()
+        world.run(3.0)
+        assert periodic == []
+
     def test_highest_rate_wins(self, world, client):
         provider(world)
         slow, fast = Inbox(), Inbox()
@@ -187,26 +247,12 @@ class TestSharing:
     def test_highest_rate_wins_before_the_confirmation(self, world, client):
         provider(world)
         inbox = Inbox()
-        pulses(client, inbox, rate=2)
-        pulses(client, Inbox(), rate=20)
+        pulses(client, Inbox(), rate=2)
+        pulses(client, inbox, rate=20)
         world.run(1.0)
         inbox.clear()
         world.run(2.0)
         assert len(inbox) == pytest.approx(40, abs=1)
-
-    def test_periodic_wins_over_every_change(self, world, client):
-        provider(world)
-        inbox = Inbox()
-        statuses(client, inbox)
-        world.settle()
-        share = statuses(client, Inbox(), rate=10)
-        world.run(2.0)
-        assert len(inbox) == pytest.approx(22, abs=2)
-        share.cancel()
-        world.run(1.0)
-        inbox.clear()
-        world.run(2.0)
-        assert inbox == []
 
     def test_later_subscriber_gets_the_last_report(self, world, client):
         provider(world)
