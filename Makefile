@@ -7,7 +7,7 @@ READY := .venv/.ready
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo quick test test-slow coverage live lint format bench fuzz emf reference \
-	types release-check clean
+	types release-check faults soak clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -54,6 +54,16 @@ format: $(READY)  ## lay out the code and mend what can be mended
 # ONLY="latency load" measures a part; BENCH=--quick looks for a minute or two.
 bench: $(READY)  ## measure all, some twelve minutes, and write docs/performance.md
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
+
+faults: $(READY)  ## every fault with real processes, some six minutes; writes docs/reference/faults.md
+	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
+	$(BIN)/python benchmarks/fault_page.py --check
+
+MINUTES ?= 60
+
+soak: $(READY)  ## MINUTES of messages both ways through one bridge: nothing grows, nothing is lost unseen
+	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
+	$(BIN)/python benchmarks/page.py
 
 SECONDS ?= 60
 

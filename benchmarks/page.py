@@ -84,6 +84,7 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *page_others.components(sections),
         *page_others.codecs(sections),
         *page_others.toolchain(sections),
+        *page_others.soak(data.get("soak")),
         *_failed(data["failed"]),
     ]
     return {NAME: "\n".join(parts), **plots}
@@ -375,10 +376,18 @@ def _figure(name: str, plots: Mapping[str, str]) -> str:
     return f"![{name}]({file_name})\n" if file_name in plots else ""
 
 
+def stored(data_file: Path) -> dict[str, Any]:
+    """Returns the data of a file, with that of the soak beside it, where there is any."""
+    data: dict[str, Any] = json.loads(data_file.read_text(encoding="utf-8"))
+    soak = data_file.with_name("soak.json")
+    if soak.exists():
+        data["soak"] = json.loads(soak.read_text(encoding="utf-8"))
+    return data
+
+
 def main() -> None:
     """Writes the page from the data that is stored."""
-    data = json.loads((HERE / "results.json").read_text(encoding="utf-8"))
-    for name, text in files(data).items():
+    for name, text in files(stored(HERE / "results.json")).items():
         (HERE.parent / "docs" / name).write_text(text, encoding="utf-8")
 
 

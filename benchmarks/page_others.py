@@ -103,3 +103,30 @@ def toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
         f"of a processor while typing goes on{with_them}, "
         f"and the check when it pauses {editor['pause_ms']:g} ms more.\n"
     )
+
+
+def soak(found: Mapping[str, Any] | None) -> Iterator[str]:
+    """Yields the part on a bridge that ran for long.
+
+    Args:
+        found: What `benchmarks/soak.py` has found; None without it.
+    """
+    if not found:
+        return
+    first, last = found["looks"][0], found["looks"][-1]
+    yield "## Soak\n"
+    yield (
+        f"Points at {found['rate']:g} a second each way for {found['minutes']:g} minutes "
+        f"(`make soak`), on {found['machine']['processors']} processors whose load was "
+        f"{found['machine']['load']:g} at the end. A line through all samples but the first "
+        f"quarter rises by {found['grown_mib']:g} MiB.\n"
+    )
+    rows = [(name, each["sent"], each["received"], each["lost"]) for name, each in _ways(found)]
+    yield table(("", "sent", "received", "counted as lost"), rows)
+    names = {"memory_mib": "memory, MiB", "descriptors": "descriptors", "threads": "threads"}
+    rows = [(text, first[name], last[name]) for name, text in names.items()]
+    yield table(("", "at the start", "at the end"), rows)
+
+
+def _ways(found: Mapping[str, Any]) -> list[tuple[str, Mapping[str, int]]]:
+    return [(WAY_NAMES[way], each) for way, each in sorted(found["ways"].items())]

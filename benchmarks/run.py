@@ -94,8 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     page_file = Path(options.page or (PAGE if scale is FULL else LOOKS / PAGE.name))
     data = _measured(options.only or NAMES, scale, data_file)
     page_file.parent.mkdir(parents=True, exist_ok=True)
-    stored = json.loads(data_file.read_text(encoding="utf-8"))
-    for name, text in page.files(stored).items():
+    for name, text in page.files(page.stored(data_file)).items():
         (page_file.parent / name).write_text(text, encoding="utf-8")
     (page_file.parent / page.NAME).rename(page_file)
     print(f"wrote {data_file} and {page_file}")

@@ -44,6 +44,21 @@ def own_domain(number: int) -> None:
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
+def small_folder(path: Path, size: int) -> str:
+    """Makes a folder with room for so many bytes; returns why not, or nothing.
+
+    Args:
+        path: The folder, which does not exist yet.
+        size: Bytes.
+    """
+    path.mkdir()
+    try:
+        _call("mount", b"tmpfs", bytes(path), b"tmpfs", 0, f"size={size}".encode("ascii"))
+    except (OSError, AttributeError) as error:  # no such call outside Linux
+        return str(error)
+    return ""
+
+
 def _call(name: str, *arguments: object) -> None:
     """Calls a function of the C library that returns 0, or raises OSError."""
     if getattr(ctypes.CDLL(None, use_errno=True), name)(*arguments) != 0:

@@ -60,13 +60,14 @@ def _has(module, name):
 
 
 def test_the_page_is_made_of_the_data(page):
-    data = json.loads((FOLDER / "results.json").read_text(encoding="utf-8"))
+    data = page.stored(FOLDER / "results.json")
     for name, text in page.files(data).items():
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, name
 
 
-def test_the_data_tells_nothing_of_the_computer():
-    text = (FOLDER / "results.json").read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.json")), ids=lambda path: path.stem)
+def test_the_data_tells_nothing_of_the_computer(path):
+    text = path.read_text(encoding="utf-8")
     assert str(ROOT) not in text
     assert os.uname().nodename not in text
 
@@ -91,6 +92,68 @@ def test_a_missed_target_is_told_with_its_reason(page, monkeypatch):
     assert "| at most 2 x | 3.1 x (messages) | **missed** |" in text
     assert ": two loops wake up." in text
     assert {each.key for each in targets.TARGETS} >= set(targets.REMARKS)
+
+
+def test_the_page_on_faults_is_made_of_the_data(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    fault_page = importlib.import_module("fault_page")
+    data = json.loads(fault_page.DATA.read_text(encoding="utf-8"))
+    assert fault_page.PAGE.read_text(encoding="utf-8") == fault_page.page(data)
+    bounds = json.loads(fault_page.BOUNDS.read_text(encoding="utf-8"))
+    assert fault_page.exceeded(data, bounds) == []
+    assert bounds["recovered"].keys() - {""} <= data["faults"].keys()
+
+
+def test_what_comes_back_too_late_is_told(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    fault_page = importlib.import_module("fault_page")
+    found = {"recovered": {"drive": 3.0, "pose": 1.0}, "stopped": {"drive": 0.5}}
+    bounds = {"recovered": {"": 9.0, "cut": 2.0}, "stopped": {"": 0.4}}
+    told = fault_page.exceeded({"faults": {"cut": found, "lost": found}}, bounds)
+    assert told == [
+        "cut: drive stopped after 0.5 s, the bound is 0.4 s",
+        "cut: drive recovered after 3 s, the bound is 2 s",
+        "lost: drive stopped after 0.5 s, the bound is 0.4 s",
+    ]
+
+
+@pytest.fixture
+def soak(monkeypatch):
+    """The module of the soak."""
+    pytest.importorskip("rclpy")
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("soak")
+
+
+def looks(step, **last):
+    found = [
+        {"seconds": 10 * n, "memory_mib": 70 + step * n, "descriptors": 20, "threads": 17}
+        for n in range(40)
+    ]
+    found[-1] |= last
+    return found
+
+
+def soaked(soak, seen, **more):
+    ways = {"up": {"sent": 9, "received": 8, "lost": 1}}
+    found = {"looks": seen, "grown_mib": soak.grown(seen), "ways": ways, "exit_code": 0}
+    return {**found, **more}
+
+
+def test_a_soak_that_stays_as_it_was_is_good(soak):
+    assert soak.faults(soaked(soak, looks(0.0))) == []
+
+
+def test_a_soak_tells_what_grows_and_what_is_missing(soak):
+    ways = {"up": {"sent": 9, "received": 7, "lost": 1}}
+    seen = looks(0.1, descriptors=21, threads=18)
+    assert soak.faults(soaked(soak, seen, ways=ways, exit_code=1)) == [
+        f"the memory has grown by {soak.grown(seen):g} MiB",
+        "descriptors have grown from 20 to 21",
+        "threads have grown from 17 to 18",
+        "up: 1 of 9 messages are missing unseen",
+        "the bridge ended with 1",
+    ]
 
 
 def test_all_sections_are_known():

@@ -1,0 +1,288 @@
+"""Whether a bridge that runs for long stays as it was: nothing grows, and nothing is lost unseen.
+
+Usage: soak.py [--minutes 60] [--rate 500] [--data FILE]
+
+Points pass both ways through a generated bridge. Every ten seconds its memory, descriptors, threads
+and counts are looked at. Writes benchmarks/soak.json, whose section of docs/performance.md
+benchmarks/page.py makes; the exit code is 1 when something has grown or does not add up.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from ends import JausEnd, RosEnd, drained, paced
+from figures import rounded
+from names import GENERATED, WAYS
+from processes import Children
+from rclpy.serialization import deserialize_message
+from run import machine
+from samples import sample
+from systems import Measured, generate
+from variants import Loop, settle
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from processes import Child
+    from samples import Sample
+    from systems import System
+
+HERE = Path(__file__).resolve().parent
+DATA = HERE / "soak.json"
+BRIDGE = "soaked"
+PERIOD = 10.0
+"""Seconds from one look to the next."""
+
+GROWTH = 1.0
+"""MiB by which the memory may have grown, fitted over the time in which it was looked at."""
+
+WARM = 0.25
+"""Share of the looks that are not judged: caches fill, and the allocator finds its size."""
+
+_LOSSES = ("lost in queue", "missed", "too old")
+_DROPPED = "dropped: "
+_OF_THE_KERNEL = "dropped by the kernel"
+_LAST_REPORT = 3.0
+_DROPS_COLUMN = -1
+
+
+class _End(JausEnd):
+    """A socket that counts the messages of one code.
+
+    Attributes:
+        code: The first two bytes of the messages.
+        count: How many came.
+    """
+
+    code = b""
+    count = 0
+
+    def heard(self, data: bytes) -> None:
+        """Acknowledges a datagram that asks for it, and counts it."""
+        super().heard(data)
+        self.count += data[13:15] == self.code
+
+
+class _Soaked(Loop):
+    """Both ways through the bridge, counted.
+
+    Attributes:
+        sent: How many messages were sent, by way.
+        received: How many arrived, by way.
+    """
+
+    end_class = _End
+    end: _End
+
+    def __init__(self, ros: RosEnd, system: System, message: Sample) -> None:
+        """Opens the ends; nothing is started."""
+        super().__init__(GENERATED, ros, system, BRIDGE, message)
+        self.end.code = message.jaus[:2]
+        self.sent = dict.fromkeys(WAYS, 0)
+        self.received = dict.fromkeys(WAYS, 0)
+
+    def reset(self) -> None:
+        """Begins to count."""
+        self.end.count = 0
+        self.sent = dict.fromkeys(WAYS, 0)
+        self.received = dict.fromkeys(WAYS, 0)
+
+    def send_both(self) -> None:
+        """Sends a message each way."""
+        self.send()
+        self.publisher.publish(self.sample.ros)
+        for way in WAYS:
+            self.sent[way] += 1
+
+    def take(self) -> int:
+        """Takes what has come; returns how much it was."""
+        taken = self.subscription.discard()
+        self.end.discard()
+        came = self.end.count - self.received["down"]
+        self.received["up"] += taken
+        self.received["down"] = self.end.count
+        return taken + came
+
+
+class _Losses:
+    """What was counted as lost: by the bridge, and by the kernel at the socket of this process."""
+
+    def __init__(self, ros: RosEnd, end: JausEnd) -> None:
+        """Listens to the diagnostics of the bridge."""
+        self._subscription = ros.subscription(DiagnosticArray, "/diagnostics")
+        self._inode = os.fstat(end.sock.fileno()).st_ino
+        self._latest: dict[str, int] = {}
+        self._before: dict[str, int] = {}
+
+    def reset(self) -> None:
+        """Begins to count."""
+        self._before = self._read()
+
+    def now(self) -> dict[str, int]:
+        """Returns how much was lost by way."""
+        found = self._read()
+        return {way: found.get(way, 0) - self._before.get(way, 0) for way in WAYS}
+
+    def _read(self) -> dict[str, int]:
+        while (data := self._subscription.take(0.0)) is not None:
+            lost: dict[str, int] = {}
+            for status in deserialize_message(data, DiagnosticArray).status:
+                way = "down" if status.name.endswith("_down") else "up"
+                lost[way] = lost.get(way, 0) + sum(
+                    int(each.value) for each in status.values if _is_loss(each.key)
+                )
+            self._latest = lost
+        down = self._latest.get("down", 0) + _dropped_by_the_kernel(self._inode)
+        return {**self._latest, "down": down}
+
+
+def _is_loss(key: str) -> bool:
+    return key in _LOSSES or key == _OF_THE_KERNEL or key.startswith(_DROPPED)
+
+
+def _dropped_by_the_kernel(inode: int) -> int:
+    """Returns how many datagrams a socket had no room for."""
+    lines = (each.split() for each in Path("/proc/net/udp").read_text().splitlines()[1:])
+    return sum(int(line[_DROPS_COLUMN]) for line in lines if line[9] == str(inode))
+
+
+def look(child: Child, seconds: float) -> dict[str, float]:
+    """Returns what a process has now.
+
+    Args:
+        child: The process.
+        seconds: Since when it is looked at.
+    """
+    proc = Path(f"/proc/{child.process.pid}")
+    return {
+        "seconds": round(seconds),
+        "memory_mib": round(child.memory(), 2),
+        "descriptors": len(list((proc / "fd").iterdir())),
+        "threads": len(list((proc / "task").iterdir())),
+    }
+
+
+def grown(looks: Sequence[Mapping[str, float]]) -> float:
+    """Returns by how many MiB the memory has grown, by a line through all looks but the first ones.
+
+    Args:
+        looks: At least two that are judged.
+    """
+    judged = looks[int(WARM * len(looks)) :]
+    times = [each["seconds"] for each in judged]
+    values = [each["memory_mib"] for each in judged]
+    middle, mean = sum(times) / len(times), sum(values) / len(values)
+    spread = sum((each - middle) ** 2 for each in times)
+    both = sum((time - middle) * (value - mean) for time, value in zip(times, values, strict=True))
+    return both / spread * (times[-1] - times[0]) if spread else 0.0
+
+
+def faults(found: Mapping[str, Any]) -> list[str]:
+    """Returns what has grown or does not add up, a sentence each.
+
+    Args:
+        found: What a run found.
+    """
+    told = []
+    if found["grown_mib"] > GROWTH:
+        told.append(f"the memory has grown by {found['grown_mib']:g} MiB")
+    judged = found["looks"][int(WARM * len(found["looks"])) :]
+    for name in ("descriptors", "threads"):
+        counts = [each[name] for each in judged]
+        if counts[-1] > counts[0]:
+            told.append(f"{name} have grown from {counts[0]} to {counts[-1]}")
+    for way, each in found["ways"].items():
+        unseen = each["sent"] - each["received"] - each["lost"]
+        if unseen:
+            told.append(f"{way}: {unseen} of {each['sent']} messages are missing unseen")
+    if found["exit_code"] != 0:
+        told.append(f"the bridge ended with {found['exit_code']}")
+    return told
+
+
+def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
+    """Runs messages through a bridge.
+
+    Args:
+        minutes: How long.
+        rate: Messages a second, each way.
+        folder: Where files may be written.
+
+    Returns:
+        `minutes`, `rate`, `looks`, `grown_mib`, `ways` with what was sent, received and counted as
+        lost, `processor` (share of one), `exit_code` of the bridge, and `machine`.
+    """
+    system = generate(folder, {BRIDGE: Measured(("point",))})
+    with (
+        Children(system.environment(), folder / "processes.log") as children,
+        closing(RosEnd("meter")) as ros,
+        closing(_Soaked(ros, system, sample(system.model, "point"))) as loop,
+    ):
+        loop.start(children, folder)
+        (child,) = loop.processes
+        losses = _Losses(ros, loop.end)
+        loop.reach()
+        settle([loop])
+        _rest(loop)
+        losses.reset()
+        loop.reset()
+        started, used = time.monotonic(), child.processor_time()
+        looks = [look(child, 0)]
+        while (passed := time.monotonic() - started) < 60 * minutes:
+            paced(loop.send_both, loop.take, rate, min(PERIOD, 60 * minutes - passed))
+            looks.append(look(child, time.monotonic() - started))
+            if len(looks) % 30 == 0:
+                print(f"  {looks[-1]} {losses.now()}", flush=True)
+        share = (child.processor_time() - used) / (time.monotonic() - started)
+        _rest(loop)
+        lost = losses.now()
+        child.end()
+    return {
+        "minutes": round(looks[-1]["seconds"] / 60, 1),
+        "rate": rate,
+        "looks": looks,
+        "grown_mib": round(grown(looks), 2),
+        "processor": rounded(share),
+        "exit_code": child.process.returncode,
+        "ways": {
+            way: {"sent": loop.sent[way], "received": loop.received[way], "lost": lost[way]}
+            for way in WAYS
+        },
+        "machine": machine(),
+    }
+
+
+def _rest(loop: _Soaked) -> None:
+    """Waits for the last messages and for a report of the bridge."""
+    drained(loop.take, _LAST_REPORT)
+
+
+def main() -> int:
+    """Runs it; returns the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--rate", type=float, default=500.0, help="messages a second, each way")
+    parser.add_argument("--data", type=Path, default=DATA)
+    options = parser.parse_args()
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    with tempfile.TemporaryDirectory() as folder:
+        found = measure(options.minutes, options.rate, Path(folder))
+    options.data.write_text(f"{json.dumps(found, indent=1)}\n", encoding="utf-8")
+    told = faults(found)
+    print("\n".join(told) or "nothing has grown, and all adds up")
+    return 1 if told else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""An operator for the faults: controls the bridge, commands a speed, watches the estimate."""
+
+from __future__ import annotations
+
+from jausml_runtime import (
+    ComponentProgram,
+    ComponentSettings,
+    ControlState,
+    JausAddress,
+    JausComponent,
+    ServiceIdentity,
+    run_component,
+)
+from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
+from stamps import say, stamp
+
+BRIDGE = JausAddress(10, 1, 9)
+SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in ("Transport", "Events")]
+PERIOD = 0.05
+
+
+class Operator(JausComponent):
+    """Commands twenty times a second while the bridge obeys."""
+
+    def __init__(self, transport, address, settings):
+        super().__init__(transport, address, name="operator", services=SERVICES, settings=settings)
+        self.session = self.control(BRIDGE, authority=200)
+        self.subscribe(BRIDGE, QueryLocalPose(presence_vector=0x01FF), ReportLocalPose, self.seen)
+        self.when_started(self.tick)
+
+    def tick(self):
+        self.loop.call_later(PERIOD, self.tick)
+        if self.session.state is ControlState.READY:
+            self.send(SetVelocityCommand(velocity_x=stamp()), BRIDGE)
+
+    def seen(self, report, _sender):
+        say("estimate", report.x or 0.0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(
+        run_component(
+            Operator,
+            ComponentProgram(
+                name="operator",
+                description="Operator of the faults.",
+                address=JausAddress(20, 1, 1),
+                settings=ComponentSettings(register_services=False),
+            ),
+        )
+    )

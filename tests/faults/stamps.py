@@ -1,0 +1,44 @@
+"""Values that say when they were sent, so that whoever gets one knows how old it is.
+
+A value is a monotonic time, the same for all processes of a computer, folded into a range that
+every field on the way carries; 0 is a stop.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+
+FOLD = 90.0
+"""Seconds after which values come again."""
+
+_EARLY = 1.0
+_LEAST = 0.5
+"""Below it a value is a stop: fields have a step, which need not fall on 0."""
+
+_OUTPUT = threading.Lock()
+
+
+def stamp() -> float:
+    """Returns a value that is sent now."""
+    return 1.0 + time.monotonic() % FOLD
+
+
+def age(value: float, at: float) -> float:
+    """Returns how old a value was in seconds when it arrived.
+
+    Args:
+        value: What `stamp` gave, as exact as the fields on the way are.
+        at: When it arrived, by the monotonic clock.
+    """
+    return (at - (value - 1.0) + _EARLY) % FOLD - _EARLY
+
+
+def say(kind: str, value: float, **more: object) -> None:
+    """Tells the test of an arrival; 0 is a stop."""
+    told = value if value > _LEAST else 0.0
+    with _OUTPUT:
+        fact = {"kind": kind, "value": told, "at": time.monotonic(), **more}
+        sys.stdout.write(json.dumps(fact) + "\n")

@@ -1,0 +1,34 @@
+"""Programs of one host at one port: its owner is lost, or another one; the others go on."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from .failing import Fault, ended, halted, killed, suffer
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.timeout(240),
+]
+
+SHARED = [
+    Fault("owner of the port killed", partial(killed, role="vehicle"), 3, ("odometry",)),
+    Fault("owner of the port restarted", partial(ended, role="vehicle"), 0, ("odometry",)),
+    Fault("another at the port killed", partial(killed, role="operator"), 3, ("cruise",)),
+    Fault("owner of the port halted for 10 s", partial(halted, role="vehicle"), 10, ("odometry",)),
+]
+"""Where all have one port: the vehicle starts first and owns it."""
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    "fault", [pytest.param(each, id=each.name.replace(" ", "_")) for each in SHARED]
+)
+def test_fault_on_a_shared_port(shared_system, fault, record):
+    record("faults", fault.name, suffer(shared_system, fault))

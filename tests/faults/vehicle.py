@@ -1,0 +1,76 @@
+"""A vehicle for the faults: what it reports and obeys says when it was sent.
+
+Usage: vehicle.py [SECONDS by which its stamps are wrong] OPTIONS
+"""
+
+from __future__ import annotations
+
+import sys
+from datetime import datetime, timedelta, timezone
+
+from jausml_runtime import (
+    ComponentProgram,
+    ComponentSettings,
+    Guard,
+    JausAddress,
+    JausComponent,
+    ServiceIdentity,
+    run_component,
+)
+from loop_bridge.messages import (
+    QueryLocalPose,
+    QueryVelocityState,
+    ReportLocalPose,
+    ReportVelocityState,
+    SetWrenchEffort,
+)
+from stamps import say, stamp
+
+OFFSET = timedelta(0)
+CORE = ("Transport", "Events", "AccessControl", "Management")
+SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE]
+
+
+class Vehicle(JausComponent):
+    """Obeys efforts, and stops when it is no longer ready or its controller is lost."""
+
+    def __init__(self, transport, address, settings):
+        super().__init__(transport, address, name="vehicle", services=SERVICES, settings=settings)
+        self.provide(QueryVelocityState, ReportVelocityState, self.velocity)
+        self.provide(QueryLocalPose, ReportLocalPose, self.pose)
+        self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
+
+    def velocity(self, _query, _sender):
+        now = datetime.now(timezone.utc) + OFFSET
+        at = ReportVelocityState.TimeStamp(
+            now.microsecond // 1000, now.second, now.minute, now.hour, now.day
+        )
+        return ReportVelocityState(velocity_x=stamp(), velocity_y=0.0, yaw_rate=0.0, time_stamp=at)
+
+    def pose(self, _query, _sender):
+        return ReportLocalPose(x=stamp(), y=0.0, roll=0.0, pitch=0.0, yaw=0.0)
+
+    def on_effort(self, message, _sender):
+        say("drive", message.propulsive_linear_effort_x or 0.0)
+
+    def on_not_ready(self):
+        say("drive", 0.0, why="not ready")
+
+    def on_control_lost(self):
+        say("drive", 0.0, why="control lost")
+
+
+if __name__ == "__main__":
+    if not sys.argv[1].startswith("--"):
+        OFFSET = timedelta(seconds=float(sys.argv.pop(1)))
+    raise SystemExit(
+        run_component(
+            Vehicle,
+            ComponentProgram(
+                name="vehicle",
+                description="Vehicle of the faults.",
+                address=JausAddress(10, 1, 1),
+                settings=ComponentSettings(control_timeout=2, register_services=False),
+            ),
+        )
+    )
