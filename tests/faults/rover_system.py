@@ -97,8 +97,7 @@ class System:
         """Says how datagrams fare from now on; see proxy.py."""
         assert self.proxy is not None
         known = len(self.proxy.of_kind("counts"))
-        self.proxy.popen.stdin.write(json.dumps(fate) + "\n")
-        self.proxy.popen.stdin.flush()
+        self.proxy.tell(json.dumps(fate))
         wait_for(lambda: len(self.proxy.of_kind("counts")) > known, "answer of the proxy")
 
     def start(self, role: str, *arguments: str) -> None:

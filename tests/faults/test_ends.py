@@ -24,12 +24,12 @@ LATEST = 2.0
 
 pytestmark = [
     pytest.mark.live,
+    pytest.mark.faults,
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
 
-@pytest.mark.faults
 @pytest.mark.timeout(600)
 def test_bridge_ends_at_any_moment(path, tmp_path):
     rng = random.Random(17)
