@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import logging
+import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -10,6 +13,7 @@ pytest.importorskip("rclpy")
 
 from jausml.runtime.bridge.parameter import Parameter
 from jausml.runtime.bridge.parameters import ParameterError
+from jausml.runtime.bridge.ros_profiles import MOST_KEPT
 from jausml.runtime.bridge.topics import Qos, Topic
 
 from .bridge_support import wait_for
@@ -131,6 +135,38 @@ def test_missed_deadlines_and_lost_liveliness_are_faults(node, peer, waiting):
         ),
     }
     wait_for(lambda: publisher.publish(Float64()) or "liveliness_lost" not in kinds(), "liveliness")
+
+
+READER = """
+import rclpy
+from rclpy.qos import HistoryPolicy, QoSProfile
+from std_msgs.msg import Float64
+
+rclpy.init()
+node = rclpy.create_node("reader")
+profile = QoSProfile(depth=1, history=HistoryPolicy.KEEP_ALL)
+node.create_subscription(Float64, "kept", lambda _: None, profile)
+rclpy.spin(node)
+"""
+
+
+def test_a_reader_that_stands_still_holds_up_no_publisher(node):
+    """A publisher that kept all would wait from the message 5000 on, and then raise an error."""
+    from std_msgs.msg import Float64
+
+    tested = node("-p", "qos_overrides./kept.publisher.history:=keep_all")
+    publisher = tested.publisher(Float64, Topic("kept"))
+    tested.start(pytest.fail)
+    data = tested.codec(Float64).encode(Float64(data=1.0))
+    reader = subprocess.Popen([sys.executable, "-c", READER])
+    try:
+        wait_for(lambda: publisher.matched, "reader")
+        reader.send_signal(signal.SIGSTOP)
+        for _ in range(MOST_KEPT + 10):
+            publisher.publish(data)
+    finally:
+        reader.kill()
+        reader.wait()
 
 
 def test_two_ways_to_name_a_topic_are_two_endpoints_with_parameters_of_their_own(node, peer):

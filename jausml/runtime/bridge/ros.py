@@ -37,7 +37,7 @@ from .ros_lifecycle import ManagedNode
 from .ros_listener import Listener, NoListenerError
 from .ros_log import RosLogHandler
 from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
-from .ros_profiles import OVERRIDABLE, deep_enough, overridden, profile_of, qos_of
+from .ros_profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
 from .ros_publisher import NodePublisher
 from .ros_services import NodeServices
 from .ros_taking import Subscription
@@ -254,6 +254,7 @@ class RosNode:
         """
         found = message_class(ros_type)
         health = self._watched(topic, topic.qos, publishes=True)
+        health.qos = never_waiting(health.qos)
         handle = self._made(internals.Publisher, found, topic, health)
         self._publishers.append(handle)
         made = NodePublisher(handle, found)

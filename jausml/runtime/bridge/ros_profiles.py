@@ -32,6 +32,13 @@ LEAST_DEPTH = 100
 """Messages that a subscription keeps at least unless it is latched: ten times what a plain
 subscription keeps. At 1000 messages a second that bridges a stall of a tenth of a second."""
 
+MOST_KEPT = 5000
+"""Messages that a publisher with `keep_all` keeps for a reader that does not read.
+
+Fast DDS keeps as many. Then each `publish` waits a tenth of a second for that reader, and Python
+with it: one reader that stands still would hold up all topics.
+"""
+
 _UNLIMITED = 2**63 - 1
 """Nanoseconds that ROS reports for a time that nobody limits."""
 
@@ -68,6 +75,11 @@ def deep_enough(qos: Qos) -> Qos:
     if qos.durability == "volatile" and qos.history == "keep_last" and qos.depth < LEAST_DEPTH:
         return replace(qos, depth=LEAST_DEPTH)
     return qos
+
+
+def never_waiting(qos: Qos) -> Qos:
+    """Returns the quality of service of a publisher that forgets the oldest rather than wait."""
+    return replace(qos, history="keep_last", depth=MOST_KEPT) if qos.history == "keep_all" else qos
 
 
 def profile_of(qos: Qos) -> QoSProfile:

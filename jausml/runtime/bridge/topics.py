@@ -12,7 +12,8 @@ class Qos:
     Attributes:
         reliability: `reliable`, `best_effort` or `system_default`.
         durability: `volatile`, `transient_local` or `system_default`.
-        history: `keep_last`, `keep_all` or `system_default`.
+        history: `keep_last`, `keep_all` or `system_default`. A publisher keeps 5000 messages for
+            `keep_all`: it must not wait for a reader that stands still.
         depth: Messages kept with `keep_last`.
         deadline: Longest expected time between messages in seconds; 0 means none.
         lifespan: Seconds after which a message is stale; 0 means never.
