@@ -72,6 +72,9 @@ def _used_services(model: Model) -> Iterator[jaus.Service]:
             yield from _owners(each.map.message, each.query)
         for each_call in owner.serviceConnections:
             yield from _owners(*calls.messages(each_call))
+        for each_list in owner.actionConnections:
+            yield each_list.driver
+            yield from _owners(each_list.element.message)
 
 
 def _owners(*messages: jaus.MessageDef | None) -> Iterator[jaus.Service]:

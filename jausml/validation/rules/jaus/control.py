@@ -47,9 +47,10 @@ def no_own_peers(subject: Subject) -> Iterator[Finding]:
     Good: `peers="vehicle"`
     """
     needs = ("name", "peers")
-    found: list[bridge.Connection | bridge.RosServiceConnection] = []
+    found: list[bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection] = []
     found += subject.instances(bridge.Connection, needs=needs)
     found += subject.instances(bridge.RosServiceConnection, needs=needs)
+    found += subject.instances(bridge.RosActionConnection, needs=needs)
     for connection in found:
         owner = connection.eContainer()
         if owner is not None and any(peer is owner for peer in connection.peers):
@@ -74,8 +75,17 @@ def _controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, jaus.
         if sends and connection.control and message is not None and is_command(message):
             for peer in connection.peers:
                 yield connection, "peers", peer
-    for call in component.serviceConnections:
+    yield from _controlled_for_clients(component)
+
+
+def _controlled_for_clients(owner: bridge.Bridge) -> Iterator[tuple[EObject, str, jaus.Component]]:
+    """Yields whom a bridge controls for the clients of its ROS services and actions."""
+    for call in owner.serviceConnections:
         asking = calls.asking(call)
         if calls.serves(call) and call.control and asking is not None and is_command(asking):
             for peer in call.peers:
                 yield call, "peers", peer
+    for action in owner.actionConnections:
+        if action.direction.name == "rosToJaus" and action.control:
+            for peer in action.peers:
+                yield action, "peers", peer

@@ -10,6 +10,7 @@ from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
 from jausml.semantics import calls
 from jausml.semantics.layouts import signature
+from jausml.semantics.list_drivers import driver_messages
 from jausml.semantics.services import along_inheritance, code, lineage, with_inherited
 from jausml.semantics.standard_services import with_standard
 from jausml.validation.rule import Finding, Note, rule
@@ -156,4 +157,9 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
             found.update(dict.fromkeys((carried, each.query)))
         for call in component.serviceConnections:
             found.update(dict.fromkeys(calls.messages(call)))
+        for action in component.actionConnections:
+            used = driver_messages(action.driver)
+            if used is not None:
+                found.update(dict.fromkeys((used.execute, used.query, used.report)))
+            found[action.element.message if action.element is not None else None] = None
     return [message for message in found if message is not None]
