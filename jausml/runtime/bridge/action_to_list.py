@@ -97,6 +97,7 @@ class ActionToList(Connection[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Begins to acquire control, then serves the action."""
         super().open(ends)
+        self._run = self._goal = self._next = None  # of an earlier life
         self._action = parameters.action(ends.ros, self.name, self._action)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self.speed = ends.ros.parameter(

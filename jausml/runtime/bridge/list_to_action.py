@@ -104,6 +104,7 @@ class ListToAction(Connection[SourceT, TargetT]):
         """Makes the client of the action, then listens to the controller."""
         self._encode = ros_encoder(ends.ros, self._action.element)
         super().open(ends)
+        self._start = self._goal = None  # of an earlier life
         self._action = parameters.action(ends.ros, self.name, self._action)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
