@@ -35,6 +35,7 @@ class LossyTransport(JudpTransport):
     def __init__(self, settings: TransportSettings, loop: Loop, share: float, seed: int) -> None:
         super().__init__(settings, loop)
         self.share = share
+        self.late_share = 0.0
         self._random = random.Random(seed)
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
@@ -47,13 +48,19 @@ class LossyTransport(JudpTransport):
             self.counters.add("lost")
         return is_lost
 
+    def holds_back(self) -> bool:
+        """Return whether the next datagram lets the one after it pass."""
+        return self._random.random() < self.late_share
+
 
 class LossySocket:
-    """A socket that reads past what its transport loses."""
+    """A socket that reads past what its transport loses, and some of it in another order."""
 
     def __init__(self, transport: LossyTransport, sock: socket.socket) -> None:
         self._transport = transport
         self._sock = sock
+        self._held: Any = None
+        self._late: Any = None
 
     def getsockopt(self, *arguments: int) -> Any:
         """Return what the kernel says of the socket."""
@@ -62,9 +69,17 @@ class LossySocket:
     def recvfrom(self, size: int) -> Any:
         """Return the next datagram that is not lost."""
         while True:
+            if self._late is not None:
+                late, self._late = self._late, None
+                return late
             received = self._sock.recvfrom(size)
-            if not self._transport.loses():
-                return received
+            if self._transport.loses():
+                continue
+            if self._held is None and self._transport.holds_back():
+                self._held = received
+                continue
+            self._late, self._held = self._held, None
+            return received
 
 
 class LossyNetwork:
@@ -74,6 +89,7 @@ class LossyNetwork:
         vehicle: Obeys SetTime in Ready.
         operator: Has no session yet.
         obeyed: When the vehicle obeyed a command.
+        times: What these commands said.
         uncontrolled: When the vehicle was not in Ready and controlled, at each step.
     """
 
@@ -92,6 +108,7 @@ class LossyNetwork:
         self.vehicle = self._vehicle()
         self.operator = self._component(1, OPERATOR, ())
         self.obeyed: list[float] = []
+        self.times: list[Any] = []
         self.uncontrolled: list[float] = []
 
     def __enter__(self) -> LossyNetwork:
@@ -119,8 +136,12 @@ class LossyNetwork:
 
     def _vehicle(self) -> JausComponent:
         made = self._component(0, VEHICLE, CORE)
-        made.handle(SetTime, lambda *_: self.obeyed.append(self.time), when=Guard.READY)
+        made.handle(SetTime, self._obey, when=Guard.READY)
         return made
+
+    def _obey(self, message: SetTime, _sender: JausAddress) -> None:
+        self.obeyed.append(self.time)
+        self.times.append(message.time_stamp)
 
     def _component(
         self, host: int, address: JausAddress, services: tuple[ServiceIdentity, ...]
@@ -137,6 +158,10 @@ class LossyNetwork:
         """Change the share that is lost."""
         for transport in self._transports:
             transport.share = share
+
+    def delay(self, share: float) -> None:
+        """Change the share of the vehicle's datagrams that come after the next one."""
+        self._transports[0].late_share = share
 
     def settle(self) -> None:
         """Let everything happen that is due now."""

@@ -24,11 +24,13 @@ class Taker:
         take: Takes a message and its sender.
         senders: Whose messages it takes; None for those of anybody.
         refuse: Takes a message that no connection wants, to count it.
+        is_command: Whether a message takes the place of the one before.
     """
 
     take: Take
     senders: PeerBinding | None = None
     refuse: Take | None = None
+    is_command: bool = False
 
 
 class BySender:
@@ -48,6 +50,11 @@ class BySender:
         self._known.clear()
         if taker.senders is not None:
             taker.senders.on_change(self._known.clear)
+
+    @property
+    def are_commands(self) -> bool:
+        """Whether a message takes the place of the one before, for any of the connections."""
+        return any(each.is_command for each in self._takers)
 
     def taking(self) -> Take:
         """Returns what takes all messages: the connection itself that alone takes anybody's."""

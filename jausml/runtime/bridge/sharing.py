@@ -123,7 +123,12 @@ class SharedMessages:
     def handle(self) -> None:
         """Begins to take the messages that were asked for."""
         for message, listeners in self._listeners.items():
-            self._component.on_payload(message, listeners.taking(), is_robust=True)
+            self._component.on_payload(
+                message,
+                listeners.taking(),
+                is_robust=True,
+                counts_each=not listeners.are_commands,
+            )
         for message, (when, takers) in self._commands.items():
             self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
 

@@ -369,7 +369,8 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Makes the publishers, then listens."""
         super().open(ends)
         senders = None if self._peers.is_anybody else self._peers
-        ends.accept(self._message, Taker(self._take, senders, self._refuse_sender), self._when)
+        taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
+        ends.accept(self._message, taker, self._when)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""

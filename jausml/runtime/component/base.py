@@ -16,6 +16,7 @@ from ..services.definitions import (
     Status,
 )
 from ..services.dispatch import Provision, Router
+from ..services.ordering import Ordering
 from ..transports.delivery import MESSAGE_CODE_SIZE
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message
@@ -84,7 +85,11 @@ class ComponentBase(ComponentHooks):
         self._jaus_running = False
         self._jaus_starters: list[Callable[[], None]] = []
         self._jaus_enders: list[Callable[[], None]] = []
-        self._jaus_router = Router(transport.counters, self.allows)
+        self._jaus_router = Router(
+            transport.counters,
+            self.allows,
+            lambda: Ordering(transport.arrival, transport.loop.now),
+        )
         self._jaus_versions = {
             service.urn.removeprefix(CORE): (service.major, service.minor)
             for service in self.services
@@ -101,6 +106,7 @@ class ComponentBase(ComponentHooks):
         handler: Callable[[M, JausAddress], Completion | None],
         *,
         when: Guard | Callable[[M], Guard] = Guard.ANY,
+        counts_each: bool | None = None,
     ) -> None:
         """Call ``handler(message, sender)`` for each such input message.
 
@@ -111,12 +117,16 @@ class ComponentBase(ComponentHooks):
             when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
                 no error reply. A function tells it from the message, e.g. to take the limits of
                 a SetVelocityCommand in Standby and its current command in Ready alone.
+            counts_each: Whether a message is of use that a newer one of its sender came before.
+                If not, such a one is counted and ignored, unless it asked for acknowledgement. So
+                it is by default with what has a guard: a command replaces the one before.
 
         Raises:
             ValueError: The message has a handler or a provider already.
         """
         with self.loop.lock:
-            self._jaus_router.set_handler(message_class, handler, when)
+            each = when is Guard.ANY if counts_each is None else counts_each
+            self._jaus_router.set_handler(message_class, handler, when, counts_each=each)
 
     def handle_payload(
         self,
@@ -144,7 +154,12 @@ class ComponentBase(ComponentHooks):
         """
         with self.loop.lock:
             self._jaus_router.set_handler(
-                message_class, handler, when, takes_payload=True, is_robust=is_robust
+                message_class,
+                handler,
+                when,
+                takes_payload=True,
+                is_robust=is_robust,
+                counts_each=when is Guard.ANY,
             )
 
     def provide(
@@ -196,6 +211,7 @@ class ComponentBase(ComponentHooks):
         callback: Callable[[bytes, JausAddress], None],
         *,
         is_robust: bool = False,
+        counts_each: bool = True,
     ) -> None:
         """Call ``callback(payload, sender)`` for each such message, as ``on_message`` does.
 
@@ -206,9 +222,13 @@ class ComponentBase(ComponentHooks):
             message_class: Generated codec of the message.
             callback: Takes an encoded message and its sender.
             is_robust: Whether the callback raises nothing and tells itself when it takes too long.
+            counts_each: Whether a message is of use that a newer one of its sender came before;
+                as with ``handle``.
         """
         with self.loop.lock:
-            self._jaus_router.add_payload_listener(message_class, callback, is_robust=is_robust)
+            self._jaus_router.add_payload_listener(
+                message_class, callback, is_robust=is_robust, counts_each=counts_each
+            )
 
     def send(
         self,

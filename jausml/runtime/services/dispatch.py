@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.counters import Counters
+    from .ordering import Ordering
 
 LONGEST_CALL = 0.5
 """Seconds after which the log tells that user code blocks."""
@@ -63,6 +64,7 @@ class Handler:
         condition: Whom to obey.
         takes_payload: Whether the action takes the encoded message instead of the decoded one.
         is_robust: Whether one that does raises nothing and tells itself when it takes too long.
+        counts_each: Whether one that is late is of use still, after newer ones.
     """
 
     message_class: type[Message]
@@ -70,6 +72,7 @@ class Handler:
     condition: Condition
     takes_payload: bool = False
     is_robust: bool = False
+    counts_each: bool = True
 
     def guard_for(self, message: Message) -> Guard:
         """Return whom to obey when the message is this one."""
@@ -101,15 +104,22 @@ class Router:
         unknown: Takes the payloads of all other messages.
     """
 
-    def __init__(self, counters: Counters, allows: Callable[[Guard, JausAddress], bool]) -> None:
+    def __init__(
+        self,
+        counters: Counters,
+        allows: Callable[[Guard, JausAddress], bool],
+        ordering: Callable[[], Ordering],
+    ) -> None:
         """Start without routes.
 
         Args:
             counters: Where ignored messages and failures are counted.
             allows: Decides whether a sender is obeyed under a guard.
+            ordering: Makes what tells late messages of one kind.
         """
         self._counters = counters
         self._allows = allows
+        self._ordering = ordering
         self._routes: dict[int, _Route] = {}
         self._provisions: dict[int, Provision[Any, Any]] = {}
         self.takers: dict[int, tuple[Take, ...]] = {}
@@ -125,12 +135,15 @@ class Router:
         *,
         takes_payload: bool = False,
         is_robust: bool = False,
+        counts_each: bool = True,
     ) -> None:
         """Handle a message; raises ValueError when it is handled already."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
-        route.handler = Handler(message_class, action, condition, takes_payload, is_robust)
+        route.handler = Handler(
+            message_class, action, condition, takes_payload, is_robust, counts_each
+        )
         self._prepare(message_class.CODE)
 
     def set_provision(
@@ -159,7 +172,12 @@ class Router:
         self._prepare(message_class.CODE)
 
     def add_payload_listener(
-        self, message_class: type[Message], action: Action, *, is_robust: bool = False
+        self,
+        message_class: type[Message],
+        action: Action,
+        *,
+        is_robust: bool = False,
+        counts_each: bool = True,
     ) -> None:
         """Also call ``action`` with the bytes of each such message.
 
@@ -167,9 +185,13 @@ class Router:
             message_class: Codec of the message.
             action: Takes an encoded message and its sender.
             is_robust: Whether it raises nothing and tells itself when it takes too long.
+            counts_each: Whether a message that is late is of use still, after newer ones.
         """
         route = self._routes.setdefault(message_class.CODE, _Route())
-        route.payload_listeners.append(self._payload_taker(message_class, action, is_robust))
+        take = self._payload_taker(message_class, action, is_robust)
+        if not counts_each:
+            take = self._in_order(message_class, take)
+        route.payload_listeners.append(take)
         self._prepare(message_class.CODE)
 
     def _prepare(self, code: int) -> None:
@@ -189,6 +211,8 @@ class Router:
             if handler.takes_payload
             else self._delivering(message_class, [action])
         )
+        if not handler.counts_each:
+            take = self._in_order(message_class, take)
         if not isinstance(handler.condition, Guard):
             return partial(self._handle, handler, take)
         if handler.condition is Guard.ANY:
@@ -216,12 +240,21 @@ class Router:
         if guard is None or message is None:
             return
         if guard is Guard.ANY or self._allows(guard, sender):
-            if handler.takes_payload:
-                take(payload, sender)
-            else:
-                self.call(handler.action, message, sender)
+            take(payload, sender)
         else:
             self._count_refused(handler, guard, sender)
+
+    def _in_order(self, message_class: type[Message], take: Take) -> Take:
+        """Return what takes messages but those that newer ones of their sender came before."""
+        is_late, counters = self._ordering().is_late, self._counters
+
+        def take_newer(payload: bytes, sender: JausAddress) -> None:
+            if is_late(sender):
+                counters.count("component.out_of_order", f"{message_class.NAME} of {sender}")
+            else:
+                take(payload, sender)
+
+        return take_newer
 
     def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
         """Return what decodes a message and calls who wants it, as ``call`` does."""

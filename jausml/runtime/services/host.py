@@ -68,6 +68,7 @@ class Host(Protocol):
         handler: Callable[[M, JausAddress], Completion | None],
         *,
         when: Guard | Callable[[M], Guard] = Guard.ANY,
+        counts_each: bool | None = None,
     ) -> None:
         """Call a handler for each message of a class whose sender is obeyed."""
 

@@ -63,8 +63,8 @@ class ListManagerService:
     def attach(self) -> None:
         """Take the messages of ListManager."""
         component = self._component
-        component.handle(SetElement, self._set, when=Guard.CONTROLLED)
-        component.handle(DeleteElement, self._delete, when=Guard.CONTROLLED)
+        component.handle(SetElement, self._set, when=Guard.CONTROLLED, counts_each=True)
+        component.handle(DeleteElement, self._delete, when=Guard.CONTROLLED, counts_each=True)
         component.provide(QueryElement, ReportElement, self._report_element)
         component.provide(QueryElementList, ReportElementList, self._report_list)
         component.provide(QueryElementCount, ReportElementCount, self._report_count)

@@ -35,6 +35,22 @@ class ReceivedMessage(NamedTuple):
     sequence: int
 
 
+class Arrival:
+    """The message that is being handed over.
+
+    Attributes:
+        number: Its sequence number, by which later ones of its source can be told from earlier
+            ones; None for one that asks for acknowledgement, whose repetition rightly comes late,
+            and where the transport keeps the order.
+    """
+
+    __slots__ = ("number",)
+
+    def __init__(self) -> None:
+        """Begin without a message."""
+        self.number: int | None = None
+
+
 class Double(NamedTuple):
     """Another component that was heard with the address of one of this process.
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from .delivery import report
+from .delivery import Arrival, report
 from .packets.packet import Priority
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ class Transport(ABC):
     Attributes:
         loop: The loop on which messages are received.
         counters: Where drops are counted.
+        arrival: The message that is being handed over.
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
@@ -40,6 +41,7 @@ class Transport(ABC):
         """
         self.loop = loop
         self.counters: Counters = loop.counters
+        self.arrival = Arrival()
         self._settings = settings
 
     @abstractmethod

@@ -11,7 +11,7 @@ from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.transports.delivery import ReceivedMessage
+from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
@@ -55,6 +55,7 @@ class World:
         self.time = 1000.0
         self.loop = Loop(clock=lambda: self.time)
         self.log: list[tuple[JausAddress, JausAddress, int]] = []
+        self.arrival = Arrival()
         self.lost: Callable[[JausAddress, JausAddress, int], bool] = lambda *_: False
         self._receivers: dict[JausAddress, Receive] = {}
 

@@ -147,6 +147,19 @@ def test_connections_of_one_message_take_those_of_their_peers_alone(world, setti
     assert setting.drops(second) == {}
 
 
+@pytest.mark.parametrize("is_command", [True, False])
+def test_commands_of_anybody_are_passed_on_in_their_order(world, setting, is_command):
+    setting.open(message_connection(is_command=is_command))
+    sender = world.probe("5.1.1")
+    for number in (10, 12, 11, 13):
+        world.arrival.number = number
+        sender.send(minutes(number), OWN)
+        world.settle()
+    expected = [10.0, 12.0, 13.0] if is_command else [10.0, 12.0, 11.0, 13.0]
+    assert setting.ros.numbers("times") == expected
+    assert world.counters.drops().get("component.out_of_order", 0) == is_command
+
+
 def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     connection = setting.open(
         message_connection(when=Guard.READY, silence_timeout=30.0, safe_value=lambda: Number(-1.0)),

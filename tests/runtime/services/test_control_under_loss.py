@@ -61,6 +61,30 @@ def test_a_fifth_of_all_datagrams_lost_costs_no_control(seed):
         assert max(gaps) < 1.0
 
 
+@pytest.mark.parametrize("acknowledge", [False, True])
+def test_a_late_command_is_not_obeyed_after_a_newer_one(acknowledge):
+    """Unless its sender wants to have it obeyed in any case: it asks for acknowledgement."""
+    with LossyNetwork(0.0, 1) as network:
+        session = network.operator.control(VEHICLE, authority=127)
+        wait_for_ready(network, session, 1.0)
+        network.delay(0.3)
+        for number in range(200):
+            stamp = SetTime.TimeStamp(minutes=number % 60, seconds=number // 60)
+            network.operator.send(SetTime(time_stamp=stamp), VEHICLE, acknowledge=acknowledge)
+            network.run(STEP)
+        network.delay(0.0)
+        network.run(1.0)
+        order = [60 * each.seconds + each.minutes for each in network.times]
+        late = network.loop.counters.snapshot().get("component.out_of_order", 0)
+        if acknowledge:
+            assert sorted(order) == list(range(200))
+            assert late == 0
+        else:
+            assert order == sorted(order)
+            assert late > 20
+            assert len(order) + late >= 199
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_two_fifths_lost_are_survived(seed):
     with LossyNetwork(0.4, 100 * seed, control_timeout=2) as network:

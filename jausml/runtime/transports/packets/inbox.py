@@ -7,7 +7,7 @@ from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Generic
 
 from ...base.counters import LOGGER
-from ..delivery import MESSAGE_CODE_SIZE, Double, ReceivedMessage
+from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
 from .carrier import Origin
 from .duplicates import DuplicateWindow
 from .flagless import FlaglessMessages
@@ -55,6 +55,7 @@ class Inbox(Generic[Origin]):
         self._acknowledged = acknowledged
         self._matched = loop.counters.tally("transport.acknowledgement")
         self._carrier = carrier
+        self.arrival = Arrival()
         self.duplicates = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self.reassembly = Reassembly(
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
@@ -177,6 +178,7 @@ class Inbox(Generic[Origin]):
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
         """Hand a whole message to components."""
         message = None
+        self.arrival.number = None if packet.acknowledge else packet.sequence
         for address, receive in receivers:
             take = self.takers.get(address)
             try:

@@ -53,6 +53,7 @@ class JudpTransport(Transport):
         self._book = AddressBook(settings.address_lifetime, self.counters)
         self._sender = Sender(loop, self._port, self._book)
         self._messenger = Messenger(settings, loop, self._sender)
+        self.arrival = self._messenger.inbox.arrival
         self._inbox = self._messenger.inbox
         self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
         self._drops = KernelDrops(self.counters)

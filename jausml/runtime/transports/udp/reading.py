@@ -92,6 +92,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     learnt, window, usual = book.learnt, inbox.duplicates, inbox.usual
     seen, history = window.seen, window.history
     pack_answer, put = _ANSWER.pack, inbox.reassembly.put
+    arrival = inbox.arrival
     burst, latest = 1, clock()
 
     def prepare(data: bytes, origin: Endpoint) -> None:
@@ -172,6 +173,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                     enough = max(enough, count + 2)  # the next one is on its way
                     continue
                 whole = found[0]
+            arrival.number = None if way.answers else sequence
             try:
                 way.take(whole, source)
             except Exception as error:  # one component must not silence the others

@@ -1,0 +1,53 @@
+"""Commands in the order in which they were sent, over networks that change it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from ..transports.delivery import Arrival
+
+LATEST = 2.0
+"""Seconds by which a message may be late; a lower number after them is that of a new process."""
+
+FARTHEST = 1024
+"""Messages of its source that may have come before a late one."""
+
+_MOST_SOURCES = 256
+
+
+class Ordering:
+    """Tells which messages of one kind are older than one of the same source that came before.
+
+    Sequence numbers count per source (AS5669A).
+    """
+
+    def __init__(self, arrival: Arrival, clock: Callable[[], float]) -> None:
+        """Begin without messages.
+
+        Args:
+            arrival: The message that is being handed over.
+            clock: Monotonic time in seconds.
+        """
+        self._arrival = arrival
+        self._clock = clock
+        self._latest: dict[JausAddress, tuple[int, float]] = {}
+
+    def is_late(self, sender: JausAddress) -> bool:
+        """Return whether the present message of a sender is late; remember it if it is not."""
+        number = self._arrival.number
+        if number is None:
+            return False
+        now = self._clock()
+        latest = self._latest.get(sender)
+        if latest is not None:
+            behind = (latest[0] - number) & 0xFFFF
+            if 0 < behind <= FARTHEST and now - latest[1] < LATEST:
+                return True
+        elif len(self._latest) >= _MOST_SOURCES:
+            self._latest.clear()
+        self._latest[sender] = number, now
+        return False

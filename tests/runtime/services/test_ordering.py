@@ -1,0 +1,70 @@
+"""Which messages are late, by the sequence numbers of their sources."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.services.ordering import FARTHEST, LATEST, Ordering
+from jausml.runtime.transports.delivery import Arrival
+
+ONE, OTHER = JausAddress(1, 1, 1), JausAddress(1, 1, 2)
+
+
+class Line:
+    """Messages of some sources, on a clock that the test turns."""
+
+    def __init__(self):
+        self.time = 100.0
+        self.arrival = Arrival()
+        self.ordering = Ordering(self.arrival, lambda: self.time)
+
+    def is_late(self, number, sender=ONE):
+        self.arrival.number = number
+        return self.ordering.is_late(sender)
+
+
+@pytest.fixture
+def line():
+    return Line()
+
+
+def test_numbers_go_up_and_round(line):
+    assert not any(line.is_late(number) for number in (7, 8, 300, 65535, 0, 5))
+    assert line.is_late(65534)
+    assert line.is_late(4)
+    assert not line.is_late(6)
+
+
+def test_sources_count_by_themselves(line):
+    assert not line.is_late(100)
+    assert not line.is_late(50, OTHER)
+    assert not line.is_late(51, OTHER)
+    assert line.is_late(99)
+
+
+def test_what_asks_for_acknowledgement_is_never_late(line):
+    assert not line.is_late(100)
+    assert not line.is_late(None)
+    assert line.is_late(99)
+
+
+def test_a_source_that_begins_anew_is_believed_soon(line):
+    """A process of Junior begins at 1 again; dropping its messages must come to an end."""
+    assert not line.is_late(500)
+    assert line.is_late(1)
+    line.time += LATEST
+    assert not line.is_late(2)
+    assert not line.is_late(3)
+
+
+def test_a_number_far_behind_is_that_of_a_new_process(line):
+    assert not line.is_late(30_000)
+    assert line.is_late(30_000 - FARTHEST)
+    assert not line.is_late(30_000 - FARTHEST - 1)
+
+
+def test_many_sources_do_not_fill_the_memory(line):
+    for number in range(1, 2000):
+        assert not line.is_late(number, JausAddress(number, 1, 1))
+    assert len(line.ordering._latest) <= 256
