@@ -713,7 +713,7 @@ def test_what_does_not_fit_names_the_template(tmp_path, target, source, value):
         render(small(tmp_path, assignments=line), [TARGET])
 
 
-HOSTILE = "&quot;&quot;&quot;\\&#10;import os #{{ 7 * 7 }} {% raw %} \u202e\u2028'"
+HOSTILE = "&quot;&quot;&quot;\\&#10;import injected #{{ 7 * 7 }} {% raw %} \u202e\u2028'"
 
 
 def test_text_of_the_model_stays_data(tmp_path):
@@ -731,7 +731,7 @@ def test_text_of_the_model_stays_data(tmp_path):
         if artifact.path.endswith(".py"):
             tree = ast.parse(artifact.text)
             modules = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
-            assert "os" not in modules
+            assert "injected" not in modules
             assert "\u202e" not in artifact.text
     base = next(a for a in render(model, [TARGET]) if a.path.endswith("_base.py"))
     literals = {n.value for n in ast.walk(ast.parse(base.text)) if isinstance(n, ast.Constant)}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from jausml.model.model import Model
 
 NAME = "jausml_runtime"
-DEPENDENCIES = ("diagnostic_msgs", "rcl_interfaces", "rclpy")
+DEPENDENCIES = ("action_msgs", "diagnostic_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs")
 
 
 def tasks(model: Model) -> list[Task]:
