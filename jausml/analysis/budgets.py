@@ -71,7 +71,8 @@ def budgets_of(
         return ()
     slowest = min(carried, key=lambda each: each.hertz)
     period = 1 / slowest.hertz
-    normal = _normal(connection, slowest, period)
+    source_period = period if is_to_ros(connection) else 1 / topic_rate
+    normal = (*_normal(connection, slowest, period), *_shaped(connection, source_period))
     found = [Budget("normal", normal)]
     if not is_to_ros(connection):
         found.append(Budget("queue_full", (*normal, _queue(connection, 1 / topic_rate))))
@@ -90,6 +91,17 @@ def _normal(connection: bridge.Connection, stream: Stream, period: float) -> tup
         return ()
     what = "query" if stream.kind == "report" else "event"
     return (Step(f"period of the {what}, {_hertz(stream)}", period),)
+
+
+def _shaped(connection: bridge.Connection, period: float) -> tuple[Step, ...]:
+    """Returns what a value waits for because fewer messages shall pass than come."""
+    found = []
+    if connection.decimation > 1:
+        name = f"decimation, one of {connection.decimation} messages"
+        found.append(Step(name, (connection.decimation - 1) * period))
+    if connection.maxRate > 0:
+        found.append(Step(f"maxRate of {connection.maxRate:g} Hz", 1 / connection.maxRate))
+    return tuple(found)
 
 
 def _hertz(stream: Stream) -> str:

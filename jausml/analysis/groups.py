@@ -13,6 +13,7 @@ from jausml.metamodel.classes import bridge
 from jausml.semantics import stops
 from jausml.semantics.commands import needs_control
 from jausml.semantics.services import code, lineage
+from jausml.semantics.shaping import passed_rate
 from jausml.semantics.topics import resolve_topic
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _group(
         carried = sum(stream.hertz for stream in streams if stream.kind != "query")
         arriving = carried if is_to_ros(each) else assumptions.rate_of(each)
         size = ros_size(each.map.type, assumptions.length_of(each))
-        share += seconds_of(each, streams, size, arriving)
+        share += seconds_of(each, streams, size, passed_rate(each, arriving))
         longest = max(longest, seconds_of_message(streams, size))
         if stops.is_command(each):
             commands.append(each)

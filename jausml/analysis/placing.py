@@ -9,6 +9,7 @@ from jausml.analysis.cdr import ros_size
 from jausml.analysis.streams import is_to_ros
 from jausml.metamodel.classes import bridge
 from jausml.semantics.hosts import host_of
+from jausml.semantics.shaping import passed_rate
 from jausml.semantics.topics import endpoints, resolve_topic
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def _partners(
             where = host_of(system, other) if other is not None else None
             yield where, stream.forth.judp + stream.back.judp
         carried = sum(stream.hertz for stream in streams if stream.kind != "query")
-        rate = carried if is_to_ros(each) else assumptions.rate_of(each)
+        rate = passed_rate(each, carried) if is_to_ros(each) else assumptions.rate_of(each)
         octets = rate * ros_size(each.map.type, assumptions.length_of(each)).expected
         for topic in each.topics:
             name = resolve_topic(str(topic.name), owner.namespace or "", str(owner.name))

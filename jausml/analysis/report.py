@@ -16,6 +16,7 @@ from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics import stops
 from jausml.semantics.hosts import host_of
 from jausml.semantics.services import code
+from jausml.semantics.shaping import passed_rate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -247,6 +248,7 @@ def connection_report(
     out = [each for each in carried if each.sender is owner]
     to_ros = is_to_ros(connection)
     arriving = sum(each.hertz for each in carried) if to_ros else assumptions.rate_of(connection)
+    passing = passed_rate(connection, arriving)
     size = ros_size(connection.map.type, assumptions.length_of(connection))
     return ConnectionReport(
         name=str(connection.name),
@@ -262,8 +264,8 @@ def connection_report(
         flows=tuple(map(_flow, streams)),
         load=_load_at({owner}, streams),
         ros_size=size,
-        ros_rate=arriving * len(topics),
-        share=seconds_of(connection, streams, size, arriving),
+        ros_rate=(passing if to_ros else arriving) * len(topics),
+        share=seconds_of(connection, streams, size, passing),
         budgets=budgets_of(connection, streams, assumptions.rate_of(connection)),
         warnings=tuple(warnings_of(connection, streams, assumptions.rate_of(connection))),
     )

@@ -27,6 +27,7 @@ from jausml.semantics.hosts import host_of
 from jausml.semantics.paths import parse_path, target_paths
 from jausml.semantics.requests import requested_fields
 from jausml.semantics.services import code, find_query, with_inherited
+from jausml.semantics.shaping import passed_rate
 from jausml.semantics.standard_services import standard_services
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ class _Streams:
         size = self._report_size(first, feeding, length)
         rates = [each.hertz for each in asks if each.exchange != "change"]
         source = feeding[0] if feeding else first.connection
-        hertz = max(rates) if rates else self._assumptions.rate_of(source)
+        hertz = max(rates) if rates else self._changes_of(source)
         basis = DECLARED if rates else ASSUMED
         if first.exchange == "query":
             # Each connection asks by itself.
@@ -189,7 +190,7 @@ class _Streams:
         name, exchange = str(connection.map.message.name), connection.exchange.name
         rate = float(connection.rate or owner.frequency)
         if exchange == "everyChangeEvent":
-            rate = self._assumptions.rate_of(connection)
+            rate = self._changes_of(connection)
         if exchange == "query":
             ask = _Ask(owner, connection, connection.map.message, "query", rate)
             query = self._query_size(ask, owner)
@@ -251,7 +252,7 @@ class _Streams:
             str(connection.map.message.name),
             "message",
             self._message_size(connection),
-            self._assumptions.rate_of(connection),
+            self._changes_of(connection),
             ASSUMED,
             [connection],
         )
@@ -284,6 +285,13 @@ class _Streams:
             )
             for sender in missing
         ]
+
+    def _changes_of(self, source: Asking) -> float:
+        """Returns how often a source makes its connection send something by itself."""
+        rate = self._assumptions.rate_of(source)
+        if not isinstance(source, bridge.Connection) or is_to_ros(source):
+            return rate
+        return passed_rate(source, rate)
 
     def _message_size(self, connection: bridge.Connection) -> Size:
         layout = wire.resolve(connection.map.message)

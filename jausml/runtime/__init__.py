@@ -37,6 +37,7 @@ from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
 from .bridge.service_to_jaus import RosServiceToJaus
 from .bridge.settings import BridgeSettings
+from .bridge.shaping import Shape
 from .bridge.to_jaus import TopicsToMessage
 from .bridge.to_reports import TopicsToReport
 from .bridge.to_ros import EventToTopics, MessageToTopics, QueryToTopics
@@ -131,6 +132,7 @@ __all__ = [
     "RosSide",
     "Scope",
     "ServiceIdentity",
+    "Shape",
     "StaleJoinError",
     "State",
     "StateMachine",

@@ -196,3 +196,25 @@ def test_who_is_not_modelled_asks_once(system):
 def test_a_host_sums_what_runs_there(system):
     report, _ = pair(system)
     assert report.hosts == ()
+
+
+def test_what_is_shaped_costs_less_and_waits_longer(system):
+    plain = report_of(system(PAIR.replace("RATE", "25").replace("ACK", "false")), Assumptions())
+    text = PAIR.replace("RATE", "25  maxRate: 5").replace("ACK", "false  decimation: 2  maxRate: 4")
+    shaped = report_of(system(text), Assumptions())
+
+    def of(report, owner, name):
+        (bridge,) = [each for each in report.bridges if each.name == owner]
+        (found,) = [each for each in bridge.connections if each.name == name]
+        return found
+
+    sent = of(shaped, "station", "wanted")
+    assert [each.hertz for each in sent.flows] == [4]
+    assert sent.ros_rate == 10
+    steps = {step.name: step.seconds for step in sent.budgets[0].steps}
+    assert steps == {"decimation, one of 2 messages": 0.1, "maxRate of 4 Hz": 0.25}
+    seen = of(shaped, "station", "seen")
+    assert [each.hertz for each in seen.flows] == [25]
+    assert seen.ros_rate == 10  # two topics
+    assert seen.share < of(plain, "station", "seen").share
+    assert sent.share < of(plain, "station", "wanted").share

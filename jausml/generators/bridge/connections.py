@@ -221,7 +221,17 @@ class ConnectionView:
             found += self._sending()
         if self.kind == "TopicsToReport":
             found += self._reporting()
-        return (*found, *self._when_lost)
+        return (*found, *self._shape, *self._when_lost)
+
+    @property
+    def _shape(self) -> list[tuple[str, str]]:
+        own = self.connection
+        stated = [
+            *([f"max_rate={python_literal(float(own.maxRate))}"] if own.maxRate > 0 else []),
+            *([f"decimation={int(own.decimation)}"] if own.decimation > 1 else []),
+            *([f"age_limit={python_literal(float(own.ageLimit))}"] if own.ageLimit > 0 else []),
+        ]
+        return [("shape", call("Shape", *stated))] if stated else []
 
     @property
     def _when_lost(self) -> list[tuple[str, str]]:

@@ -100,6 +100,7 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         float(connection.silenceTimeout or freshness_of(connection)),
         "Seconds without a message that count as silence; 0 is never.",
     )
+    yield from _shape_lines(view)
     yield ParameterLine(f"{name}.latency", value=False, about="Whether its latency is measured.")
     for join in view.joins:
         owner = f"{name}.{join.name}"
@@ -132,6 +133,21 @@ def _call_lines(view: CallView) -> Iterator[ParameterLine]:
         f"{name}.timeout",
         float(connection.timeout),
         "Seconds after which a call without an answer has failed.",
+    )
+
+
+def _shape_lines(view: ConnectionView) -> Iterator[ParameterLine]:
+    name, own = view.name, view.connection
+    yield ParameterLine(
+        f"{name}.max_rate", float(own.maxRate), "Messages that pass each second at most; 0 is all."
+    )
+    yield ParameterLine(
+        f"{name}.decimation", int(own.decimation), "Every how many messages one passes."
+    )
+    yield ParameterLine(
+        f"{name}.age_limit",
+        float(own.ageLimit),
+        "Seconds after which a message is too old to pass; 0 is never.",
     )
 
 

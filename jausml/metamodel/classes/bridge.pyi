@@ -537,6 +537,28 @@ class Connection(NamedElement):
     """Messages each second of periodic events and queries, up to 1092; 0 means the frequency of
     the bridge."""
 
+    maxRate: float
+    """Messages each second that pass at most; 0 means all.
+
+    Of those that come faster the newest waits until its time has come, so that the last one always
+    arrives; the others are counted as thinned. A stop does not wait, and what waits gives way to
+    it.
+    """
+
+    decimation: int
+    """Every how many messages one passes, beginning with the first; 1 means all.
+
+    The others are counted as thinned. With a maxRate it is counted before that.
+    """
+
+    ageLimit: float
+    """Seconds after which a message is too old to pass; 0 means never.
+
+    Its age is that of its stamp (header.stamp or stamp as the first field of a ROS type, TimeStamp
+    of JAUS) by the ROS clock of the bridge, else of its publication by the system clock, else since
+    the bridge took it. The clocks of other computers must agree with that of the bridge.
+    """
+
     priority: Priority
     """Priority of JAUS messages that the connection sends."""
 

@@ -18,6 +18,7 @@ from . import parameters
 from .latency import Latency
 from .limiting import Limiting
 from .reporting import Reporter
+from .shaping import Shape, Shaping
 from .stopping import Stopping, Switch
 from .stops import StopReason
 from .transcoding import Form, readable, transcoder_of
@@ -25,6 +26,7 @@ from .transcoding import Form, readable, transcoder_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from .ages import Age
     from .diagnostics import ConnectionStatus
     from .ends import Ends
     from .quality import TopicFault
@@ -41,6 +43,10 @@ NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 
 
+_PLAIN = Shape()
+"""Everything passes when it comes."""
+
+
 class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     """What the connections of both directions have in common.
 
@@ -51,17 +57,24 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     form: Form
 
     def __init__(
-        self, name: str, translate: Callable[..., TargetT | None], **when_lost: Any
+        self,
+        name: str,
+        translate: Callable[..., TargetT | None],
+        *,
+        shape: Shape = _PLAIN,
+        **when_lost: Any,
     ) -> None:
         """Prepares a connection; nothing is exchanged before `open`.
 
         Args:
             name: Name of the connection in the model.
             translate: Makes the target message, or None to pass nothing on.
+            shape: Which messages pass, by number, pace and age.
             when_lost: What happens when the source is lost: the parameters of `Stopping`.
         """
         Stopping.__init__(self, name, **when_lost)
         Limiting.__init__(self)
+        self._shaping = Shaping(shape, self.statistics, self.drop)
         self._translate = translate
         self._transcode: Transcode
         self._reporter = Reporter(self)
@@ -69,6 +82,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self._wants_latency = self._all_want_latency = False
         self._latency: Latency | None = None
         self._measured: Take | None = None
+        self._plain: Take | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
@@ -85,6 +99,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self._wants_latency = ends.ros.parameter(
             parameters.latency(self.name), self._set_wants_latency
         )
+        self._plain = None
+        age = self.make_age()
+        if age is not None:
+            self._shaping.open(self.name, ends, age, self.choose_way)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes the objects that the readable translation is given."""
@@ -105,6 +123,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     def age(self, data: bytes, origin: Any) -> int | None:
         """Returns the age of a message that arrives now in nanoseconds, None if it has no stamp."""
         raise NotImplementedError
+
+    def make_age(self) -> Age | None:
+        """Returns what tells how old a message is; None where messages are not shaped."""
+        return None
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """Names and states of the other ends, for diagnostics."""
@@ -172,6 +194,35 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Starts to mind the source, and to measure if that is wanted."""
         super().watch()
         self._measure()
+        self.choose_way()
+
+    def choose_way(self) -> None:
+        """Sends messages the way that fits the case; those that pass are chosen before it."""
+        super().choose_way()
+        if self._halt is None and not self._shaping.is_plain:
+            self._switch.unusual = self._shaping.before(self._switch.unusual or self._short_way())
+
+    def _short_way(self) -> Take:
+        """Returns the short way once more, which nobody switches to another one."""
+        if self._plain is None:
+            self._plain = self.make_take(Switch())
+        return self._plain
+
+    def stop(self, reason: StopReason) -> bool:
+        """Sends the safe value, once; what waits for its time gives way to it.
+
+        Args:
+            reason: Why the source counts no more.
+
+        Returns:
+            Whether messages of the source stood until now.
+        """
+        waiting = self._shaping.withdraw()
+        if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:
+            self._latest = waiting.data, waiting.origin
+        elif waiting is not None:
+            self._shaping.thin()
+        return super().stop(reason)
 
     def _made_transcode(self) -> Transcode:
         factory = transcoder_of(self._translate)
@@ -221,9 +272,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
             self._latency = Latency(self.age) if wanted else None
             self._measured = None
             if self._latency is not None:
-                # The short way once more, of which nobody switches to this.
-                take = self.make_take(Switch())
-                self._measured = self._latency.measuring(take, self.statistics)
+                self._measured = self._latency.measuring(self._short_way(), self.statistics)
             self.choose_way()
 
     def observing(self) -> Take | None:

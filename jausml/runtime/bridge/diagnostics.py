@@ -18,13 +18,16 @@ MISSED = "missed"
 """Messages of a topic that were published and never arrived."""
 
 TOO_OLD = "too_old"
-"""Messages of a topic that waited too long in the queue of its subscription."""
+"""Messages that waited too long in the queue of their subscription, or came too late."""
 
 UNHEARD = "unheard"
 """Messages that were published while nobody subscribed to their topic."""
 
-NOT_LOST = frozenset([UNHEARD])
-"""Counts that tell of no loss: whoever subscribes later does not want what was before."""
+THINNED = "thinned"
+"""Messages that gave way to others, because fewer were wanted."""
+
+NOT_LOST = frozenset([UNHEARD, THINNED])
+"""Counts that tell of no loss: of what nobody is there for, and of what nobody wants."""
 
 DOUBLE_LIFETIME = 10.0
 """Seconds after which a component with the same address that was heard no more is history."""
@@ -40,6 +43,7 @@ class Statistics:
     Attributes:
         arrivals: Messages taken from the source.
         passed: Messages given to the target side.
+        thinned: Messages that gave way to others, as the model or parameters want it.
         safe_values: Safe values sent because the source was lost.
         stops: How often messages of the source ceased to stand, by reason.
         limited: Values that were moved into the range of their target field.
@@ -52,6 +56,7 @@ class Statistics:
 
     arrivals: int = 0
     passed: int = 0
+    thinned: int = 0
     safe_values: int = 0
     stops: dict[StopReason, int] = field(default_factory=dict)
     limited: int = 0

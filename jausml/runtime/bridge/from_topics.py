@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import parameters
+from .ages import ros_age
 from .connection import Connection
 from .diagnostics import LOST_IN_QUEUE, MISSED, TOO_OLD
 from .joins import JoinedTopic
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ..wire.message import Message
+    from .ages import Age
     from .ends import Ends, Feed
     from .joins import Join
     from .quality import TopicFault
@@ -94,6 +96,10 @@ class FromTopics(Connection[SourceT, TargetT]):
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message by the stamp of its publisher."""
         return age_of_time(origin)
+
+    def make_age(self) -> Age:
+        """Returns what tells the age of a message by its stamp, or that of its publisher."""
+        return ros_age(self._type, self._ends.ros)
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics, those of joins included."""

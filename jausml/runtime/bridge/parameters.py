@@ -38,6 +38,12 @@ GREATEST_SPEED = 327.67
 LONGEST_TIME = 3600.0
 """Longest time in seconds that a parameter takes."""
 
+LEAST_MAX_RATE = 0.001
+"""Least rate in hertz above which messages are thinned out, besides 0."""
+
+GREATEST_DECIMATION = 1_000_000
+"""Most messages of which one passes."""
+
 QUEUE_AGE_LIMIT = 2.0
 """Seconds that a ROS message may have waited in the queue of the bridge.
 
@@ -142,6 +148,29 @@ def silence_timeout(connection: str, seconds: float) -> Parameter:
     """Returns the silence timeout of a connection in seconds; 0 is never."""
     text = f"Seconds without a message that count as silence of the source of {connection}."
     return Parameter(f"{connection}.silence_timeout", seconds, text, (0.0, LONGEST_TIME))
+
+
+def max_rate(connection: str, hertz: float) -> Parameter:
+    """Returns the rate above which messages of a connection are thinned out; 0 is never."""
+    text = f"Messages of {connection} that pass each second at most (Hz); 0 is all."
+
+    def check(value: float) -> None:
+        if 0 < value < LEAST_MAX_RATE:
+            raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
+
+    return Parameter(f"{connection}.max_rate", hertz, text, (0.0, GREATEST), check)
+
+
+def decimation(connection: str, number: int) -> Parameter:
+    """Returns every how many messages of a connection one passes."""
+    text = f"Every how many messages of {connection} one passes."
+    return Parameter(f"{connection}.decimation", number, text, (1, GREATEST_DECIMATION))
+
+
+def age_limit(connection: str, seconds: float) -> Parameter:
+    """Returns the age in seconds above which messages of a connection do not pass; 0 is never."""
+    text = f"Seconds after which a message of {connection} is too old to pass; 0 is never."
+    return Parameter(f"{connection}.age_limit", seconds, text, (0.0, LONGEST_TIME))
 
 
 def latency(connection: str = "") -> Parameter:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from .diagnostics import NOT_LOST, ConnectionStatus
+from .diagnostics import NOT_LOST, THINNED, ConnectionStatus
 from .stops import StopReason
 
 if TYPE_CHECKING:
@@ -89,7 +89,8 @@ class Reporter:
         connection = self._connection
         counters = connection.counters
         total = 0
-        for reason, count in connection.losses().items():
+        thinned = {THINNED: connection.statistics.thinned}
+        for reason, count in {**connection.losses(), **thinned}.items():
             new = count - self._noted.get(reason, 0)
             if new:
                 self._noted[reason] = count
@@ -134,6 +135,7 @@ class Reporter:
             ("translation", connection.form.value),
             ("messages taken", str(counts.arrivals)),
             ("messages passed", str(counts.passed)),
+            *(((THINNED, str(counts.thinned)),) if counts.thinned else ()),
             ("rate (Hz)", f"{rate:.2f}"),
             ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
             ("age (s)", age),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard
 from . import parameters
+from .ages import jaus_age
 from .by_sender import Taker
 from .connection import FILTERED, Connection
 from .diagnostics import UNHEARD
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from ..clients.event_subscription import EventSubscription
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
+    from .ages import Age
     from .connection import Take
     from .ends import Ends, RosPublisher
     from .quality import TopicFault
@@ -144,6 +146,10 @@ class ToTopics(Connection[SourceT, TargetT]):
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message with a TimeStamp."""
         return age_of_stamp(self._message.decode(data))
+
+    def make_age(self) -> Age:
+        """Returns what tells the age of a message by its TimeStamp."""
+        return jaus_age(self._message, self._ends.ros)
 
     def _join(self, peer: JausAddress) -> None:
         """Begins with a peer; by default nothing is to be asked of it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
@@ -35,6 +36,8 @@ _HEADER = b"\0\1\0\0"
 class Serialized(LightMessage):
     """What the classes of this ROS have in common: one number."""
 
+    LAYOUT: ClassVar = {"data": "double"}
+
     @classmethod
     def from_cdr(cls, data):
         try:
@@ -63,6 +66,10 @@ class RosNumber:
     """The class of ROS for the same type."""
 
     data: float = 0.0
+
+    @classmethod
+    def get_fields_and_field_types(cls):
+        return Number.LAYOUT
 
 
 class RosNumberCodec:

@@ -1,0 +1,44 @@
+"""What a model says of the messages that pass, in the generated bridge and its parameter file."""
+
+from __future__ import annotations
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+TEXT = """
+import mappings.velocity_state_sensor
+component vehicle { address: 100.1.1 provides: VelocityStateSensor external: true }
+bridge front {
+    address: 100.1.2
+    connection shaped {
+        map: velocity_state peers: vehicle  maxRate: 5 decimation: 2 ageLimit: 0.5
+        topic odometry
+    }
+    connection plain { map: velocity_state peers: vehicle topic all }
+}
+"""
+
+
+def test_shapes_and_their_parameters(tmp_path):
+    path = tmp_path / "model.ros2jaus"
+    path.write_text(TEXT, encoding="utf-8")
+    result = read_models([path], notations=NOTATIONS)
+    assert not result.has_errors, result.diagnostics
+    files = {str(each.path): each.text for each in render(result.model, [BRIDGE, BRINGUP])}
+    (base,) = [text for name, text in files.items() if name.endswith("front_base.py")]
+    assert base.count("shape=") == 1
+    assert "shape=Shape(max_rate=5.0, decimation=2, age_limit=0.5)," in base
+    assert "    Shape,\n" in base
+    (parameters,) = [text for name, text in files.items() if name.endswith("front.yaml")]
+    for line in (
+        "shaped.max_rate: 5.0",
+        "shaped.decimation: 2",
+        "shaped.age_limit: 0.5",
+        "plain.max_rate: 0.0",
+        "plain.decimation: 1",
+        "plain.age_limit: 0.0",
+    ):
+        assert line in parameters
