@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import time
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -299,3 +300,31 @@ def test_drops_until_the_end_are_counted() -> None:
             host.peers[0].sendto(b"sent", host._unicast.getsockname())
         host.transport.close()
         assert host.loop.counters.snapshot()["judp.kernel_dropped"] > 0
+
+
+@pytest.mark.parametrize(("limit", "arrived"), [(0.2, [b"\x02\x40new"]), (0, None)])
+def test_what_waited_while_the_process_stood_still_is_thrown_away(
+    limit: float, arrived: list[bytes] | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    taken: list[bytes] = []
+    old = [b"\x02\x40old" + bytes([number]) for number in range(40)]
+    with _socket() as free:
+        port = free.getsockname()[1]
+    settings = TransportSettings(port=port, standstill=limit)
+    with Loop() as loop, _socket() as peer, ExitStack() as stack:
+        transport = JudpTransport(settings, loop)
+        transport.open()
+        stack.callback(transport.close)
+        transport.attach(FIRST, lambda message: taken.append(message.payload))
+        for number, payload in enumerate(old):
+            peer.sendto(Packet(FIRST, PEERS[0], payload, number).encode(), ("127.0.0.1", port))
+        time.sleep(0.3)
+        while loop.run_once(0):
+            pass
+        peer.sendto(Packet(FIRST, PEERS[0], b"\x02\x40new", 99).encode(), ("127.0.0.1", port))
+        while loop.run_once(0):
+            pass
+        assert taken == (arrived or [*old, b"\x02\x40new"])
+        thrown = loop.counters.snapshot().get("judp.too_old", 0)
+        assert thrown == (len(old) if limit else 0)
+        assert ("stood still for 0." in caplog.text) == bool(limit)

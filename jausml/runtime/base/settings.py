@@ -61,6 +61,8 @@ class TransportSettings:
         address_lifetime: Seconds of silence after which a learnt address is doubted: the next
             message also asks for the peer by multicast.
         takeover_interval: Seconds between two attempts to own the shared port.
+        standstill: Seconds that the process may stand still; what waited longer in its UDP sockets
+            is thrown away, since nobody can tell how old it is; 0 keeps it.
         receive_buffer: Bytes that the kernel may hold for one socket.
         transport: How messages travel.
         send_buffer: Bytes that may wait for a slow JTCP peer.
@@ -87,6 +89,7 @@ class TransportSettings:
     reassembly_limit: int = 4 << 20
     address_lifetime: float = 10.0
     takeover_interval: float = 1.0
+    standstill: float = 2.0
     receive_buffer: int = 1 << 20
     transport: TransportKind = TransportKind.JUDP
     send_buffer: int = 1 << 20
@@ -114,6 +117,7 @@ class TransportSettings:
         _check("address_lifetime", self.address_lifetime, 0.1, 86400)
         _check("send_buffer", self.send_buffer, 0, 1 << 30)
         _check("connection_timeout", self.connection_timeout, 0.01, 600)
+        _check("standstill", self.standstill, 0, 3600)
         _check("takeover_interval", self.takeover_interval, 0.05, 60)
         for address, (_, port) in self.address_book.items():
             if not address.is_concrete:

@@ -16,6 +16,7 @@ from .drops import KernelDrops
 from .reading import reader
 from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
+from .standstill import Standstill
 
 if TYPE_CHECKING:
     import socket
@@ -57,6 +58,7 @@ class JudpTransport(Transport):
         self._inbox = self._messenger.inbox
         self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
         self._drops = KernelDrops(self.counters)
+        self._standstill = Standstill(loop, lambda: self._port.sockets, settings.standstill)
         self._takeover: Timer | None = None
         self._drops_watch: Timer | None = None
         self._manager_watch: Timer | None = None
@@ -75,6 +77,7 @@ class JudpTransport(Transport):
             self._share_port()
             self._watch_for_manager()
             self._watch_for_drops()
+            self._standstill.start()
 
     def close(self) -> None:
         """Close the sockets; messages that wait for acknowledgement are reported as lost."""
@@ -83,10 +86,10 @@ class JudpTransport(Transport):
                 if timer is not None:
                     timer.cancel()
             self._takeover = self._manager_watch = self._drops_watch = None
+            self._standstill.stop()
             self._drops.look()
-            for sock in (self._port.multicast, self._port.unicast, self._port.former):
-                if sock is not None:
-                    self.loop.unregister(sock)
+            for sock in self._port.sockets:
+                self.loop.unregister(sock)
             self._sender.close()
             self._messenger.close()
 
@@ -171,7 +174,14 @@ class JudpTransport(Transport):
         otherwise = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
         return reader(
-            receive, self.loop, self._port, self._book, self._inbox, self._sender.put, otherwise
+            receive,
+            self.loop,
+            self._port,
+            self._book,
+            self._inbox,
+            self._sender.put,
+            otherwise,
+            self._standstill,
         )
 
     def receive_datagram(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..packets.inbox import Inbox
     from .drops import Receiver
     from .shared_port import SharedPort
+    from .standstill import Standstill
 
 
 _LARGEST_DATAGRAM = 65535
@@ -64,6 +65,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     inbox: Inbox[Endpoint],
     answer: Callable[[bytes, Endpoint], bool],
     otherwise: Callable[[bytes, Endpoint], None],
+    standstill: Standstill,
 ) -> Callable[[], None]:
     """Return what reads the datagrams that have arrived at a socket, a few at a time.
 
@@ -86,6 +88,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         inbox: Who receives, and what was received.
         answer: Sends an acknowledgement.
         otherwise: Takes a datagram that is not usual, and where it came from.
+        standstill: Ends what waited for too long.
     """
     clock, counters = loop.now, loop.counters
     received = counters.tally("judp.received")
@@ -93,7 +96,7 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
     seen, history = window.seen, window.history
     pack_answer, put = _ANSWER.pack, inbox.reassembly.put
     arrival = inbox.arrival
-    burst, latest = 1, clock()
+    burst, latest, limit = 1, clock(), standstill.limit
 
     def prepare(data: bytes, origin: Endpoint) -> None:
         """Remember what the next datagram has in common with one that was taken as packets."""
@@ -123,6 +126,9 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
         now = clock()
         if now - latest > _PAUSE_S:
             burst = 1
+            if now - standstill.turned > limit:
+                standstill.end(now)
+                return
         latest = now
         enough = burst
         for count in range(_DATAGRAMS_PER_TURN):

@@ -71,6 +71,11 @@ class SharedPort:
         """Whether this process owns the unicast port."""
         return self.well_known in self.endpoints
 
+    @property
+    def sockets(self) -> list[socket.socket]:
+        """The sockets that are open."""
+        return [each for each in (self.multicast, self.unicast, self.former) if each is not None]
+
     def open(self) -> None:
         """Join the group and take the unicast port, or another one when it is taken.
 
@@ -103,9 +108,8 @@ class SharedPort:
 
     def close(self) -> None:
         """Close all sockets."""
-        for sock in (self.multicast, self.unicast, self.former):
-            if sock is not None:
-                sock.close()
+        for sock in self.sockets:
+            sock.close()
         self.multicast = self.unicast = self.former = None
         self.endpoints = frozenset()
 
