@@ -191,7 +191,9 @@ class Stopping:
         if self._watch is not None:
             self._watch.cancel()
         stood = self.stopped is None
-        self.stopped = reason
+        # What stands already stands for its own reason: a bridge begins inactive.
+        if stood or reason is not StopReason.INACTIVE:
+            self.stopped = reason
         self.choose_way()
         if stood:
             counts = self.statistics.stops

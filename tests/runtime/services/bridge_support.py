@@ -148,6 +148,7 @@ class Ros:
         self.made: list[tuple[str, str]] = []
         self.published: dict[str, list[Number]] = {}
         self.publishers = {}
+        self.greeters = {}
         self.counts = {}
         self.deliver = {}
         self.take = {}
@@ -185,7 +186,8 @@ class Ros:
     def codec(self, _ros_type):
         return RosNumberCodec
 
-    def publisher(self, _ros_type, topic, _greet=None):
+    def publisher(self, _ros_type, topic, greet=None):
+        self.greeters[topic.name] = greet
         self.made.append(("publisher", topic.name))
         found = self.published.setdefault(topic.name, [])
         made = self.publishers[topic.name] = Publisher(self, found)

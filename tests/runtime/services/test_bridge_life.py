@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard
+from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.settings import BridgeSettings
 from jausml.runtime.bridge.stops import StopReason
 from jausml.runtime.bridge.to_reports import TopicsToReport
 from jausml.runtime.bridge.topics import Qos, Topic
@@ -62,6 +64,18 @@ def test_a_command_stops_and_goes_on_with_the_next_message(world, setting):
     setting.ros.deliver["numbers"](Number(7.0))
     assert peer.take() == [minutes(7)]
     assert setting.drops(connection) == {"inactive": 1}
+
+
+def test_a_bridge_that_begins_inactive_begins_with_the_stop(world, setting):
+    connection = message_connection(safe_value=lambda: Number(-1.0), is_command=True)
+    bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, services=CORE))
+    bridge.connections = [connection]
+    bridge.open(setting.ros, world, active=False)
+    bridge.set_active(True)
+    assert connection.stopped is StopReason.START
+    greet = setting.ros.greeters["times"]
+    greet()  # a subscriber that ROS finds later
+    assert setting.ros.numbers("times") == [-1.0, -1.0]
 
 
 def test_control_ends_and_is_not_to_be_had(world, setting):
