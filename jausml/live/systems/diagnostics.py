@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 _LEVELS = (Level.OK, Level.WARNING, Level.ERROR, Level.STALE)
 _DECLARED = "declared rate (Hz)"
-_OF_A_BRIDGE = ("jaus id", "jaus socket", "jaus state", "simulated time")
+_OF_A_BRIDGE = ("jaus id", "jaus socket", "jaus state", "jaus traffic", "simulated time")
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
-_LOSSES = ("lost in queue", "missed", "too old")
+_LOSSES = ("lost in queue", "lost on the way", "missed", "out of order", "too old")
 _JAUS_ID = re.compile(r"\d{1,5}\.\d{1,3}\.\d{1,3}")
 _COUNT = re.compile(r"\d{1,18}")
 _PEERS = ("peer", "search")

@@ -26,6 +26,7 @@ from .transcoding import Form, readable, transcoder_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from ..base.address import JausAddress
     from .ages import Age
     from .diagnostics import ConnectionStatus
     from .ends import Ends
@@ -143,6 +144,10 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     def stale_joins(self) -> list[str]:
         """Names of the joins that have nothing fresh."""
         return []
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that were asked for messages and say nothing."""
+        return ()
 
     def topic_faults(self) -> Iterable[TopicFault]:
         """What is wrong with the topics at present."""

@@ -5,17 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from .diagnostic_array import DiagnosticArray
-from .diagnostics import double_status, socket_status, state_status
+from .diagnostics import double_status, socket_status, state_status, traffic_status
 from .ends import Ends
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ..base.loop import Loop, Timer
     from .carried import Carried
     from .diagnostics import ConnectionStatus
     from .simulation import Simulation
     from .stops import Standing
+
+_JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
+_UNKNOWN = "component.unknown_message"
 
 SLICE = 4
 """Connections that are looked at in one turn: messages must not wait for all of them."""
@@ -52,6 +55,7 @@ class Diagnosing:
         self._array: DiagnosticArray
         self._waiting: Sequence[Carried] = ()
         self._kernel_drops = 0
+        self._dropped: Mapping[str, int] = {}
         self._timer: Timer | None = None
 
     def start(self) -> None:
@@ -96,7 +100,20 @@ class Diagnosing:
             found.append(double_status(double, self._loop.now()))
         if bridge.simulation is not None:
             found.append(bridge.simulation.status(own))
-        drops = bridge.component.counters.snapshot().get("judp.kernel_dropped", 0)
+        counters = bridge.component.counters
+        dropped = {
+            name: count
+            for name, count in counters.drops().items()
+            if name.partition(".")[0] in _JAUS_AREAS
+        }
+        unknown = counters.snapshot().get(_UNKNOWN, 0)
+        if unknown:
+            dropped[_UNKNOWN] = unknown
+        if dropped:
+            former, self._dropped = self._dropped, dropped
+            # Whatever is broadcast reaches those too who do not know it.
+            found.append(traffic_status(dropped, {**former, _UNKNOWN: unknown}, own))
+        drops = counters.snapshot().get("judp.kernel_dropped", 0)
         if drops:
             is_new, self._kernel_drops = drops > self._kernel_drops, drops
             found.append(socket_status(drops, own, is_new=is_new))

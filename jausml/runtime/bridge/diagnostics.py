@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from ..services.definitions import Status
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..transports.delivery import Double
     from .stops import Standing, StopReason
 
@@ -19,6 +21,12 @@ MISSED = "missed"
 
 TOO_OLD = "too_old"
 """Messages that waited too long in the queue of their subscription, or came too late."""
+
+LOST_ON_THE_WAY = "lost_on_the_way"
+"""Reports of an event that never arrived, by the gaps between sequence numbers."""
+
+OUT_OF_ORDER = "out_of_order"
+"""Reports of an event that arrived after newer ones, and were dropped."""
 
 UNHEARD = "unheard"
 """Messages that were published while nobody subscribed to their topic."""
@@ -111,6 +119,22 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
     values = (("place", double.place), ("age (s)", f"{age:.3f}"))
     level = "error" if age < DOUBLE_LIFETIME else "warning"
     return ConnectionStatus("jaus id", level, str(double), str(double.address), values)
+
+
+def traffic_status(
+    counts: Mapping[str, int], former: Mapping[str, int], hardware_id: str
+) -> ConnectionStatus:
+    """Returns the status of what was dropped on the JAUS side, before any connection.
+
+    Args:
+        counts: Drops by name.
+        former: Those of the last status.
+        hardware_id: JAUS address of the bridge.
+    """
+    new = [name for name, count in counts.items() if count > former.get(name, 0)]
+    level, message = ("warning", ", ".join(new)) if new else ("ok", "running")
+    values = tuple((f"dropped: {name}", str(count)) for name, count in counts.items())
+    return ConnectionStatus("jaus traffic", level, message, hardware_id, values)
 
 
 def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionStatus:

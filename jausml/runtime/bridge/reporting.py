@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from .diagnostics import NOT_LOST, THINNED, ConnectionStatus
+from .rate import Rate
 from .stops import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from ..base.address import JausAddress
     from ..base.counters import Counters
     from .diagnostics import Statistics
     from .quality import TopicFault
@@ -57,6 +59,9 @@ class Reported(Protocol):
     def stale_joins(self) -> list[str]:
         """Joins that have nothing fresh."""
 
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that were asked and say nothing."""
+
     def topic_faults(self) -> Iterable[TopicFault]:
         """What is wrong with the topics."""
 
@@ -83,6 +88,7 @@ class Reporter:
         self._reported: _Totals | None = None
         self._faults: list[TopicFault] = []
         self._noted: dict[str, int] = {}
+        self._rate = Rate()
 
     def note_losses(self) -> int:
         """Counts what was lost since the last call; returns how much was lost in all."""
@@ -119,16 +125,13 @@ class Reporter:
             counts.limited,
         )
         former, self._reported = self._reported or _Totals(now), present
-        elapsed = now - former.time
-        rate = (present.arrivals - former.arrivals) / elapsed if elapsed > 0 else 0.0
+        self._rate.note(now, present.arrivals, connection.declared_rate)
         faults = self._told_faults()
-        level, message = self._judge(former, present, rate, faults)
-        values = self._values(now, rate, faults)
+        level, message = self._judge(former, present, faults)
+        values = self._values(now, faults)
         return ConnectionStatus(connection.name, level, message, hardware_id, values)
 
-    def _values(
-        self, now: float, rate: float, faults: list[TopicFault]
-    ) -> tuple[tuple[str, str], ...]:
+    def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
         connection, counts = self._connection, self._connection.statistics
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
@@ -136,7 +139,7 @@ class Reporter:
             ("messages taken", str(counts.arrivals)),
             ("messages passed", str(counts.passed)),
             *(((THINNED, str(counts.thinned)),) if counts.thinned else ()),
-            ("rate (Hz)", f"{rate:.2f}"),
+            ("rate (Hz)", f"{self._rate.hertz:.2f}"),
             ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
             ("age (s)", age),
             *connection.describe_joins(),
@@ -165,7 +168,7 @@ class Reporter:
         return faults
 
     def _judge(
-        self, former: _Totals, present: _Totals, rate: float, faults: list[TopicFault]
+        self, former: _Totals, present: _Totals, faults: list[TopicFault]
     ) -> tuple[str, str]:
         """Returns level and message."""
         if present.errors > former.errors:
@@ -178,11 +181,14 @@ class Reporter:
         stale = ", ".join(self._connection.stale_joins())
         if stale:
             return "warning", f"nothing fresh from {stale}"
+        silent = ", ".join(map(str, self._connection.silent_peers()))
+        if silent:
+            return "warning", f"nothing from {silent}"
         if present.dropped > former.dropped:
             return "warning", "messages are dropped"
         if present.lost > former.lost:
             return "warning", "messages are lost"
-        if present.time > former.time and rate < self._connection.declared_rate / 2:
+        if self._rate.is_slow:
             return "warning", "slower than declared"
         if present.limited > former.limited:
             return "warning", "values are clamped"

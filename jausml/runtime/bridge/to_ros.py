@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.peer_binding import PeerBinding
@@ -10,7 +11,7 @@ from . import parameters
 from .ages import jaus_age
 from .by_sender import Taker
 from .connection import FILTERED, Connection
-from .diagnostics import UNHEARD
+from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from .latency import age_of_stamp
 from .light_message import is_light
 from .simulation import real_rate
@@ -18,7 +19,7 @@ from .stops import StopReason
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from ..base.address import JausAddress
     from ..clients.event_subscription import EventSubscription
@@ -229,6 +230,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         self.rate = rate
         self._query = query
         self._events: dict[JausAddress, EventSubscription] = {}
+        self._lost = self._late = 0
 
     @property
     def declared_rate(self) -> float:
@@ -259,7 +261,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
             former, self._events = self._events, {}
             for peer, event in former.items():
                 self._join(peer)
-                event.cancel()
+                self._end(event)
 
     def _join(self, peer: JausAddress) -> None:
         self._events[peer] = self._ends.component.subscribe(
@@ -275,7 +277,24 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         return real_rate(self.rate, simulation.clock.ratio)
 
     def _leave(self, peer: JausAddress) -> None:
-        self._events.pop(peer).cancel()
+        self._end(self._events.pop(peer))
+
+    def _end(self, event: EventSubscription) -> None:
+        self._lost, self._late = self._lost + event.lost, self._late + event.late
+        event.cancel()
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that do not confirm the event, or have ceased to send it."""
+        return [peer for peer in self.peers if self._state_of(peer) == "asked"]
+
+    def losses(self) -> dict[str, int]:
+        """How many reports did not arrive, or too late, and how many nobody has heard."""
+        events = self._events.values()
+        return {
+            LOST_ON_THE_WAY: self._lost + sum(each.lost for each in events),
+            OUT_OF_ORDER: self._late + sum(each.late for each in events),
+            **super().losses(),
+        }
 
     def _state_of(self, peer: JausAddress) -> str:
         event = self._events.get(peer)
@@ -311,6 +330,8 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         self.rate = rate
         self._query = query
         self._next = 0.0
+        self._unanswered: set[JausAddress] = set()
+        self._silent: set[JausAddress] = set()
 
     @property
     def declared_rate(self) -> float:
@@ -327,18 +348,28 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def _set_rate(self, hertz: float) -> None:
         self.rate = hertz
 
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers that did not answer lately."""
+        return [peer for peer in self.peers if peer in self._silent]
+
+    def _state_of(self, peer: JausAddress) -> str:
+        return "asked" if peer in self._silent else "source"
+
     def _ask(self) -> None:
         clock = self._ends.clock
         # Absolute times, so that the rate does not drift; a late loop does not catch up.
         self._next = max(self._next + 1 / self.rate, clock.now())
         clock.call_at(self._next, self._ask)
         for peer in self.peers:
+            (self._silent.add if peer in self._unanswered else self._silent.discard)(peer)
+            self._unanswered.discard(peer)
             # Repetition is the next period's; a late answer counts as an answer.
             self._ends.component.query(
                 peer,
                 self._query,
                 self._message,
                 self._take,
+                on_failure=partial(self._unanswered.add, peer),
                 timeout=1 / self.rate,
                 retries=0,
                 payloads=True,

@@ -76,6 +76,8 @@ class EventStream:
         payload: The encoded query.
         request_id: Marks our requests in the provider's answers.
         event_id: The provider's id of the event, once confirmed.
+        missing: Reports that did not arrive, by the gaps between their numbers.
+        late: Reports that arrived after newer ones.
     """
 
     def __init__(
@@ -92,6 +94,8 @@ class EventStream:
         self.payload = payload
         self.request_id = 0
         self.event_id: int | None = None
+        self.missing = 0
+        self.late = 0
         self._listener = listener
         self._loop = component.loop
         self._settings = component.settings
@@ -325,8 +329,10 @@ class EventStream:
             missing = (sequence - self._expected) & 0xFF
             if missing >= HALF_SEQUENCE:
                 self._counters.add("event_client.out_of_order")
+                self.late += 1
                 return
             self._counters.add("event_client.sequence_gap", missing)
+            self.missing += missing
         self._expected = (sequence + 1) & 0xFF
         self._last = payload
         self._heard = now = self._loop.now()

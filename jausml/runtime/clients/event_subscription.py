@@ -28,10 +28,14 @@ class Stream(Protocol):
     Attributes:
         component: The component that subscribes.
         provider: The component that provides the report.
+        missing: Reports that did not arrive.
+        late: Reports that arrived after newer ones.
     """
 
     component: Host
     provider: JausAddress
+    missing: int
+    late: int
 
     @property
     def active(self) -> bool:
@@ -71,6 +75,7 @@ class EventSubscription:
         self.rate = rate
         self.takes_payloads = takes_payloads
         self._stream = stream
+        self._missing_before, self._late_before = stream.missing, stream.late
         self._component = stream.component
         self._take: Callable[[Any, JausAddress], object] = (
             self._component.payload_caller(on_report, stream.count_bad)
@@ -91,6 +96,16 @@ class EventSubscription:
     def active(self) -> bool:
         """Whether the provider has confirmed the event."""
         return self._stream.active
+
+    @property
+    def lost(self) -> int:
+        """Reports of the event that did not arrive since the subscription began."""
+        return self._stream.missing - self._missing_before
+
+    @property
+    def late(self) -> int:
+        """Reports of the event that arrived after newer ones, since the subscription began."""
+        return self._stream.late - self._late_before
 
     @property
     def silent(self) -> bool:

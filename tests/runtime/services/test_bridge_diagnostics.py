@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from functools import partial
 
 import pytest
 
@@ -12,12 +13,25 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.diagnosing import SLICE
 from jausml.runtime.bridge.latency import WINDOW, Latency
 from jausml.runtime.bridge.settings import BridgeSettings
+from jausml.runtime.bridge.to_ros import QueryToTopics
 from jausml.runtime.bridge.topics import Topic
 from jausml.runtime.conversions import Time, time_to_timestamp
-from jausml.runtime.messages import ReleaseControl, RequestControl, Reset, Resume, SetTime
+from jausml.runtime.messages import (
+    ConfirmEventRequest,
+    CreateEvent,
+    Event,
+    QueryEventTimeout,
+    ReleaseControl,
+    ReportEventTimeout,
+    RequestControl,
+    Reset,
+    Resume,
+    SetTime,
+)
 
 from .bridge_support import (
     CORE,
+    OTHER,
     OWN,
     PEER,
     Number,
@@ -25,6 +39,7 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    minutes_to_number,
     peer_component,
     safe,
     values,
@@ -95,6 +110,97 @@ def test_slow_source_is_told(world, setting):
     setting.open(event(rate=10.0))
     world.run(4.0)
     assert setting.ros.statuses[-1]["timeout"].message == "slower than declared"
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.2, 0.7, 1.0, 10.0])
+def test_a_slow_source_that_is_as_declared_is_well(world, setting, rate):
+    peer_component(world)
+    setting.open(event(rate=rate))
+    world.run(60.0, step=0.05)
+    told = [each["timeout"] for each in setting.ros.statuses]
+    assert {each.message for each in told} <= {"running", "no message yet"}
+    assert float(values(told[-1])["rate (Hz)"]) == pytest.approx(rate, rel=0.4)
+
+
+def test_a_slow_source_that_fell_silent_is_told(world, setting):
+    """A provider that confirms the event, but has nothing to report."""
+    peer = peer_component(world)
+    setting.open(event(rate=0.2))
+    world.run(30.0, step=0.05)
+    world.lost = lambda _source, _destination, code: code == Event.CODE
+    world.run(14.0, step=0.05)
+    assert setting.ros.statuses[-1]["timeout"].message == "slower than declared"
+    assert peer.running
+
+
+def query_connection(**options):
+    return QueryToTopics(
+        "timeout",
+        minutes_to_number,
+        message=ReportEventTimeout,
+        type=Number,
+        query=QueryEventTimeout(),
+        rate=5.0,
+        topics=[Topic("timeout")],
+        **options,
+    )
+
+
+@pytest.mark.parametrize("make", [partial(event, rate=5.0), query_connection])
+def test_one_dead_peer_of_two_is_told(world, setting, make):
+    peer_component(world)
+    other = peer_component(world, OTHER)
+    setting.open(make(peers=[PEER, OTHER]))
+    world.run(5.0)
+    assert setting.ros.statuses[-1]["timeout"].level == "ok"
+    world.lost = lambda source, *_: source == OTHER
+    world.run(15.0)
+    status = setting.ros.statuses[-1]["timeout"]
+    assert (status.level, status.message) == ("warning", "nothing from 1.1.2")
+    assert values(status)["peer 1.1.2"] == "asked"
+    world.lost = lambda *_: False
+    world.run(10.0)
+    assert other.running
+    assert setting.ros.statuses[-1]["timeout"].level == "ok"
+
+
+def test_reports_that_got_lost_or_came_late_are_told(world, setting):
+    peer = world.probe(str(PEER), strict=False)
+    connection = setting.open(event(rate=10.0))
+    create = next(each for each in peer.take() if isinstance(each, CreateEvent))
+    peer.send(
+        ConfirmEventRequest(request_id=create.request_id, event_id=4, confirmed_periodic_rate=10.0),
+        OWN,
+    )
+    report = ReportEventTimeout(timeout=1).encode()
+    for number in (1, 2, 5, 4, 6):
+        peer.send(Event(event_id=4, sequence_number=number, report_message=report), OWN)
+    world.run(1.05)
+    status = setting.ros.statuses[-1]["timeout"]
+    assert (status.level, status.message) == ("warning", "messages are lost")
+    assert values(status)["lost on the way"] == "2"
+    assert values(status)["out of order"] == "1"
+    assert connection.statistics.passed == 4
+
+
+def test_what_is_dropped_before_any_connection_is_told(world, setting):
+    setting.open(message_connection(when=Guard.READY), services=CORE)
+    world.run(1.1)
+    assert "jaus traffic" not in setting.ros.statuses[-1]
+    stranger = world.probe("5.1.1")
+    stranger.send_bytes(b"\xfe\xca", OWN)
+    world.run(1.0)
+    status = setting.ros.statuses[-1]["jaus traffic"]
+    assert (status.level, values(status)) == ("ok", {"dropped: component.unknown_message": "1"})
+    stranger.send(minutes(1), OWN)
+    stranger.send_bytes(SetTime.CODE.to_bytes(2, "little"), OWN)
+    world.run(1.0)
+    status = setting.ros.statuses[-1]["jaus traffic"]
+    assert (status.level, status.message) == ("warning", "component.command_refused")
+    world.run(1.0)
+    status = setting.ros.statuses[-1]["jaus traffic"]
+    assert (status.level, status.message) == ("ok", "running")
+    assert values(status)["dropped: component.command_refused"] == "2"
 
 
 def test_diagnostics_keep_their_frequency(world, setting):
