@@ -89,6 +89,13 @@ class TestUnicast:
         driver.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().payload == STATUS
 
+    def test_a_component_is_unheard_until_it_speaks(self, station, peer, wait_until):
+        driver = station().attach(DRIVER)
+        assert driver.transport.is_unheard(PEER)
+        assert not driver.transport.is_unheard(DRIVER)
+        join(peer, driver, wait_until)
+        assert not driver.transport.is_unheard(PEER)
+
 
 class TestWildcards:
     def test_a_broadcast_is_multicast_and_marked_global(self, station, peer):

@@ -89,7 +89,8 @@ class Bridge:
     def open(self, ros: RosSide, transport: Transport, *, active: bool = True) -> None:
         """Makes publishers, subscriptions and events, then starts the JAUS component.
 
-        All of them are there before the first message, so that none is lost at the start.
+        All of them are there before the first message. What is published before ROS has found a
+        subscriber is counted.
 
         Args:
             ros: The ROS side; it starts to wait for messages afterwards.

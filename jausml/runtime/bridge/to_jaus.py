@@ -12,7 +12,7 @@ from .controlled_peers import ControlledPeers
 from .from_topics import FromTopics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from typing import Concatenate
 
     from ..base.address import JausAddress
@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
+
+
+_BUSY = 3.0
+"""Seconds after a message in which its receivers should be heard, if nothing was before."""
 
 
 class _Route:
@@ -79,6 +83,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._acknowledge = acknowledge
         self._prepared: dict[JausAddress, Send] = {}
         self._route = _Route()
+        self._doubted: dict[JausAddress, float] = {}
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
@@ -188,6 +193,15 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
                 component.address, peer, payload, priority=self._priority, acknowledge=True
             )
         return bool(peers)
+
+    def silent_peers(self) -> Iterable[JausAddress]:
+        """Peers of which nothing is heard, though messages go to them: they may not be there."""
+        now, latest = self._ends.clock.now(), self.statistics.last_arrival
+        is_busy = self._halt is None and latest is not None and now - latest < _BUSY
+        unheard = self._ends.component.transport.is_unheard
+        silent = [peer for peer in self._prepared if is_busy and unheard(peer)]
+        self._doubted = {peer: self._doubted.get(peer, now) for peer in silent}
+        return [peer for peer, since in self._doubted.items() if now - since >= _BUSY]
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components and the state of their control."""

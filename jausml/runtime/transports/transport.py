@@ -86,6 +86,17 @@ class Transport(ABC):
             messenger = self._messenger_of(address)
             return None if messenger is None else messenger.inbox.double_of(address)
 
+    def is_unheard(self, address: JausAddress) -> bool:
+        """Return whether a component would have been heard by now if messages reached it.
+
+        Only a transport that asks silent components for acknowledgement knows.
+
+        Args:
+            address: A component that messages are sent to.
+        """
+        del address
+        return False
+
     def send(
         self,
         source: JausAddress,

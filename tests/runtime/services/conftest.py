@@ -70,6 +70,10 @@ class World:
     def detach(self, address: JausAddress) -> None:
         self._receivers.pop(address, None)
 
+    def is_unheard(self, address: JausAddress) -> bool:
+        """Messages are lost on their way to nobody."""
+        return address not in self._receivers
+
     def double_of(self, _address: JausAddress) -> None:
         """Nobody else has an address here: it is attached once."""
 

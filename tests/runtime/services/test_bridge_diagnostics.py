@@ -164,6 +164,22 @@ def test_one_dead_peer_of_two_is_told(world, setting, make):
     assert setting.ros.statuses[-1]["timeout"].level == "ok"
 
 
+def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting):
+    """Messages that nobody acknowledges count as passed: they went out."""
+    connection = setting.open(command("tell"))
+    for _ in range(70):
+        setting.ros.deliver["numbers"](Number(5.0))
+        world.run(0.1)
+    assert connection.statistics.passed == 70
+    status = setting.ros.statuses[-1]["tell"]
+    assert (status.level, status.message) == ("warning", "nothing from 1.1.1")
+    world.probe(str(PEER), strict=False)
+    for _ in range(20):
+        setting.ros.deliver["numbers"](Number(5.0))
+        world.run(0.1)
+    assert setting.ros.statuses[-1]["tell"].level == "ok"
+
+
 def test_reports_that_got_lost_or_came_late_are_told(world, setting):
     peer = world.probe(str(PEER), strict=False)
     connection = setting.open(event(rate=10.0))

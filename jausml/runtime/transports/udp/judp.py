@@ -32,6 +32,9 @@ _MAX_PREPARED = 1024
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
 
+_TIME_TO_ANSWER = 2.0
+"""Seconds that a component has to answer the first message after a silence."""
+
 
 class JudpTransport(Transport):
     """Components of this process on one JUDP port (AS5669A).
@@ -161,6 +164,15 @@ class JudpTransport(Transport):
 
     def _detach(self, address: JausAddress) -> None:
         self._inbox.detach(address)
+
+    def is_unheard(self, address: JausAddress) -> bool:
+        """Return whether a component is silent that was asked; see ``Transport.is_unheard``."""
+        with self.loop.lock:
+            if address in self._messenger.inbox.receivers:
+                return False
+            entry = self._book.learnt.get(address)
+            longest = self._book.lifetime + _TIME_TO_ANSWER
+            return entry is None or self.loop.now() - entry.heard > longest
 
     def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
         del source  # one for all components
