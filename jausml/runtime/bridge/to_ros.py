@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
 
+NOT_PUBLISHED = "not_published"
 UNEXPECTED = "unexpected_source"
 
 _GREETING = 10.0
@@ -110,6 +111,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         """Returns the short way of messages."""
         counts, transcode, now = self.statistics, self._transcode, self._ends.clock.now
         drop, fail, publishers = self.drop, self.fail, self._publishers
+        refused = self._note_refused
         publisher = publishers[0] if len(publishers) == 1 else _Publishers(publishers)
         publish = publisher.publish
 
@@ -136,7 +138,7 @@ class ToTopics(Connection[SourceT, TargetT]):
             if target is None:
                 drop(FILTERED)
             elif failure is not None:
-                fail(failure)
+                refused(failure)
             else:
                 counts.passed += 1
                 if not publisher.matched:
@@ -174,12 +176,20 @@ class ToTopics(Connection[SourceT, TargetT]):
                 self.send_safe_value(self.deliver)
 
     def deliver(self, payload: bytes) -> bool:
-        """Publishes on every topic."""
-        for publisher in self._publishers:
-            publisher.publish(payload)
-            if not publisher.matched:
-                publisher.unmatched += 1
+        """Publishes on every topic; False when ROS refuses."""
+        try:
+            for publisher in self._publishers:
+                publisher.publish(payload)
+                if not publisher.matched:
+                    publisher.unmatched += 1
+        except Exception as error:
+            self._note_refused(error)
+            return False
         return True
+
+    def _note_refused(self, error: Exception) -> None:
+        """Counts a message that ROS does not publish."""
+        self.drop(NOT_PUBLISHED, repr(error), error)
 
     def losses(self) -> dict[str, int]:
         """How many messages nobody has heard."""
