@@ -94,8 +94,8 @@ class ControlledPeers:
         return str(self._binding.search) if self._binding.is_lacking else ""
 
     def describe(self) -> list[tuple[str, str]]:
-        """Names and states of the peers, for diagnostics."""
-        states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
+        """Names and states of the peers, for diagnostics; why one refuses."""
+        states = {peer: _described(session) for peer, session in self._sessions.items()}
         named = [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.present]
         return [*self._binding.describe(), *named]
 
@@ -115,3 +115,8 @@ class ControlledPeers:
         session = self._sessions.pop(peer, None)
         if session is not None:
             session.release()
+
+
+def _described(session: ControlSession) -> str:
+    state = session.state.name.lower()
+    return f"{state}: {session.reason}" if session.state is ControlState.REFUSED else state

@@ -8,7 +8,7 @@ from functools import partial
 
 import pytest
 
-from jausml.runtime import Guard
+from jausml.runtime import Guard, Status
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.diagnosing import SLICE
 from jausml.runtime.bridge.latency import WINDOW, Latency
@@ -178,6 +178,24 @@ def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting
         setting.ros.deliver["numbers"](Number(5.0))
         world.run(0.1)
     assert setting.ros.statuses[-1]["tell"].level == "ok"
+
+
+def test_who_controls_a_peer_instead_or_why_it_refuses_is_told(world, setting):
+    peer = peer_component(world)
+    rival = world.component("6.1.1", services=())
+    rival.start()
+    session = rival.control(PEER, authority=255)
+    world.run(1.0)
+    setting.open(command("drive", control=Guard.READY))
+    world.run(3.0)
+    told = values(setting.ros.statuses[-1]["drive"])
+    assert told["peer 1.1.1"] == "refused: 6.1.1 controls 1.1.1"
+    session.release()
+    rival.set_emergency(PEER)
+    world.run(3.0)
+    assert peer.status is Status.EMERGENCY
+    told = values(setting.ros.statuses[-1]["drive"])
+    assert told["peer 1.1.1"] == "refused: 1.1.1 is in EMERGENCY"
 
 
 def test_reports_that_got_lost_or_came_late_are_told(world, setting):
