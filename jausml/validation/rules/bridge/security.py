@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jausml.semantics.subject import Subject
 
 
-@rule("JML491", Severity.ERROR, "allowed host that is none")
+@rule("JML477", Severity.ERROR, "allowed host that is none")
 def allowed_hosts(subject: Subject) -> Iterator[Finding]:
     """What a bridge allows messages from is an IPv4 address, or a network of such addresses.
 
@@ -49,7 +49,7 @@ def _fault(text: str) -> str:
     return f"is an address within the network {meant}, not the network"
 
 
-@rule("JML492", Severity.WARNING, "sources that nobody looks at")
+@rule("JML478", Severity.WARNING, "sources that nobody looks at")
 def sources_known(subject: Subject) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
@@ -71,7 +71,7 @@ def sources_known(subject: Subject) -> Iterator[Finding]:
                     yield Finding(owner, message, feature, related=(note,))
 
 
-@rule("JML493", Severity.INFO, "command of anybody in control")
+@rule("JML479", Severity.INFO, "command of anybody in control")
 def commanders_known(subject: Subject) -> Iterator[Finding]:
     """A model says who may command what is on the ROS side.
 
