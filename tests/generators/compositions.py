@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.metamodel.classes import bridge
+from jausml.metamodel.classes import bridge, ros
 from jausml.model import library_root, read_models
 from jausml.semantics.commands import is_command
 from jausml.text.notation import NOTATIONS
@@ -77,12 +77,13 @@ class ReadyMap:
 
 @cache
 def ready_maps() -> tuple[ReadyMap, ...]:
-    """Returns all maps of the library, in the order of their files."""
+    """Returns the maps of the library for topics, in the order of their files."""
     folder = library_root() / "mappings"
     result = read_models(sorted(folder.glob("*.ros2jaus")), notations=NOTATIONS)
     assert not result.has_errors, result.diagnostics
     maps = result.model.instances(bridge.AttributeMap)
-    return tuple(_ready_map(each, result.model) for each in maps)
+    for_topics = (each for each in maps if not isinstance(each.type.eContainer(), ros.ServiceType))
+    return tuple(_ready_map(each, result.model) for each in for_topics)
 
 
 def _ready_map(each: Any, model: Any) -> ReadyMap:

@@ -211,12 +211,10 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         return self._peers.describe()
 
     def fault(self) -> str:
-        """What is searched for."""
+        """What is searched for, and why nobody obeys."""
         lacking = self._peers.lacking()
-        return f"searching {lacking}" if lacking else ""
-
-    def refusal(self) -> str:
-        """Whether nobody obeys."""
+        if lacking:
+            return f"searching {lacking}"
         obeying = any(map(self._peers.obeys, self._peers.present))
         return "" if obeying else "no peer obeys"
 

@@ -15,7 +15,7 @@ from jausml.generation import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.metamodel.classes import bridge
+from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 from jausml.validation.engine import check
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"
 EXAMPLE = ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
+_ASKING = {
+    "ReportStatus": "Management.QueryStatus",
+    "ConfirmSensorConfiguration": "SetVisualSensorConfiguration",
+}
 FILES = sorted(MAPPINGS.glob("*.ros2jaus"))
 
 
@@ -73,10 +77,11 @@ def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
     for each in maps:
         for to_ros in (True, False):
             if each.toRos if to_ros else each.toJaus:
-                is_provider = bool(each.message.isCommand) == to_ros
+                is_provider = _is_provider(each, to_ros=to_ros)
                 (given if is_provider else used).add(_address(each.message.eContainer()))
                 peer = "" if is_provider else f"{stem}_peer"
-                connections.append(_connection(each, to_ros=to_ros, peer=peer))
+                carrier = _call if is_of_call(each) else _connection
+                connections.append(carrier(each, to_ros=to_ros, peer=peer))
     lines = [f"bridge {stem}_bridge {{", f"  address: 10.1.{number + 1}"]
     lines += [f"  provides: {', '.join(sorted(given))}"] if given else []
     lines += [f"  uses: {', '.join(sorted(used))}"] if used else []
@@ -85,6 +90,41 @@ def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
         lines += [f"component {stem}_peer {{", f"  address: 10.1.{number + 101}"]
         lines += [f"  provides: {', '.join(sorted(used))}", "}"]
     return lines
+
+
+def is_of_call(attribute_map: Any) -> bool:
+    """Tells whether a map is for half of a call of a ROS service."""
+    return isinstance(attribute_map.type.eContainer(), ros.ServiceType)
+
+
+def _half(attribute_map: Any) -> str:
+    is_request = attribute_map.type is attribute_map.type.eContainer().request
+    return "request" if is_request else "response"
+
+
+def _is_provider(attribute_map: Any, *, to_ros: bool) -> bool:
+    """Tells whether the bridge provides the service of a map that it uses in a direction."""
+    if is_of_call(attribute_map):
+        return (_half(attribute_map) == "request") == to_ros
+    return bool(attribute_map.message.isCommand) == to_ros
+
+
+def _call(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
+    """Returns a service connection that uses a map for the half that it is for."""
+    name, half, kind = attribute_map.name, _half(attribute_map), attribute_map.type.eContainer()
+    asks = _ASKING.get(attribute_map.message.name) if half == "response" else None
+    return "\n".join(
+        [
+            f"  ros_service_connection {name}_to_{'ros' if to_ros else 'jaus'} {{",
+            f"    direction: {'rosToJaus' if peer else 'jausToRos'}",
+            f"    service: {name}  type: std_srvs/{kind.name}",
+            f"    {half}: {name}",
+            *([f"    message: {asks}"] if asks else []),
+            "    successMember: success  reasonMember: message",
+            *([f"    peers: {peer}  control: false"] if peer else []),
+            "  }",
+        ]
+    )
 
 
 def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
