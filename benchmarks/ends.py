@@ -191,6 +191,7 @@ class Subscription:
     Attributes:
         handle: The subscription.
         wait_set: A wait set for it alone.
+        missed: Messages of the one publisher that never came, by the numbers that `discard` saw.
     """
 
     def __init__(self, node: Any, context: Context, ros_class: type[Any], topic: str) -> None:
@@ -206,6 +207,8 @@ class Subscription:
         self.handle = self._subscription.handle
         self.wait_set = implementation.WaitSet(1, 0, 0, 0, 0, 0, context.handle)
         self._class = ros_class
+        self.missed = 0
+        self._next: int | None = None
 
     def take(self, timeout: float = 1.0) -> bytes | None:
         """Waits for a message and takes it; None when none came in some seconds."""
@@ -218,8 +221,12 @@ class Subscription:
     def discard(self) -> int:
         """Takes what waits; returns the number of messages."""
         count = 0
-        while self.handle.take_message(self._class, _RAW) is not None:
+        while (taken := self.handle.take_message(self._class, _RAW)) is not None:
             count += 1
+            number = taken[1]["publication_sequence_number"]
+            if self._next is not None:
+                self.missed += max(number - self._next, 0)
+            self._next = number + 1
         return count
 
 

@@ -52,7 +52,9 @@ GROWTH = 1.0
 WARM = 0.25
 """Share of the looks that are not judged: caches fill, and the allocator finds its size."""
 
-_LOSSES = ("lost in queue", "missed", "too old")
+_LOSSES = ("missed", "too old")
+"""What a bridge counts of a topic; those lost in the queue are among the missed."""
+
 _DROPPED = "dropped: "
 _OF_THE_KERNEL = "dropped by the kernel"
 _LAST_REPORT = 3.0
@@ -118,12 +120,13 @@ class _Soaked(Loop):
 
 
 class _Losses:
-    """What was counted as lost: by the bridge, and by the kernel at the socket of this process."""
+    """What was counted as lost: by the bridge, and by those who read in this process."""
 
-    def __init__(self, ros: RosEnd, end: JausEnd) -> None:
+    def __init__(self, ros: RosEnd, ends: _Soaked) -> None:
         """Listens to the diagnostics of the bridge."""
         self._subscription = ros.subscription(DiagnosticArray, "/diagnostics")
-        self._inode = os.fstat(end.sock.fileno()).st_ino
+        self._reader = ends.subscription
+        self._inode = os.fstat(ends.end.sock.fileno()).st_ino
         self._latest: dict[str, int] = {}
         self._before: dict[str, int] = {}
 
@@ -134,7 +137,7 @@ class _Losses:
     def now(self) -> dict[str, int]:
         """Returns how much was lost by way."""
         found = self._read()
-        return {way: found.get(way, 0) - self._before.get(way, 0) for way in WAYS}
+        return {way: found[way] - self._before[way] for way in WAYS}
 
     def _read(self) -> dict[str, int]:
         while (data := self._subscription.take(0.0)) is not None:
@@ -145,8 +148,10 @@ class _Losses:
                     int(each.value) for each in status.values if _is_loss(each.key)
                 )
             self._latest = lost
-        down = self._latest.get("down", 0) + _dropped_by_the_kernel(self._inode)
-        return {**self._latest, "down": down}
+        return {
+            "up": self._latest.get("up", 0) + self._reader.missed,
+            "down": self._latest.get("down", 0) + _dropped_by_the_kernel(self._inode),
+        }
 
 
 def _is_loss(key: str) -> bool:
@@ -233,7 +238,7 @@ def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
     ):
         loop.start(children, folder)
         (child,) = loop.processes
-        losses = _Losses(ros, loop.end)
+        losses = _Losses(ros, loop)
         loop.reach()
         settle([loop])
         _rest(loop)

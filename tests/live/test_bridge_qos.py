@@ -242,8 +242,12 @@ def test_parameters_change_while_the_node_runs(node):
 def test_misspelt_parameters_are_named_with_what_is_near(node, caplog):
     tested = node("-p", "drive.rat:=5.0", "-p", "use_sim_time:=false", "-p", "zzz:=1")
     tested.parameter(Parameter("drive.rate", 1.0, "Rate."))
-    with caplog.at_level(logging.WARNING, "jausml"):
+    logger = logging.getLogger("jausml")
+    logger.addHandler(caplog.handler)  # what is logged goes to ROS alone from the start on
+    try:
         tested.start(pytest.fail)
+    finally:
+        logger.removeHandler(caplog.handler)
     assert [each.getMessage() for each in caplog.records] == [
         "/tested has no parameter drive.rat; did you mean drive.rate?",
         "/tested has no parameter zzz",

@@ -369,3 +369,21 @@ def test_sparklines_are_relative_to_the_declared_rate():
     assert sparkline((), 10.0) == ""
     assert len(sparkline((1.0,) * 50, None, 12)) == 12
     assert sparkline((-3.0, 1.0), None) == "▁█"
+
+
+# ------------------------------------------------------------------ states of connections
+
+
+def test_a_connection_has_the_state_that_its_bridge_says():
+    told = status(level=3, message="emergency", values=(("state", "refused"), *VALUES))
+    state = fold_statuses(SystemState(), [told], 0.0)
+    assert (only(state).phase, only(state).level) == ("refused", Level.STALE)
+    assert row(only(state))[0] == "refused"
+    assert as_values(state)["connections"][0]["state"] == "refused"
+    gone = fold_time(state, SILENCE + 1.0)
+    assert row(only(gone))[0] == "not heard"
+    assert as_values(gone)["connections"][0]["state"] is None
+
+
+def test_a_bridge_that_says_no_state_is_shown_by_its_level():
+    assert row(only(fold_statuses(SystemState(), [status()], 0.0)))[0] == "ok"

@@ -59,6 +59,16 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
     yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
     yield ParameterLine("autostart", value=True, about="Whether the node becomes active by itself.")
     yield ParameterLine(
+        "jaus_allowed_hosts",
+        ",".join(element.allowedHosts),
+        "IPv4 addresses and networks that JAUS is taken from, with commas; empty for any.",
+    )
+    yield ParameterLine(
+        "jaus_fixed_sources",
+        bool(element.fixedSources),
+        "Whether a component that is suddenly heard from another endpoint is refused.",
+    )
+    yield ParameterLine(
         "jaus_authority",
         element.authority,
         "Authority that control of JAUS components is requested with.",

@@ -1,4 +1,4 @@
-"""Target `bringup`: launch files, parameters and the list of processes of a system."""
+"""Target `bringup`: launch files, parameters, SROS 2 policies and processes of a system."""
 
 from __future__ import annotations
 
@@ -28,7 +28,11 @@ def tasks(model: Model) -> list[Task]:
         description=f"Starts the system {system.name}.",
         dependencies=bringup.dependencies,
         test_dependencies=(),
-        data=(("launch", "launch/*.launch.py"), ("config", "config/*.yaml")),
+        data=(
+            ("launch", "launch/*.launch.py"),
+            ("config", "config/*.yaml"),
+            *([("security", "security/*.policy.xml")] if bringup.policies else []),
+        ),
         python=False,
     )
     return [
@@ -43,6 +47,11 @@ def tasks(model: Model) -> list[Task]:
             "config.yaml.j2",
             bringup.configs,
             lambda config: f"{bringup.name}/config/{config.process.name}.yaml",
+        ),
+        FileTask(
+            "policy.xml.j2",
+            bringup.policies,
+            lambda policy: f"{bringup.name}/security/{policy.name}.policy.xml",
         ),
     ]
 
@@ -73,7 +82,7 @@ def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:
 
 TARGET = Target(
     name="bringup",
-    description="Launch files and parameters of the system.",
+    description="Launch files, parameters and SROS 2 policies of the system.",
     tasks=tasks,
     template_folders=(templates_beside(__file__), PACKAGE_TEMPLATES),
     processes=processes,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.languages.python import Imports, offered
 from jausml.generation.literals import printable, python_string, yaml_string
 from jausml.generators.bridge.parameters import ParameterLine, parameter_lines
+from jausml.generators.bringup.policies import PolicyView
 from jausml.generators.common.components import (
     TRANSPORTS,
     plain_components,
@@ -359,6 +360,11 @@ class BringupView:
         return tuple(
             ConfigView(self.source, process) for process in self.processes if process.speaks_ros
         )
+
+    @property
+    def policies(self) -> tuple[PolicyView, ...]:
+        """One SROS 2 policy for each bridge."""
+        return tuple(PolicyView(self.source, view.bridge) for view in self.bridges)
 
     @property
     def dependencies(self) -> tuple[str, ...]:

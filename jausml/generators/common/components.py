@@ -164,9 +164,15 @@ def transport_settings(system: System, component: jaus.Component) -> str:
         system: The system.
         component: The component.
     """
+    arguments = [*_host_arguments(system, component), *_source_arguments(component)]
+    return call("TransportSettings", *arguments)
+
+
+def _host_arguments(system: System, component: jaus.Component) -> list[str]:
+    """Returns what is not as the runtime has it by itself because of the host."""
     host = host_of(system, component)
     if host is None:
-        return call("TransportSettings")
+        return []
     arguments = [
         f"interface={python_string(host.interface)}",
         f"port={int(host.port)}",
@@ -180,7 +186,21 @@ def transport_settings(system: System, component: jaus.Component) -> str:
     others = _peers_elsewhere(system, host)
     if others:
         arguments.append(f"address_book={call('peers', *map(python_string, others))}")
-    return call("TransportSettings", *arguments)
+    return arguments
+
+
+def _source_arguments(component: jaus.Component) -> list[str]:
+    """Returns what says from where a bridge takes messages."""
+    if not isinstance(component, bridge.Bridge):
+        return []
+    arguments = []
+    if component.allowedHosts:
+        arguments.append(
+            f"allowed_hosts=({', '.join(map(python_string, component.allowedHosts))},)"
+        )
+    if component.fixedSources:
+        arguments.append("fixed_sources=True")
+    return arguments
 
 
 def _peers_elsewhere(system: System, host: Host) -> list[str]:

@@ -71,6 +71,7 @@ def connection_of(status: Status, now: float) -> ConnectionState | None:
         name=cut(name),
         jaus_id=status.hardware_id,
         level=_LEVELS[status.level] if known else Level.ERROR,
+        phase=told.get("state", "") if not concerns_bridge else "",
         reason=cut(status.message),
         rate=number(told.get("rate (Hz)", "")),
         declared_rate=number(told.get(_DECLARED, "")) or None,

@@ -228,7 +228,7 @@ def _patience(connection: ConnectionState) -> float:
 def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -> ConnectionState:
     if is_gone:
         reason = "its bridge says nothing any more"
-        return replace(connection, level=Level.NOT_HEARD, reason=reason, rate=None)
+        return replace(connection, level=Level.NOT_HEARD, phase="", reason=reason, rate=None)
     if connection.told is None:
         fault = state.sources.get("ROS", "")
         level = Level.UNKNOWN if fault else Level.NOT_HEARD

@@ -34,6 +34,7 @@ def _connection(connection: ConnectionState, now: float) -> dict[str, Any]:
         "connection": connection.name,
         "jaus_id": connection.jaus_id,
         "level": connection.level.value,
+        "state": connection.phase or None,
         "reason": connection.reason,
         "rate": connection.rate,
         "declared_rate": connection.declared_rate,

@@ -96,6 +96,7 @@ class ConnectionState:
         name: Name of the connection; `jaus state` and the like concern the bridge.
         jaus_id: JAUS id of the bridge.
         level: How well it goes.
+        phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
         reason: Why so, in a few words.
         rate: Messages each second since the status before, None when unknown.
         declared_rate: Messages each second that the model promises, None when it promises none.
@@ -115,6 +116,7 @@ class ConnectionState:
     name: str
     jaus_id: str = ""
     level: Level = Level.NOT_HEARD
+    phase: str = ""
     reason: str = ""
     rate: float | None = None
     declared_rate: float | None = None

@@ -39,6 +39,11 @@ def shown_name(connection: ConnectionState) -> str:
     return f"{connection.bridge.lstrip('/')} {connection.name}"
 
 
+def shown_state(connection: ConnectionState) -> str:
+    """Returns the state of a connection as its bridge calls it, or else how well it goes."""
+    return cell(connection.phase) or connection.level.value
+
+
 def sparkline(history: Sequence[float], declared: float | None, width: int = 12) -> str:
     """Returns the latest rates as bars, of which the highest is the greatest or declared rate.
 
@@ -89,7 +94,7 @@ def _peers(connection: ConnectionState) -> str:
 
 
 COLUMNS = (
-    Column("state", lambda each: each.level.value, lambda each: -each.level.weight),
+    Column("state", shown_state, lambda each: -each.level.weight),
     Column("connection", shown_name, shown_name),
     Column("Hz", lambda each: _figure(each.rate), lambda each: each.rate, is_number=True),
     Column(

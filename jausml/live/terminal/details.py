@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from jausml.live.systems.tables import cell, shown_name, sparkline
+from jausml.live.systems.tables import cell, shown_name, shown_state, sparkline
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,7 +22,7 @@ _BARS = 40
 
 def told_of(connection: ConnectionState) -> Text:
     """Returns what the model and the bridge say of a connection."""
-    text = titled(shown_name(connection), [f"{connection.level.value}: {connection.reason}"])
+    text = titled(shown_name(connection), [f"{shown_state(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:
         topics = ", ".join(each.name for each in declaration.topics)

@@ -779,6 +779,24 @@ class Bridge(jaus.Component):
     Diagnostics come at this rate too, but not more often than once a second.
     """
 
+    allowedHosts: abc.Sequence[str]
+    """IPv4 addresses and networks, such as 10.0.0.0/24, that JAUS messages are taken from; none
+    means any.
+
+    Processes of the same host are always heard. What comes from elsewhere is dropped and counted as
+    transport.source_not_allowed.
+    """
+
+    fixedSources: bool
+    """Whether a component is heard from one endpoint only: over UDP until it was silent there for
+    10 s, over TCP until its connection ends.
+
+    What comes in its name from another endpoint is dropped and counted as transport.source_refused.
+    False, as AS5669A has it, is that the address of the newest message counts, so that whoever
+    sends one message in the name of a component gets what is for it. A component that starts again
+    on another port, or takes a shared port over, is refused for as long.
+    """
+
     maps: abc.Sequence[AttributeMap]
     """Attribute maps of this bridge."""
 

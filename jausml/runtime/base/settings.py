@@ -70,6 +70,10 @@ class TransportSettings:
             must take something of what waits for it.
         node_manager_directory: Folder of the local sockets of a node manager and its
             components; the system's folder for temporary files when empty.
+        allowed_hosts: IPv4 addresses and networks, e.g. `10.0.0.0/24`, that packets are taken from
+            besides the interface itself; any when empty.
+        fixed_sources: Whether a component that was heard from one endpoint is not heard from
+            another one before the first was silent for `address_lifetime` (JTCP: has closed).
 
     Raises:
         ValueError: A value is out of its range.
@@ -95,6 +99,8 @@ class TransportSettings:
     send_buffer: int = 1 << 20
     connection_timeout: float = 5.0
     node_manager_directory: str = ""
+    allowed_hosts: tuple[str, ...] = ()
+    fixed_sources: bool = False
 
     def __post_init__(self) -> None:
         """Refuse values with which nothing could be exchanged."""
@@ -123,6 +129,11 @@ class TransportSettings:
             if not address.is_concrete:
                 raise ValueError(f"address book entry {address} does not name one component")
             _check(f"port of {address}", port, 1, 65535)
+        for each in self.allowed_hosts:
+            try:
+                ipaddress.IPv4Network(each)
+            except ValueError as error:
+                raise ValueError(f"allowed host {each!r}: {error}") from error
 
 
 def add_arguments(
@@ -189,6 +200,19 @@ def add_arguments(
         metavar="FOLDER",
         help="where the node manager has its local sockets (default: that for temporary files)",
     )
+    group.add_argument(
+        "--jaus-allowed-hosts",
+        default=",".join(known.allowed_hosts),
+        metavar="NETWORKS",
+        help="IPv4 addresses and networks that packets are taken from, with commas between them,"
+        " e.g. 10.0.0.0/24,10.0.1.7; empty for any (default: %(default)r)",
+    )
+    group.add_argument(
+        "--jaus-fixed-sources",
+        action=argparse.BooleanOptionalAction,
+        default=known.fixed_sources,
+        help="refuse a component that is suddenly heard from elsewhere (default %(default)s)",
+    )
 
 
 def from_arguments(
@@ -214,6 +238,10 @@ def from_arguments(
         multicast_ttl=arguments.jaus_multicast_ttl,
         fragment_size=arguments.jaus_fragment_size,
         address_book={**known.address_book, **dict(arguments.jaus_peer)},
+        allowed_hosts=tuple(
+            each.strip() for each in arguments.jaus_allowed_hosts.split(",") if each
+        ),
+        fixed_sources=arguments.jaus_fixed_sources,
     )
 
 

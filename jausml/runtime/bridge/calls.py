@@ -14,6 +14,8 @@ from . import parameters
 from .call_translation import CallFailedError, CallTranslation
 from .connection import NOT_READY
 from .diagnostics import ConnectionStatus, Statistics
+from .state_log import StateLog
+from .states import Facts, judge
 from .stops import StopReason
 from .transcoding import Form
 
@@ -139,6 +141,7 @@ class Calls(Generic[CallT, AskingT]):
         self._under_way: dict[CallT, None] = {}
         self._halt: StopReason | None = None
         self._reported = 0
+        self._log = StateLog(name)
         self._ends: Ends
 
     # ------------------------------------------------------------------ for the kinds
@@ -283,14 +286,22 @@ class Calls(Generic[CallT, AskingT]):
             sum(each.statistics.drops.values()) for each in self._translations()
         )
         is_new, self._reported = failures > self._reported, failures
-        fault = self.fault()
-        level, message = "ok", "running"
-        if fault:
-            level, message = "stale", fault
-        elif is_new:
-            level, message = "warning", "calls fail"
-        hardware_id = str(self._ends.settings.address)
-        return ConnectionStatus(self.name, level, message, hardware_id, self._values())
+        judged = judge(
+            Facts(
+                lacking=self.fault(),
+                forbidden="" if self._halt is None else self._halt.value,
+                refusal=self.refusal(),
+                complaint="calls fail" if is_new else "",
+            )
+        )
+        self._log.note(judged, self._ends.loop.now())
+        values = (("state", judged.phase.value), *self._values())
+        own = str(self._ends.settings.address)
+        return ConnectionStatus(self.name, judged.level, judged.reason, own, values)
+
+    def refusal(self) -> str:
+        """Why nobody who is asked obeys, empty while somebody does or need not."""
+        return ""
 
     def _values(self) -> tuple[tuple[str, str], ...]:
         counts = self.statistics

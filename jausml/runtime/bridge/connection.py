@@ -137,6 +137,18 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """What the connection searches for and has not found, empty when it lacks nothing."""
         return ""
 
+    def forbidden(self) -> str:
+        """Why nothing may be passed on now, empty while it may."""
+        return "" if self._halt is None else self._halt.value
+
+    def refusal(self) -> str:
+        """Why nobody at the other end obeys, empty while somebody does or need not."""
+        return ""
+
+    def unwilling(self) -> str:
+        """Which of several at the other end do not obey, empty while all do or none does."""
+        return ""
+
     def describe_joins(self) -> list[tuple[str, str]]:
         """Names and ages of the joined topics, for diagnostics."""
         return []

@@ -26,6 +26,9 @@ _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (DecodeError, "not_decodable"),
 )
 
+FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
+"""Reasons for which a message could not be translated, whatever its values."""
+
 
 class Limiting:
     """What translations call for values that may not fit, and what counts those that do not.

@@ -111,6 +111,16 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
             "Bytes of a message in one packet of JAUS.",
             (2, MAX_FRAGMENT_SIZE),
         ),
+        Parameter(
+            "jaus_allowed_hosts",
+            ",".join(known.allowed_hosts),
+            "IPv4 addresses and networks that JAUS is taken from, with commas; empty for any.",
+        ),
+        Parameter(
+            "jaus_fixed_sources",
+            known.fixed_sources,
+            "Whether a component that is suddenly heard from another endpoint is refused.",
+        ),
     )
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from .diagnostics import NOT_LOST, THINNED, ConnectionStatus
+from .limiting import FAILURES
 from .rate import Rate
-from .stops import StopReason
+from .state_log import StateLog
+from .states import Facts, judge
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -15,7 +17,12 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from .diagnostics import Statistics
     from .quality import TopicFault
+    from .stops import StopReason
     from .transcoding import Form
+
+
+FEWEST_FAILURES = 3
+"""Messages on end that could not be passed on, after which a connection has failed."""
 
 
 class _Totals(NamedTuple):
@@ -56,6 +63,15 @@ class Reported(Protocol):
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
 
+    def forbidden(self) -> str:
+        """Why nothing may be passed on now."""
+
+    def refusal(self) -> str:
+        """Why nobody at the other end obeys."""
+
+    def unwilling(self) -> str:
+        """Which of several at the other end do not obey."""
+
     def stale_joins(self) -> list[str]:
         """Joins that have nothing fresh."""
 
@@ -89,6 +105,8 @@ class Reporter:
         self._faults: list[TopicFault] = []
         self._noted: dict[str, int] = {}
         self._rate = Rate()
+        self._succeeded: tuple[int, dict[str, int]] = (0, {})
+        self._log = StateLog(connection.name)
 
     def note_losses(self) -> int:
         """Counts what was lost since the last call; returns how much was lost in all."""
@@ -127,9 +145,10 @@ class Reporter:
         former, self._reported = self._reported or _Totals(now), present
         self._rate.note(now, present.arrivals, connection.declared_rate)
         faults = self._told_faults()
-        level, message = self._judge(former, present, faults)
-        values = self._values(now, faults)
-        return ConnectionStatus(connection.name, level, message, hardware_id, values)
+        judged = judge(self._facts(former, present, faults))
+        self._log.note(judged, now)
+        values = (("state", judged.phase.value), *self._values(now, faults))
+        return ConnectionStatus(connection.name, judged.level, judged.reason, hardware_id, values)
 
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
         connection, counts = self._connection, self._connection.statistics
@@ -167,39 +186,49 @@ class Reporter:
         self._faults = faults
         return faults
 
-    def _judge(
-        self, former: _Totals, present: _Totals, faults: list[TopicFault]
-    ) -> tuple[str, str]:
-        """Returns level and message."""
-        if present.errors > former.errors:
-            return "error", "values out of range"
-        if faults:
-            return "warning", faults[0].text
-        absence = self._absence()
-        if absence:
-            return "stale", absence
-        stale = ", ".join(self._connection.stale_joins())
-        if stale:
-            return "warning", f"nothing fresh from {stale}"
-        silent = ", ".join(map(str, self._connection.silent_peers()))
-        if silent:
-            return "warning", f"nothing from {silent}"
-        if present.dropped > former.dropped:
-            return "warning", "messages are dropped"
-        if present.lost > former.lost:
-            return "warning", "messages are lost"
-        if self._rate.is_slow:
-            return "warning", "slower than declared"
-        if present.limited > former.limited:
-            return "warning", "values are clamped"
-        return "ok", "running"
-
-    def _absence(self) -> str:
-        """Returns why no messages of the source stand; empty while they do."""
+    def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
         connection = self._connection
         lacking = connection.lacks_peers()
-        if lacking:
-            return f"searching {lacking}"
-        if connection.stopped is not None:
-            return connection.stopped.value
-        return StopReason.START.value if connection.statistics.last_arrival is None else ""
+        return Facts(
+            error="values out of range" if present.errors > former.errors else "",
+            fault=faults[0].text if faults else "",
+            lacking=f"searching {lacking}" if lacking else "",
+            failing=self._failing(),
+            stopped=connection.stopped,
+            forbidden=connection.forbidden(),
+            is_heard=connection.statistics.last_arrival is not None,
+            refusal=connection.refusal(),
+            complaint=self._complaint(former, present),
+        )
+
+    def _failing(self) -> str:
+        """Returns why nothing passes, when several messages on end have failed."""
+        counts = self._connection.statistics
+        failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
+        passed, before = self._succeeded
+        if counts.passed != passed:
+            self._succeeded = counts.passed, failures
+            return ""
+        new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
+        if sum(new.values()) < FEWEST_FAILURES:
+            return ""
+        return f"no message can be translated: {max(new, key=lambda each: new[each])}"
+
+    def _complaint(self, former: _Totals, present: _Totals) -> str:
+        """Returns what is not as it should be, though messages pass."""
+        stale = ", ".join(self._connection.stale_joins())
+        if stale:
+            return f"nothing fresh from {stale}"
+        unwilling = self._connection.unwilling()
+        if unwilling:
+            return unwilling
+        silent = ", ".join(map(str, self._connection.silent_peers()))
+        if silent:
+            return f"nothing from {silent}"
+        if present.dropped > former.dropped:
+            return "messages are dropped"
+        if present.lost > former.lost:
+            return "messages are lost"
+        if self._rate.is_slow:
+            return "slower than declared"
+        return "values are clamped" if present.limited > former.limited else ""

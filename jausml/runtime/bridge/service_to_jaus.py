@@ -211,10 +211,12 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         return self._peers.describe()
 
     def fault(self) -> str:
-        """What is searched for, and why nobody obeys."""
+        """What is searched for."""
         lacking = self._peers.lacking()
-        if lacking:
-            return f"searching {lacking}"
+        return f"searching {lacking}" if lacking else ""
+
+    def refusal(self) -> str:
+        """Whether nobody obeys."""
         obeying = any(map(self._peers.obeys, self._peers.present))
         return "" if obeying else "no peer obeys"
 

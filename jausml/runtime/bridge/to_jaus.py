@@ -159,6 +159,19 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """What is searched for and not found."""
         return self._peers.lacking()
 
+    def refusal(self) -> str:
+        """Why no peer obeys."""
+        refusing = self._route.refusing
+        if not refusing or self._route.senders:
+            return ""
+        return f"no peer obeys: {self._peers.reason(refusing[0])}"
+
+    def unwilling(self) -> str:
+        """Which of several peers do not obey."""
+        if not self._route.senders or not self._route.refusing:
+            return ""
+        return f"does not obey: {', '.join(map(str, self._route.refusing))}"
+
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what the bridge commands while it may not command."""
         return self.halt(standing.halt) if self.is_command else super().follow(standing, lost)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.peer_binding import PeerBinding
-from ..services.definitions import Guard
+from ..services.definitions import Guard, Status
 from . import parameters
 from .ages import jaus_age
 from .by_sender import Taker
@@ -411,6 +411,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """
         super().__init__(name, translate, **options)
         self._when = when
+        self._standing: Standing | None = None
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
@@ -421,12 +422,26 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""
+        self._standing = standing
         if not (self.is_command and standing.is_active):
             return super().follow(standing, lost)
         # Of other commands the guard decides, which the bridge asks before it takes a message.
         if self.halt(standing.halt if self._when is Guard.ANY else None):
             return True
         return lost is not None and self.stop(lost)
+
+    def forbidden(self) -> str:
+        """Why no command is obeyed now."""
+        standing = self._standing
+        if self._halt is not None or self._when is Guard.ANY or standing is None:
+            return super().forbidden()
+        if standing.halt is not None:
+            return standing.halt.value
+        if standing.controller is None:
+            lost = self.stopped is StopReason.CONTROL_LOST
+            return StopReason.CONTROL_LOST.value if lost else "nobody controls the bridge"
+        waits = self._when is Guard.READY and standing.status is not Status.READY
+        return StopReason.STANDBY.value if waits else ""
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""

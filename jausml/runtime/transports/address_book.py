@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..base.settings import Endpoint
 
+SOURCE_REFUSED = "transport.source_refused"
+"""Packets in the name of a component that is heard from elsewhere."""
+
 _MAX_LEARNT = 1024
 _NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
@@ -38,16 +41,18 @@ class Entry:
 
     Attributes:
         endpoint: Where it is; nowhere once it is forgotten.
-        heard: When it was heard last.
+        heard: When it was heard last; never while it is suspected to be elsewhere.
         asked: When it was asked last, in doubt.
+        spoke: When it was heard last before it was suspected.
     """
 
-    __slots__ = ("asked", "endpoint", "heard")
+    __slots__ = ("asked", "endpoint", "heard", "spoke")
 
     def __init__(self, endpoint: Endpoint, heard: float) -> None:
         self.endpoint = endpoint
         self.heard = heard
         self.asked = -math.inf
+        self.spoke = -math.inf
 
 
 class AddressBook:
@@ -57,19 +62,24 @@ class AddressBook:
     endpoint from which nothing came for ``lifetime`` seconds is kept but doubted, so that a
     component that restarted on another port or host is found again.
 
+    By that, whoever sends in the name of a component takes its traffic over. Fixed endpoints are
+    learnt anew only after such a silence, and others do not push them out while they are heard.
+
     Attributes:
         lifetime: Seconds of silence after which an endpoint is doubted.
         learnt: Components that were heard, the one silent longest first.
     """
 
-    def __init__(self, lifetime: float, counters: Counters) -> None:
+    def __init__(self, lifetime: float, counters: Counters, *, fixed: bool = False) -> None:
         """Start empty.
 
         Args:
             lifetime: Seconds of silence after which an endpoint is doubted.
-            counters: Where changed endpoints are counted.
+            counters: Where changed and refused endpoints are counted.
+            fixed: Whether an endpoint stands for as long as the component is heard from it.
         """
         self.lifetime = lifetime
+        self._fixed = fixed
         self._counters = counters
         self._configured: dict[JausAddress, Entry] = {}
         self.learnt: OrderedDict[int, Entry] = OrderedDict()
@@ -92,15 +102,21 @@ class AddressBook:
         entry = self.learnt.get(address) or self._configured.get(address)
         return None if entry is None else entry.endpoint
 
-    def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> None:
-        """Note that a component was heard from an endpoint."""
+    def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> bool:
+        """Note that a component was heard from an endpoint; return whether it may be heard there.
+
+        What is refused is counted, as ``transport.source_refused``.
+        """
         entry = self.learnt.get(address)
         if entry is None:
-            if len(self.learnt) >= _MAX_LEARNT:
-                forgotten, former = self.learnt.popitem(last=False)
-                former.endpoint = _NOWHERE
-                self._counters.count("transport.address_book_full", f"forgot {forgotten}")
+            if len(self.learnt) >= _MAX_LEARNT and not self._forget(now):
+                self._counters.count(SOURCE_REFUSED, f"{address} at {endpoint}: too many others")
+                return False
             entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
+        elif entry.endpoint != endpoint and self._stands(entry, now):
+            detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
+            self._counters.count(SOURCE_REFUSED, detail)
+            return False
         else:
             self.learnt.move_to_end(address)
             entry.heard = now
@@ -109,11 +125,28 @@ class AddressBook:
                 "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
             )
             entry.endpoint = endpoint
+        return True
+
+    def _stands(self, entry: Entry, now: float) -> bool:
+        """Return whether an endpoint is fixed, and nobody else can have it yet."""
+        return self._fixed and now - max(entry.heard, entry.spoke) < self.lifetime
+
+    def _forget(self, now: float) -> bool:
+        """Make room by the component that is silent longest; return whether that may be."""
+        forgotten = next(iter(self.learnt))
+        entry = self.learnt[forgotten]
+        if self._stands(entry, now):
+            return False
+        del self.learnt[forgotten]
+        entry.endpoint = _NOWHERE
+        self._counters.count("transport.address_book_full", f"forgot {forgotten}")
+        return True
 
     def suspect(self, address: JausAddress) -> None:
         """Doubt an endpoint at once, because the component failed to acknowledge."""
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None:
+            entry.spoke = max(entry.spoke, entry.heard)
             entry.heard = -math.inf
             entry.asked = max(entry.asked, _LONG_AGO)
 

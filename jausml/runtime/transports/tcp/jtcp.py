@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from ...base.address import BROADCAST
 from ...base.counters import LOGGER
-from ..address_book import resolve
+from ..address_book import SOURCE_REFUSED, resolve
+from ..allowed_hosts import AllowedHosts
 from ..delivery import report
 from ..packets.carrier import ReliableCarrier
 from ..packets.duplicates import DuplicateWindow
@@ -69,6 +70,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self)
         self._inbox = self._messenger.inbox
         self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
+        self._allowed = AllowedHosts(settings, self.counters)
         self._book: dict[JausAddress, Endpoint] = {}
         self._routes: OrderedDict[JausAddress, TcpConnection] = OrderedDict()
         self._lines: dict[Endpoint, _Line] = {}
@@ -210,7 +212,9 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             except OSError as error:
                 self.counters.count("jtcp.accept_failed", str(error))
                 return
-            if len(self._connections) >= _MAX_CONNECTIONS:
+            if not self._allowed.admits(peer):
+                sock.close()
+            elif len(self._connections) >= _MAX_CONNECTIONS:
                 self.counters.count("jtcp.too_many_connections", f"refused {peer[0]}:{peer[1]}")
                 sock.close()
             else:
@@ -247,7 +251,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     def _on_packet(self, packet: Packet, connection: TcpConnection) -> None:
         if self._inbox.refuses(packet, connection):
             return
-        self._learn(packet, connection)
+        if not self._learn(packet, connection):
+            return
         is_announced = packet.acknowledge is AckNak.ACK and not packet.payload
         if is_announced and packet.destination.is_wildcard:
             self.counters.add("jtcp.present")
@@ -258,22 +263,29 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         if not is_taken and not is_relayed:
             self.counters.add("transport.not_for_us")
 
-    def _learn(self, packet: Packet, connection: TcpConnection) -> None:
+    def _learn(self, packet: Packet, connection: TcpConnection) -> bool:
+        """Note the way to the sender of a packet; return whether it may be heard by this one."""
         address = packet.source
         former = self._routes.get(address)
+        is_full = former is None and len(self._routes) >= _MAX_ROUTES
+        if self._settings.fixed_sources and (is_full or former not in (None, connection)):
+            reason = "too many others" if former is None else f"it is heard from {former}"
+            self.counters.count(SOURCE_REFUSED, f"{address} at {connection}: {reason}")
+            return False
         # A broadcast may come by several ways, of which none is better than the one known.
         if former is connection or (former is not None and packet.destination.is_wildcard):
             self._routes.move_to_end(address)
-            return
+            return True
         if former is not None:
             self.counters.count(
                 "transport.address_changed", f"{address} from {former} to {connection}"
             )
-        elif len(self._routes) >= _MAX_ROUTES:
+        elif is_full:
             forgotten, _ = self._routes.popitem(last=False)
             self.counters.count("transport.address_book_full", f"forgot {forgotten}")
         self._routes[address] = connection
         self._routes.move_to_end(address)
+        return True
 
     # ---- several processes on one host ------------------------------------------------------
 

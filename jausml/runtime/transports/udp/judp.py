@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ...base.counters import LOGGER
 from ...base.settings import JUDP_PORT
 from ..address_book import AddressBook
+from ..allowed_hosts import AllowedHosts
 from ..packets.messenger import Messenger
 from ..packets.packet import Packet, Priority, parse_datagram
 from ..port_holder import manager_folder
@@ -54,7 +55,10 @@ class JudpTransport(Transport):
         """
         super().__init__(settings, loop)
         self._port = SharedPort(settings)
-        self._book = AddressBook(settings.address_lifetime, self.counters)
+        self._book = AddressBook(
+            settings.address_lifetime, self.counters, fixed=settings.fixed_sources
+        )
+        self._allowed = AllowedHosts(settings, self.counters)
         self._sender = Sender(loop, self._port, self._book)
         self._messenger = Messenger(settings, loop, self._sender)
         self.arrival = self._messenger.inbox.arrival
@@ -209,6 +213,8 @@ class JudpTransport(Transport):
         if sender in self._port.endpoints:
             self.counters.add("judp.own_multicast")
             return
+        if not self._allowed.admits(sender):
+            return
         if data[:1] == b"\0" and sender[0] == self._settings.interface:
             self._on_neighbour(data, sender)
             return
@@ -219,7 +225,8 @@ class JudpTransport(Transport):
         if self._inbox.refuses(packet, sender):
             return
         now = self.loop.now()
-        self._book.learn(packet.source, sender, now)
+        if not self._book.learn(packet.source, sender, now):
+            return
         if not self._inbox.take(packet, sender, now):
             self._on_stray(packet, sender, may_forward=may_forward)
 
@@ -243,6 +250,8 @@ class JudpTransport(Transport):
         present = read_present(frame)
         if forwarded is not None:
             origin, datagram = forwarded
+            if not self._allowed.admits(origin):
+                return
             for packet in parse_datagram(datagram, self.counters):
                 self._on_packet(packet, origin, may_forward=False)
         elif present is not None:

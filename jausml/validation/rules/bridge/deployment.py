@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 PARAMETERS = frozenset(
     {
         "diagnostics_frequency",
+        "jaus_allowed_hosts",
         "jaus_authority",
+        "jaus_fixed_sources",
         "jaus_fragment_size",
         "jaus_id",
         "jaus_interface",

@@ -1,0 +1,120 @@
+"""State of a connection in one word, from what is known of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+from .stops import StopReason
+
+
+class ConnectionPhase(Enum):
+    """How it stands with a connection; the value is what diagnostics and logs say."""
+
+    WAITING = "waiting"
+    """Nothing came yet, or the other end is not there."""
+    ACTIVE = "active"
+    DEGRADED = "degraded"
+    """Messages pass, but not as they should."""
+    SILENT = "silent"
+    """The source says nothing usable any more; its stop stands, if it has one."""
+    REFUSED = "refused"
+    """It may not pass anything on, or nobody obeys."""
+    FAILED = "failed"
+    """What comes cannot be passed on."""
+
+
+LEVELS = {
+    ConnectionPhase.WAITING: "stale",
+    ConnectionPhase.ACTIVE: "ok",
+    ConnectionPhase.DEGRADED: "warning",
+    ConnectionPhase.SILENT: "stale",
+    ConnectionPhase.REFUSED: "stale",
+    ConnectionPhase.FAILED: "error",
+}
+"""Levels of `/diagnostics`."""
+
+_SILENCES = (StopReason.SILENCE, StopReason.CLOCK)
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a connection. Texts are empty for what is well.
+
+    Attributes:
+        error: What is wrong with the values that it is given.
+        fault: What is wrong with its topics.
+        lacking: Which other end is not there.
+        failing: Why none of the latest messages could be passed on.
+        stopped: Why no messages of the source stand.
+        forbidden: Why nothing may be passed on now.
+        is_heard: Whether a message ever came.
+        refusal: Why nobody at the other end obeys.
+        complaint: What is not as it should be, though messages pass.
+    """
+
+    error: str = ""
+    fault: str = ""
+    lacking: str = ""
+    failing: str = ""
+    stopped: StopReason | None = None
+    forbidden: str = ""
+    is_heard: bool = True
+    refusal: str = ""
+    complaint: str = ""
+
+
+class Judgement(NamedTuple):
+    """State of a connection.
+
+    Attributes:
+        phase: The state.
+        reason: Why, in words.
+    """
+
+    phase: ConnectionPhase
+    reason: str
+
+    @property
+    def level(self) -> str:
+        """Level of `/diagnostics`."""
+        return LEVELS[self.phase]
+
+
+def judge(facts: Facts) -> Judgement:
+    """Returns the state of a connection; of several facts the one that explains the others.
+
+    Args:
+        facts: What is known.
+    """
+    if facts.error:
+        return Judgement(ConnectionPhase.FAILED, facts.error)
+    if facts.fault:
+        return Judgement(ConnectionPhase.DEGRADED, facts.fault)
+    if facts.lacking:
+        return Judgement(ConnectionPhase.WAITING, facts.lacking)
+    if facts.failing and not facts.forbidden:
+        return Judgement(ConnectionPhase.FAILED, facts.failing)
+    if facts.stopped is not None:
+        return _stopped(facts, facts.stopped)
+    if facts.forbidden:
+        return Judgement(ConnectionPhase.REFUSED, facts.forbidden)
+    if not facts.is_heard:
+        return Judgement(ConnectionPhase.WAITING, StopReason.START.value)
+    if facts.refusal:
+        return Judgement(ConnectionPhase.REFUSED, facts.refusal)
+    if facts.complaint:
+        return Judgement(ConnectionPhase.DEGRADED, facts.complaint)
+    return Judgement(ConnectionPhase.ACTIVE, "running")
+
+
+def _stopped(facts: Facts, reason: StopReason) -> Judgement:
+    """Returns the state while no message of the source stands."""
+    if reason in _SILENCES and facts.is_heard:
+        return Judgement(ConnectionPhase.SILENT, reason.value)
+    if reason in (StopReason.START, *_SILENCES):
+        return Judgement(ConnectionPhase.WAITING, StopReason.START.value)
+    if facts.forbidden:
+        return Judgement(ConnectionPhase.REFUSED, facts.forbidden)
+    return Judgement(ConnectionPhase.WAITING, f"no message since: {reason.value}")

@@ -1,0 +1,102 @@
+"""Rules about whom a bridge listens to."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, system
+from jausml.model.diagnostics import Severity
+from jausml.semantics.commands import is_command
+from jausml.semantics.hosts import host_of
+from jausml.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from jausml.semantics.subject import Subject
+
+
+@rule("JML477", Severity.ERROR, "allowed host that is none")
+def allowed_hosts(subject: Subject) -> Iterator[Finding]:
+    """What a bridge allows messages from is an IPv4 address, or a network of such addresses.
+
+    A network is written as its first address and the number of bits that its addresses share.
+
+    Bad: `<allowedHosts>10.0.0.7/24</allowedHosts>`
+
+    Good: `<allowedHosts>10.0.0.0/24</allowedHosts>`
+    """
+    for owner in subject.instances(bridge.Bridge, needs=("name", "allowedHosts")):
+        for text in owner.allowedHosts:
+            fault = _fault(text)
+            if fault:
+                message = f"allowedHosts {text!a} of '{owner.name}' {fault}"
+                yield Finding(owner, message, "allowedHosts")
+
+
+def _fault(text: str) -> str:
+    try:
+        ipaddress.IPv4Network(text)
+    except ValueError:
+        pass
+    else:
+        return ""
+    try:
+        meant = ipaddress.IPv4Network(text, strict=False)
+    except ValueError:
+        return "is no IPv4 address and no network"
+    return f"is an address within the network {meant}, not the network"
+
+
+@rule("JML478", Severity.WARNING, "sources that nobody looks at")
+def sources_known(subject: Subject) -> Iterator[Finding]:
+    """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
+
+    A node manager does not tell where a message comes from.
+
+    Bad: a bridge with `fixedSources="true"` on a host with `transport="nodeManager"`
+
+    Good: the same host with `transport="judp"`
+    """
+    for whole in subject.instances(system.System):
+        for owner in whole.bridges:
+            host = host_of(whole, owner)
+            if host is None or host.transport.name != "nodeManager":
+                continue
+            note = Note(host, f"'{host.name}' has nodeManager")
+            for feature in ("allowedHosts", "fixedSources"):
+                if getattr(owner, feature):
+                    message = f"{feature} of '{owner.name}' has no effect behind a node manager"
+                    yield Finding(owner, message, feature, related=(note,))
+
+
+@rule("JML479", Severity.INFO, "command of anybody in control")
+def commanders_known(subject: Subject) -> Iterator[Finding]:
+    """A model says who may command what is on the ROS side.
+
+    JAUS has no authentication: whoever asks first for control of the bridge, or with a higher
+    authority, gets it, and may then send each command that it takes. `peers` or `search` of the
+    connection say from which components alone it is taken, `allowedHosts` of the bridge from which
+    hosts. A documentation of the connection that says why anybody may silences the rule too.
+
+    Bad: a connection from SetWrenchEffort to a topic, without peers
+
+    Good: the same with `peers="operator"`
+    """
+    needs = ("name", "direction", "exchange", "map", "peers", "search", "documentation")
+    for connection in subject.instances(bridge.Connection, needs=needs):
+        owner = connection.eContainer()
+        used = connection.map
+        if (
+            isinstance(owner, bridge.Bridge)
+            and connection.direction.name == "jausToRos"
+            and connection.exchange.name == "message"
+            and not (connection.peers or connection.search or connection.documentation)
+            and not owner.allowedHosts
+            and used is not None
+            and used.message is not None
+            and is_command(used.message)
+        ):
+            message = f"'{connection.name}' takes {used.message.name} of anybody in control"
+            yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
