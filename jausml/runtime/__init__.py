@@ -22,7 +22,6 @@ from .bridge.action_to_list import ActionToList
 from .bridge.actions import ListAction, Progress
 from .bridge.bridge import Bridge
 from .bridge.call_translation import CallTranslation
-from .bridge.calls import RosService
 from .bridge.carried import Carried
 from .bridge.connection import AnyConnection
 from .bridge.ends import RosSide
@@ -35,6 +34,7 @@ from .bridge.list_driver import ListMessages
 from .bridge.list_to_action import ListToAction
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
+from .bridge.service_client import RosService
 from .bridge.service_to_jaus import RosServiceToJaus
 from .bridge.settings import BridgeSettings
 from .bridge.shaping import Shape

@@ -6,8 +6,7 @@ or with its lock.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from ..wire.message import EncodeError
 from . import parameters
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from ..wire.message import Message
     from .ends import Ends
-    from .light_message import LightMessage
+    from .service_client import RosService
     from .stops import Standing
 
 MOST_CALLS = 64
@@ -41,45 +40,6 @@ UNANSWERED = "unanswered"
 
 CallT = TypeVar("CallT", bound="Call")
 AskingT = TypeVar("AskingT")
-
-
-@dataclass(frozen=True)
-class RosService:
-    """A service of ROS.
-
-    Attributes:
-        name: Its name.
-        type_name: Its type, e.g. `std_srvs/srv/SetBool`.
-        request: Light class of the request.
-        response: Light class of the response.
-        success: Path of the bool of the response that tells whether all went well; may be empty.
-        reason: Path of the text of the response that tells why not; may be empty.
-    """
-
-    name: str
-    type_name: str
-    request: type[LightMessage]
-    response: type[LightMessage]
-    success: str = ""
-    reason: str = ""
-
-
-class ServiceClient(Protocol):
-    """Calls one service of ROS."""
-
-    def is_ready(self) -> bool:
-        """Whether somebody serves."""
-
-    def call(self, request: bytes, answered: Callable[[bytes], None]) -> Callable[[], None]:
-        """Calls the service.
-
-        Args:
-            request: The serialized request.
-            answered: Is given the serialized response on the loop.
-
-        Returns:
-            What forgets the call.
-        """
 
 
 class Call:

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from ..wire import Message
     from .actions import ActionClient, GoalTaker, ListAction
     from .by_sender import Taker
-    from .calls import RosService, ServiceClient
     from .list_driver import ListDriver, ListMessages
     from .parameter import Parameter
     from .quality import TopicFault
+    from .service_client import RosService, ServiceClient
     from .settings import BridgeSettings
     from .simulation import Simulation
     from .topics import Topic, TopicCounts

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
-    from .calls import RosService, ServiceClient
     from .ends import Ends
+    from .service_client import RosService, ServiceClient
 
 NO_SERVICE = "no_service"
 

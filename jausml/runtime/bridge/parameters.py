@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from .actions import ListAction
-    from .calls import RosService
     from .ends import RosSide
+    from .service_client import RosService
     from .settings import BridgeSettings
     from .topics import Topic
 

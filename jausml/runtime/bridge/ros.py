@@ -49,12 +49,12 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
     from .actions import ActionClient, GoalTaker, ListAction
-    from .calls import RosService
     from .parameter import Parameter
     from .quality import TopicFault
     from .ros_actions import NodeActions
     from .ros_lifecycle import Managed
     from .ros_services import NodeClient, TakeRequest
+    from .service_client import RosService
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.loop import Loop
-    from .calls import RosService
+    from .service_client import RosService
 
     Reply = Callable[[bytes], None]
     TakeRequest = Callable[[bytes, Reply], None]

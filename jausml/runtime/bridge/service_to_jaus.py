@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
-    from .calls import RosService
     from .ends import Ends
+    from .service_client import RosService
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
 
