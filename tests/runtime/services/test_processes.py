@@ -238,7 +238,12 @@ class TestEnd:
 
     @pytest.mark.parametrize(
         "arguments",
-        [("--jaus-id", "1.255.1"), ("--jaus-id", "x"), ("--jaus-multicast-ttl", "300"), ("--no",)],
+        [
+            ("--jaus-id", "1.255.1"),
+            ("--jaus-id", "x"),
+            ("--jaus-multicast-ttl", "300"),
+            ("--nothing",),
+        ],
     )
     def test_wrong_command_line(self, robot, arguments):
         code, log = robot(*arguments).end()
