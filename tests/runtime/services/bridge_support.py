@@ -138,6 +138,7 @@ class Ros:
     Attributes:
         deliver: By topic, what gives the bridge a message.
         take: By topic, what gives the bridge a serialized message and its stamp.
+        served: By name, what takes the requests of a service.
         is_simulated: Whether time is simulated; `say_time` says it then.
     """
 
@@ -156,6 +157,7 @@ class Ros:
         self.parameters = {}
         self.changed = {}
         self.found_faults = {}
+        self.served = {}
         self.fails = False
 
     def attach(self, loop):
@@ -199,6 +201,15 @@ class Ros:
         self.take[topic.name] = lambda data, stamp=0: self._take(take, data, stamp)
         counts = self.counts[topic.name] = TopicCounts()
         return counts
+
+    def serve(self, service, handle):
+        self.made.append(("service", service.name))
+        self.served[service.name] = handle
+
+    def call(self, name, request, reply):
+        """Calls a service that the bridge serves."""
+        with self.loop.lock:
+            self.served[name](request, reply)
 
     def _take(self, take, data, stamp):
         with self.loop.lock:

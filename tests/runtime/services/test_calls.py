@@ -1,0 +1,202 @@
+"""Calls of ROS services that a bridge serves: each is answered, and never told that all is well."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from jausml.runtime import Guard
+from jausml.runtime.bridge.calls import MOST_CALLS, RosService
+from jausml.runtime.bridge.light_message import LightMessage
+from jausml.runtime.bridge.service_to_jaus import RosServiceToJaus
+from jausml.runtime.messages import (
+    QueryStatus,
+    QueryTimeout,
+    RejectControl,
+    ReportStatus,
+    ReportTimeout,
+    SetEmergency,
+    SetTime,
+)
+
+from .bridge_support import CORE, OWN, PEER, minutes
+
+
+class Request(LightMessage):
+    """A request without members."""
+
+    TYPE = "test_srvs/srv/Trigger_Request"
+
+
+class Response(LightMessage):
+    """A response that tells whether all went well."""
+
+    TYPE = "test_srvs/srv/Trigger_Response"
+
+    def __init__(self):
+        self.success = False
+        self.message = ""
+
+    def to_cdr(self):
+        return json.dumps([self.success, self.message]).encode()
+
+
+class Client:
+    """A ROS client.
+
+    Attributes:
+        told: What each call was answered with: success and reason.
+    """
+
+    def __init__(self, setting):
+        self._ros = setting.ros
+        self.told = []
+
+    def call(self):
+        self._ros.call("ask", b"", lambda data: self.told.append(tuple(json.loads(data))))
+
+
+@pytest.fixture
+def client(setting):
+    return Client(setting)
+
+
+def connection(asks=None, answer=ReportStatus, *, tells=True, **options):
+    words = {"success": "success", "reason": "message"} if tells else {}
+    return RosServiceToJaus(
+        "ask",
+        service=RosService("ask", "test_srvs/srv/Trigger", Request, Response, **words),
+        request=asks or QueryStatus(),
+        response=answer,
+        peers=[PEER],
+        timeout=1.5,
+        **options,
+    )
+
+
+def command(**options):
+    return connection(minutes(5), ReportStatus, is_command=True, **options)
+
+
+def answer(world, setting, message):
+    world.send(PEER, setting.bridge.component.address, message.encode())
+    world.settle()
+
+
+@pytest.fixture
+def peer(world):
+    return world.probe(str(PEER), strict=False)
+
+
+@pytest.mark.usefixtures("peer")
+class TestServedCalls:
+    def test_answer(self, world, setting, client):
+        served = setting.open(connection())
+        client.call()
+        world.settle()
+        assert client.told == []
+        answer(world, setting, ReportStatus())
+        assert client.told == [(True, "")]
+        world.run(5.0, step=0.1)
+        assert client.told == [(True, "")]
+        assert (served.statistics.arrivals, served.statistics.passed) == (1, 1)
+        assert setting.drops(served) == {}
+
+    def test_rejection(self, world, setting, client):
+        served = setting.open(command(rejections=[RejectControl]))
+        client.call()
+        answer(world, setting, RejectControl())
+        ((good, reason),) = client.told
+        assert not good
+        assert reason.startswith(f"{PEER} answered RejectControl")
+        assert setting.drops(served) == {"rejected": 1}
+
+    def test_timeout(self, world, setting, client):
+        served = setting.open(connection())
+        client.call()
+        world.run(1.6, step=0.05)
+        assert client.told == [(False, f"{PEER} did not answer within 1.5 s")]
+        answer(world, setting, ReportStatus())
+        assert len(client.told) == 1
+        assert setting.drops(served) == {"timed_out": 1}
+
+    def test_command_is_sent_once(self, world, setting, client):
+        setting.open(command())
+        client.call()
+        world.run(1.6, step=0.05)
+        assert world.count(SetTime.CODE) == 1
+        assert client.told[0][0] is False
+
+    def test_response_that_cannot_tell_is_not_sent(self, world, setting, client):
+        served = setting.open(connection(tells=False))
+        client.call()
+        world.run(1.6, step=0.05)
+        assert client.told == []
+        assert setting.drops(served) == {"timed_out": 1}
+        assert world.counters.snapshot()["bridge.ask.unanswered"] == 1
+
+    def test_inactive_bridge_ends_calls_and_takes_none(self, world, setting, client):
+        served = setting.open(connection())
+        client.call()
+        setting.bridge.set_active(False)
+        client.call()
+        assert [good for good, _ in client.told] == [False, False]
+        assert all(reason for _, reason in client.told)
+        assert setting.drops(served) == {"ended": 1, "not_ready": 1}
+        setting.bridge.set_active(True)
+        client.call()
+        answer(world, setting, ReportStatus())
+        assert client.told[2:] == [(True, "")]
+
+    def test_too_many_calls(self, setting, client):
+        served = setting.open(connection())
+        for _ in range(MOST_CALLS + 1):
+            client.call()
+        assert client.told == [(False, f"{MOST_CALLS} calls are under way")]
+        assert setting.drops(served) == {"too_many_calls": 1}
+
+    def test_end_of_the_bridge_ends_calls(self, setting, client):
+        setting.open(connection())
+        client.call()
+        setting.bridge.close()
+        assert [good for good, _ in client.told] == [False]
+
+
+def test_peer_that_does_not_obey(world, setting, client):
+    served = setting.open(command(control=Guard.READY))
+    client.call()
+    world.settle()
+    ((good, reason),) = client.told
+    assert not good
+    assert reason.startswith(f"no peer obeys ({PEER}: ")
+    assert setting.drops(served) == {"not_ready": 1}
+    assert world.count(SetTime.CODE) == 0
+
+
+def test_peer_that_is_gone_does_not_answer(world, setting, client):
+    setting.open(connection(QueryTimeout(), ReportTimeout))
+    client.call()
+    world.run(1.6, step=0.05)
+    assert client.told == [(False, f"{PEER} did not answer within 1.5 s")]
+
+
+def test_emergency_ends_commands(world, setting, client):
+    served = setting.open(command(), services=CORE)
+    client.call()
+    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    client.call()
+    assert [good for good, _ in client.told] == [False, False]
+    assert setting.drops(served) == {"ended": 1, "not_ready": 1}
+    assert world.count(SetTime.CODE) == 1
+
+
+def test_emergency_lets_queries_be(world, setting, client):
+    world.probe(str(PEER), strict=False)
+    setting.open(connection(), services=CORE)
+    client.call()
+    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    answer(world, setting, ReportStatus())
+    assert client.told == [(True, "")]
