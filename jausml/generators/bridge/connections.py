@@ -217,11 +217,18 @@ class ConnectionView:
             found.append(("rate", python_literal(self.rate)))
         if self._handler_guard != "ANY":
             found.append(("when", condition(self.message_element, self._handler_guard)))
+        if self.is_capped and self.connection.rateCap > 0:
+            found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
         if self.kind == "TopicsToMessage":
             found += self._sending()
         if self.kind == "TopicsToReport":
             found += self._reporting()
         return (*found, *self._shape, *self._when_lost)
+
+    @property
+    def is_capped(self) -> bool:
+        """Whether it can have a cap of what one source sends unasked."""
+        return self.kind == "MessageToTopics"
 
     @property
     def _shape(self) -> list[tuple[str, str]]:

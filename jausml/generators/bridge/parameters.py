@@ -148,6 +148,12 @@ def _call_lines(view: CallView) -> Iterator[ParameterLine]:
 
 def _shape_lines(view: ConnectionView) -> Iterator[ParameterLine]:
     name, own = view.name, view.connection
+    if view.is_capped:
+        yield ParameterLine(
+            f"{name}.rate_cap",
+            float(own.rateCap),
+            "Messages each second that are taken of one source; 0 is all.",
+        )
     yield ParameterLine(
         f"{name}.max_rate", float(own.maxRate), "Messages that pass each second at most; 0 is all."
     )

@@ -195,9 +195,9 @@ def _source_arguments(component: jaus.Component) -> list[str]:
         return []
     arguments = []
     if component.allowedHosts:
-        arguments.append(
-            f"allowed_hosts=({', '.join(map(python_string, component.allowedHosts))},)"
-        )
+        hosts = ", ".join(map(python_string, component.allowedHosts))
+        comma = "," if len(component.allowedHosts) == 1 else ""
+        arguments.append(f"allowed_hosts=({hosts}{comma})")
     if component.fixedSources:
         arguments.append("fixed_sources=True")
     return arguments

@@ -537,6 +537,16 @@ class Connection(NamedElement):
     """Messages each second of periodic events and queries, up to 1092; 0 means the frequency of
     the bridge."""
 
+    rateCap: float
+    """Messages each second that are taken of one source, and as many at once; 0 means all.
+
+    What comes beyond is dropped and counted as over_rate before it is translated, so that a source
+    that sends far too much does not hold up other connections. Beyond 256 sources all others have
+    one allowance together. It is for messages that come to the bridge unasked (exchange message,
+    jausToRos). The newest is dropped, a stop as well: the cap is well above what a source sends,
+    and maxRate is for what comes regularly.
+    """
+
     maxRate: float
     """Messages each second that pass at most; 0 means all.
 

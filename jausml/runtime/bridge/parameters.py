@@ -171,6 +171,17 @@ def max_rate(connection: str, hertz: float) -> Parameter:
     return Parameter(f"{connection}.max_rate", hertz, text, (0.0, GREATEST), check)
 
 
+def rate_cap(connection: str, hertz: float) -> Parameter:
+    """Returns the rate above which messages of one source are dropped; 0 is never."""
+    text = f"Messages of {connection} that are taken of one source each second (Hz); 0 is all."
+
+    def check(value: float) -> None:
+        if 0 < value < LEAST_MAX_RATE:
+            raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
+
+    return Parameter(f"{connection}.rate_cap", hertz, text, (0.0, GREATEST), check)
+
+
 def decimation(connection: str, number: int) -> Parameter:
     """Returns every how many messages of a connection one passes."""
     text = f"Every how many messages of {connection} one passes."

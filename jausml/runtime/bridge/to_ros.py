@@ -14,6 +14,7 @@ from .connection import FILTERED, Connection
 from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from .latency import age_of_stamp
 from .light_message import is_light
+from .rate_cap import RateCap
 from .simulation import real_rate
 from .stops import StopReason
 from .transcoding import Form, ros_encoder, uses_ros_classes
@@ -398,6 +399,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         translate: Callable[[SourceT], TargetT | None],
         *,
         when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
+        rate_cap: float = 0.0,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -407,15 +409,20 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             translate: Makes the ROS message, or None to pass nothing on.
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
+            rate_cap: Messages each second that are taken of one source; 0 means all.
             options: The other parameters of `ToTopics`.
         """
         super().__init__(name, translate, **options)
         self._when = when
         self._standing: Standing | None = None
+        self._rate_cap = rate_cap
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
         super().open(ends)
+        self._rate_cap = ends.ros.parameter(parameters.rate_cap(self.name, self._rate_cap))
+        if self._rate_cap > 0:
+            self._take = RateCap(self._rate_cap, ends.loop.now, self.drop).before(self._take)
         senders = None if self._peers.is_anybody else self._peers
         taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
         ends.accept(self._message, taker, self._when)

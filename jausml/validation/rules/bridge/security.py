@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import math
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, system
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.semantics.subject import Subject
+
+
+LEAST_RATE = 0.001
+"""Least rate in hertz that a cap can have, as the runtime has it."""
 
 
 @rule("JML477", Severity.ERROR, "allowed host that is none")
@@ -100,3 +105,26 @@ def commanders_known(subject: Subject) -> Iterator[Finding]:
         ):
             message = f"'{connection.name}' takes {used.message.name} of anybody in control"
             yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
+
+
+@rule("JML480", Severity.ERROR, "cap of what one source sends")
+def rate_caps(subject: Subject) -> Iterator[Finding]:
+    """A rateCap is 0 or at least 0.001 Hz, and stands where messages come unasked.
+
+    How many reports come is said by the rate of the event or of the query; what ROS publishes has
+    no source that the bridge could tell.
+
+    Bad: `direction="rosToJaus" rateCap="100"`
+
+    Good: `direction="jausToRos" exchange="message" rateCap="100"`
+    """
+    needs = ("name", "direction", "exchange", "rateCap")
+    for each in subject.instances(bridge.Connection, needs=needs):
+        if each.rateCap == 0:
+            continue
+        if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_RATE):
+            message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
+            yield Finding(each, f"{message} {LEAST_RATE:g} or more", "rateCap")
+        if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
+            message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
+            yield Finding(each, message, "rateCap", "state a maxRate")

@@ -1,0 +1,61 @@
+"""What a model says of sources, in the generated bridge and its parameter file."""
+
+from __future__ import annotations
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.bringup.target import TARGET as BRINGUP
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+TEXT = """
+import mappings.primitive_driver
+component operator { address: 100.1.1 }
+bridge SECURED {
+    address: 100.1.2
+    provides: PrimitiveDriver
+    HOSTS
+    connection drive { map: wrench_effort direction: jausToRos exchange: message
+        peers: operator CAP
+        topic cmd_vel {} }
+}
+"""
+
+
+def generated(tmp_path, hosts="", cap=""):
+    path = tmp_path / "model.ros2jaus"
+    text = TEXT.replace("HOSTS", hosts).replace("CAP", cap).replace("SECURED", "secured")
+    path.write_text(text, encoding="utf-8")
+    result = read_models([path], notations=NOTATIONS)
+    assert not result.has_errors, result.diagnostics
+    files = {str(each.path): each.text for each in render(result.model, [BRIDGE, BRINGUP])}
+    (base,) = [text for name, text in files.items() if name.endswith("secured_base.py")]
+    (parameters,) = [text for name, text in files.items() if name.endswith("secured.yaml")]
+    return " ".join(base.split()), parameters
+
+
+def test_sources_and_caps_are_what_the_model_says(tmp_path):
+    hosts = 'allowedHosts: "10.0.0.0/24", "10.0.1.7" fixedSources: true'
+    base, parameters = generated(tmp_path, hosts, "rateCap: 100")
+    assert 'allowed_hosts=("10.0.0.0/24", "10.0.1.7")' in base
+    assert "fixed_sources=True" in base
+    assert "rate_cap=100.0" in base
+    for line in (
+        'jaus_allowed_hosts: "10.0.0.0/24,10.0.1.7"',
+        "jaus_fixed_sources: true",
+        "drive.rate_cap: 100.0",
+    ):
+        assert line in parameters
+
+
+def test_one_host_is_a_tuple_too(tmp_path):
+    base, _ = generated(tmp_path, 'allowedHosts: "10.0.1.7"')
+    assert 'allowed_hosts=("10.0.1.7",)' in base
+
+
+def test_nothing_is_generated_where_nothing_is_said(tmp_path):
+    base, parameters = generated(tmp_path)
+    for word in ("allowed_hosts", "fixed_sources", "rate_cap"):
+        assert word not in base
+    for line in ('jaus_allowed_hosts: ""', "jaus_fixed_sources: false", "drive.rate_cap: 0.0"):
+        assert line in parameters
