@@ -7,8 +7,9 @@ import json
 import pytest
 
 from jausml.runtime import Guard
-from jausml.runtime.bridge.calls import MOST_CALLS, RosService
+from jausml.runtime.bridge.calls import MOST_CALLS
 from jausml.runtime.bridge.light_message import LightMessage
+from jausml.runtime.bridge.service_client import RosService
 from jausml.runtime.bridge.service_to_jaus import RosServiceToJaus
 from jausml.runtime.messages import (
     QueryStatus,
