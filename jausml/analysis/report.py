@@ -15,6 +15,7 @@ from jausml.analysis.warnings import asked_rate, warnings_of
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics import stops
 from jausml.semantics.hosts import host_of
+from jausml.semantics.report_joins import joined_reports
 from jausml.semantics.services import code
 from jausml.semantics.shaping import passed_rate
 
@@ -85,7 +86,7 @@ class ConnectionReport:
         code: Its code.
         type: Name of the ROS type.
         topics: Its topics.
-        joins: The joined topics.
+        joins: The joined topics, or the joined reports.
         peers: Who is at the other end.
         fan_out: Datagrams or topics that one message becomes, packets counted once.
         flows: What flows.
@@ -247,6 +248,10 @@ def connection_report(
     carried = [each for each in streams if each.kind in ("message", "event", "report")]
     out = [each for each in carried if each.sender is owner]
     to_ros = is_to_ros(connection)
+    joined = {each.join.message.name for each in joined_reports(connection)}
+    joined.discard(connection.map.message.name)
+    driving = [each for each in streams if each.message not in joined]
+    carried = [each for each in carried if each.message not in joined]
     arriving = sum(each.hertz for each in carried) if to_ros else assumptions.rate_of(connection)
     passing = passed_rate(connection, arriving)
     size = ros_size(connection.map.type, assumptions.length_of(connection))
@@ -258,7 +263,10 @@ def connection_report(
         code=code(connection.map.message),
         type=_type_name(connection),
         topics=tuple(topics),
-        joins=tuple(str(each.name) for each in connection.topics if each.join is not None),
+        joins=(
+            *(str(each.name) for each in connection.topics if each.join is not None),
+            *(str(each.join.message.name) for each in joined_reports(connection)),
+        ),
         peers=_peers(connection, streams, owner),
         fan_out=len(topics) if to_ros else len(out),
         flows=tuple(map(_flow, streams)),
@@ -266,7 +274,7 @@ def connection_report(
         ros_size=size,
         ros_rate=(passing if to_ros else arriving) * len(topics),
         share=seconds_of(connection, streams, size, passing),
-        budgets=budgets_of(connection, streams, assumptions.rate_of(connection)),
+        budgets=budgets_of(connection, driving, assumptions.rate_of(connection)),
         warnings=tuple(warnings_of(connection, streams, assumptions.rate_of(connection))),
     )
 

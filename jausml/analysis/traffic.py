@@ -25,6 +25,7 @@ from jausml.analysis.streams import (
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.hosts import host_of
 from jausml.semantics.paths import parse_path, target_paths
+from jausml.semantics.report_joins import joined_reports
 from jausml.semantics.requests import requested_fields
 from jausml.semantics.services import code, find_query, with_inherited
 from jausml.semantics.shaping import passed_rate
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
     from jausml.analysis.assumptions import Assumptions
     from jausml.analysis.streams import Asking
     from jausml.metamodel.classes.system import System
+    from jausml.semantics.report_joins import JoinedReport
+    from jausml.semantics.services import Provider
 
 _PRESENCE_VECTOR = "PresenceVector"
 
@@ -65,6 +68,7 @@ class _Ask:
         message: The report.
         exchange: `periodic`, `change` or `query`.
         hertz: How often; 0 for every change.
+        joined: The join that the report is for; None for what the connection is for.
     """
 
     client: jaus.Component
@@ -72,6 +76,27 @@ class _Ask:
     message: jaus.MessageDef
     exchange: str
     hertz: float
+    joined: JoinedReport | None = None
+
+    @property
+    def named_provider(self) -> Provider | None:
+        """Whoever is asked first; None when the model names nobody."""
+        if self.joined is not None:
+            return next(iter(self.joined.peers), None)
+        if isinstance(self.connection, bridge.Connection):
+            return next(iter(self.connection.peers), self.connection.search)
+        return None
+
+    def query_of(self, provider: Provider | None) -> jaus.MessageDef | None:
+        """Returns what asks a provider; None when that is not known."""
+        if provider is None:
+            return None
+        if self.joined is not None:
+            return self.joined.query_of(provider)
+        return find_query(self.connection, provider)
+
+
+_KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "periodic"}
 
 
 class _Streams:
@@ -120,12 +145,11 @@ class _Streams:
         for owner in self._system.bridges:
             for each in owner.bridgeConnections:
                 if is_to_ros(each) and not is_single(each):
-                    exchange = each.exchange.name
-                    kinds = {"everyChangeEvent": "change", "query": "query"}
-                    kind = kinds.get(exchange, "periodic")
+                    kind = _KINDS[each.exchange.name]
                     rate = 0.0 if kind == "change" else float(each.rate or owner.frequency)
                     for peer in _peers(each):
                         yield peer, _Ask(owner, each, each.map.message, kind, rate)
+                yield from _joined_asks(owner, each)
         for component in self._components:
             for wanted in component.connections:
                 if wanted.exchange.name != "oneTime":
@@ -213,8 +237,7 @@ class _Streams:
         if feeding:
             present = frozenset().union(*map(_assigned_fields, feeding))
         if isinstance(ask.connection, bridge.Connection) and isinstance(ask.client, bridge.Bridge):
-            provider = next(iter(ask.connection.peers), ask.connection.search)
-            query = find_query(ask.connection, provider) if provider is not None else None
+            query = ask.query_of(ask.named_provider)
             if query is not None and _has_presence_vector(query):
                 asked = requested_fields(ask.client).get(ask.message, frozenset())
                 present = asked if present is None else present & asked
@@ -223,7 +246,7 @@ class _Streams:
     def _query_size(self, ask: _Ask, provider: jaus.Component | None) -> tuple[str, Size]:
         search = getattr(ask.connection, "search", None)
         from_ = provider or search
-        query = find_query(ask.connection, from_) if from_ is not None else None
+        query = ask.query_of(from_)
         if query is None:
             return "its query", Size(2, 2, 2)
         return str(query.name), jaus_size(wire.resolve(query), self._assumptions.length)
@@ -359,6 +382,20 @@ class _Streams:
         return Stream(
             sender, receiver, message, kind, size, hertz, basis, fragment, connections=connections
         )
+
+
+def _joined_asks(
+    owner: bridge.Bridge, connection: bridge.Connection
+) -> Iterator[tuple[jaus.Component | None, _Ask]]:
+    """Yields whom a connection asks for joined reports, and what for."""
+    for report in joined_reports(connection):
+        if report.exchange != "message":
+            kind, message = _KINDS[report.exchange], report.join.message
+            ask = _Ask(owner, connection, message, kind, report.rate, report)
+            named: list[jaus.Component | None] = [
+                each for each in report.peers if isinstance(each, jaus.Component)
+            ]
+            yield from ((peer, ask) for peer in named or [None])
 
 
 def _controlled(owner: jaus.Component) -> Iterator[jaus.Component]:

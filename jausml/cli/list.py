@@ -114,7 +114,7 @@ def maps(
         wanted = ros_type.replace("/msg/", "/")
         found = _chosen(found, wanted, _types, "ROS type")
     if message_name is not None:
-        found = _chosen(found, message_name, lambda each: [each["message"]], "JAUS message")
+        found = _chosen(found, message_name, _reports, "JAUS message")
     if output_format == "json":
         _write_json(found)
         return
@@ -142,6 +142,11 @@ def _maps(models: tuple[str, ...]) -> list[dict[str, Any]]:
 def _types(each: dict[str, Any]) -> list[str]:
     """Returns the ROS type of a map and those of joined topics."""
     return [each["type"], *(join["type"] for join in each["joins"])]
+
+
+def _reports(each: dict[str, Any]) -> list[str]:
+    """Returns the JAUS message of a map and those of joined reports."""
+    return [each["message"], *(join["message"] for join in each["reportJoins"])]
 
 
 def _chosen(

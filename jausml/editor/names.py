@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from jausml.editor.positions import Place
     from jausml.metamodel import ClassTable
 
+_JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}
+"""Keyword and class of what source paths may begin with, by whether they lead to ROS."""
+
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
@@ -155,8 +158,7 @@ class _Collector:
                 self._declare(item.name, table("bridge.ValueTable"), item, owners)
             elif isinstance(item, Vector):
                 self._declare(item.name, table("bridge.TestVector"), item, owners)
-                if not item.to_ros:
-                    self._joins([each.path for each in item.given], owners)
+                self._joins([each.path for each in item.given], owners, to_ros=item.to_ros)
             elif isinstance(item, Direction):
                 self.items(item.assignments, item, None, (*owners, item))
             elif isinstance(item, Assignment):
@@ -183,8 +185,9 @@ class _Collector:
 
     def _assignment(self, assignment: Assignment, owners: tuple[Item, ...]) -> None:
         direction = next((each for each in owners if isinstance(each, Direction)), None)
-        if direction is not None and not direction.to_ros:
-            self._joins([each for each in assignment.sources if isinstance(each, Name)], owners)
+        if direction is not None:
+            paths = [each for each in assignment.sources if isinstance(each, Name)]
+            self._joins(paths, owners, to_ros=direction.to_ros)
         for call in assignment.conversions:
             self._call(call, owners)
         self.items(assignment.items, assignment, None, (*owners, assignment))
@@ -197,8 +200,9 @@ class _Collector:
             if wanted and isinstance(argument, Name):
                 self._refer(argument, table(wanted), owners)
 
-    def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...]) -> None:
+    def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...], *, to_ros: bool) -> None:
         """Notes paths that may begin with the name of a join of their map."""
+        keyword, wanted = _JOINS[to_ros]
         joins = {
             each.name.text
             for owner in owners
@@ -206,13 +210,13 @@ class _Collector:
             for each in owner.items
             if isinstance(each, Element)
             and each.keyword is not None
-            and each.keyword.text == "join"
+            and each.keyword.text == keyword
             and each.name is not None
         }
-        wanted = table("bridge.Join")
         for path in paths:
             if path.text.partition(".")[0] in joins:
-                self.names.references.append(Reference(path, wanted, owners, is_first_step=True))
+                reference = Reference(path, table(wanted), owners, is_first_step=True)
+                self.names.references.append(reference)
 
     def _declare(self, name: Name, own: ClassTable, item: Item, owners: tuple[Item, ...]) -> None:
         self.names.declarations.append(Declaration(name, own, item, owners))

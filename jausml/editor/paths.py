@@ -64,8 +64,9 @@ def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
     from_ros = RosPlace(type=kind, indexed=True) if kind is not None else None
     way = context.around(Direction) or context.around(Vector)
     if isinstance(way, (Direction, Vector)) and way.to_ros:
-        return _nested(Sides(from_jaus, from_ros, {}), context)
-    return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context)), context)
+        joins = _joins(bench, path, context, "report_join")
+        return _nested(Sides(from_jaus, from_ros, joins), context)
+    return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context, "join")), context)
 
 
 def _at_end(
@@ -124,18 +125,28 @@ def _follow(place: PathPlace | None, path: str) -> PathPlace | None:
     return found if isinstance(found, (JausPlace, RosPlace)) else None
 
 
-def _joins(bench: Workbench, path: Path, context: Context) -> dict[str, PathPlace]:
+def _joins(bench: Workbench, path: Path, context: Context, keyword: str) -> dict[str, PathPlace]:
     joins: dict[str, PathPlace] = {}
     for item in context.map.items if context.map is not None else []:
-        if isinstance(item, Element) and item.name is not None and _keyword(item) == "join":
+        if isinstance(item, Element) and item.name is not None and _keyword(item) == keyword:
             for feature in item.items:
-                if isinstance(feature, Feature) and feature.name.text == "type":
-                    value = feature.values[0]
-                    name = value.text if isinstance(value, Name) else ""
-                    type_ = bench.find(path, ros.MessageType, name) if name else None
-                    if type_ is not None:
-                        joins[item.name.text] = RosPlace(type=type_, indexed=True)
+                place = _joined(bench, path, feature) if isinstance(feature, Feature) else None
+                if place is not None:
+                    joins[item.name.text] = place
     return joins
+
+
+def _joined(bench: Workbench, path: Path, feature: Feature) -> PathPlace | None:
+    """Returns where the paths of a join start, if a feature says it."""
+    value = feature.values[0]
+    name = value.text if isinstance(value, Name) else ""
+    if name and feature.name.text == "type":
+        type_ = bench.find(path, ros.MessageType, name)
+        return RosPlace(type=type_, indexed=True) if type_ is not None else None
+    if name and feature.name.text == "message":
+        message = bench.find(path, jaus.MessageDef, name)
+        return message_place(message) if message is not None else None
+    return None
 
 
 def _keyword(element: Element) -> str:

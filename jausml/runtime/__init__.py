@@ -34,6 +34,7 @@ from .bridge.list_driver import ListMessages
 from .bridge.list_to_action import ListToAction
 from .bridge.parameters import AttributeParameter
 from .bridge.process import run_bridge, run_node
+from .bridge.report_joins import ReportJoin
 from .bridge.service_client import RosService
 from .bridge.service_to_jaus import RosServiceToJaus
 from .bridge.settings import BridgeSettings
@@ -127,6 +128,7 @@ __all__ = [
     "Progress",
     "Qos",
     "QueryToTopics",
+    "ReportJoin",
     "RosService",
     "RosServiceToJaus",
     "RosSide",

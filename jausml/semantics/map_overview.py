@@ -27,6 +27,7 @@ class MapOverview:
         directions: `JAUS->ROS`, `ROS->JAUS`, or both.
         quantities: Name, value and unit of each number of a vehicle.
         joins: Name, ROS type, seconds of freshness, and what to do when stale, of joined topics.
+        report_joins: The same of joined reports, with the name of the JAUS message.
         vectors: How many test vectors it has.
     """
 
@@ -39,6 +40,7 @@ class MapOverview:
     directions: tuple[str, ...]
     quantities: tuple[tuple[str, float, str], ...]
     joins: tuple[tuple[str, str, float, str], ...]
+    report_joins: tuple[tuple[str, str, float, str], ...]
     vectors: int
 
     @property
@@ -62,6 +64,10 @@ class MapOverview:
             "joins": [
                 {"name": name, "type": kind, "freshness": freshness, "whenStale": stale}
                 for name, kind, freshness, stale in self.joins
+            ],
+            "reportJoins": [
+                {"name": name, "message": message, "freshness": freshness, "whenStale": stale}
+                for name, message, freshness, stale in self.report_joins
             ],
             "vectors": self.vectors,
             "documentation": self.documentation,
@@ -92,6 +98,10 @@ def overview(attribute_map: bridge.AttributeMap) -> MapOverview:
         joins=tuple(
             (str(each.name), ros_name(each.type), float(each.freshness), str(each.whenStale))
             for each in attribute_map.joins
+        ),
+        report_joins=tuple(
+            (str(each.name), str(each.message.name), float(each.freshness), str(each.whenStale))
+            for each in attribute_map.reportJoins
         ),
         vectors=len(attribute_map.vectors),
     )

@@ -52,15 +52,20 @@ class PathScope:
         """Returns the place that a source path leads to; joins and `/` are known."""
         if path.startswith("/"):
             return outer_scope(self.map, to_ros=self.to_ros).find_source(path[1:])
-        if not self.to_ros and not self.is_nested:
-            first, _, rest = path.partition(".")
-            join = next((each for each in self.map.joins if each.name == first), None)
-            if join is not None and join.type is None:
-                return None
-            if join is not None:
-                is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
-                return RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".")
-        return self.source.follow(path)
+        first, _, rest = path.partition(".")
+        join = None if self.is_nested else self._join(first)
+        if join is None:
+            return self.source.follow(path)
+        if isinstance(join, bridge.ReportJoin):
+            return message_place(join.message).follow(rest or ".") if join.message else None
+        is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
+        return (
+            RosPlace(type=join.type, indexed=is_indexed).follow(rest or ".") if join.type else None
+        )
+
+    def _join(self, name: str) -> bridge.Join | bridge.ReportJoin | None:
+        joins = self.map.reportJoins if self.to_ros else self.map.joins
+        return next((each for each in joins if each.name == name), None)
 
     def find_target(self, path: str) -> FoundPlace:
         """Returns the place that a target path leads to."""

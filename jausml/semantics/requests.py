@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge
 from jausml.semantics.paths import source_paths
+from jausml.semantics.report_joins import report_join_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -23,7 +24,10 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
     incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for each in dict.fromkeys(incoming):
-        fields[each.message] |= requested_in(each)
+        for path in _read_paths(each.toRos):
+            join, rest = report_join_of(path, each.reportJoins)
+            message = each.message if join is None else join.message
+            fields[message].add(rest.split(".")[0].partition("[")[0])
     return {message: frozenset(names) for message, names in fields.items()}
 
 

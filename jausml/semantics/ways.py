@@ -160,6 +160,8 @@ def _directions(connection: bridge.Connection) -> list[str]:
     used = connection.map
     if any(topic.join is not None for topic in connection.topics):
         return [TO_JAUS]
+    if connection.sources:
+        return [TO_ROS]
     if used is None or bool(used.toRos) == bool(used.toJaus):
         return [TO_ROS, TO_JAUS]
     return [TO_ROS] if used.toRos else [TO_JAUS]

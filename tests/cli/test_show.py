@@ -182,6 +182,7 @@ def test_maps_of_a_ros_type(name, jausml):
     assert {line.split()[0] for line in lines[1:]} == {
         "local_pose",
         "local_pose_enu",
+        "odometry",
         "velocity_state",
     }
 
@@ -193,6 +194,15 @@ def test_maps_of_a_joined_type_and_a_message_in_json(jausml):
     )
     found = [json.loads(line) for line in result.stdout.splitlines()]
     assert "global_pose" in {each["map"] for each in found}
+
+
+def test_maps_of_a_joined_report(jausml):
+    result = jausml("list", "maps", "--jaus", "ReportVelocityState", "--format", "json")
+    found = {each["map"]: each for each in map(json.loads, result.stdout.splitlines())}
+    (join,) = found["odometry"]["reportJoins"]
+    assert (join["name"], join["message"]) == ("velocity", "ReportVelocityState")
+    shown = jausml("show", "map", "odometry").stdout
+    assert "  join velocity: ReportVelocityState, fresh for 0.5 s, then dropMessage\n" in shown
 
 
 @pytest.mark.parametrize(

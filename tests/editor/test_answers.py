@@ -22,6 +22,7 @@ velocity {{
     table gear ( A <-> 1 )
     quantity top {{ value: 5 }}
     join imu {{ type: sensor_msgs/Imu }}
+    report_join local {{ message: ReportLocalPose }}
     {way} (
         {}
     )
@@ -196,6 +197,16 @@ def test_rename_a_join_in_paths(bench, at):
     assert new == text.replace("imu", "unit")
 
 
+def test_rename_a_report_join_in_paths(bench, at):
+    text = to_ros("local.Yaw -> a imu.x -> b")
+    new = renamed(bench, at(text.replace("join local", "join lo¦cal")), "near")["robot.ros2jaus"]
+    assert new == text.replace("local", "near")
+
+
+def test_paths_of_a_joined_report_are_completed(offered):
+    assert {"local.Yaw", "local.Roll"} <= set(offered(to_ros("local.¦")))
+
+
 def test_rename_reaches_other_texts_and_steps_of_names(bench, at, tmp_path):
     using = tmp_path / "using.ros2jaus"
     using.write_text("nothing")
@@ -238,7 +249,8 @@ def test_outline():
     (velocity, other) = outline(to_ros("a -> b"))
     assert (velocity.name, velocity.kind) == ("velocity", "attribute_map")
     inner = [(each.name, each.kind) for each in velocity.children]
-    assert inner == [("gear", "value_table"), ("top", "quantity"), ("imu", "join")]
+    joins = [("imu", "join"), ("local", "report_join")]
+    assert inner == [("gear", "value_table"), ("top", "quantity"), *joins]
     assert [each.name for each in other.children] == ["other gear"]
 
 

@@ -197,6 +197,7 @@ m {
   table gear ( PARK <-> 0  DRIVE <-> "D" )
   quantity top { value: 8.94 units: "m/s" }
   join imu { type: sensor_msgs/Imu freshness: 0.5 whenStale: dropMessage }
+  report_join pose { message: ReportLocalPose freshness: 0.5 whenStale: dropMessage }
   ROS->JAUS ( data -> Velocity_X )
   vector fast ROS->JAUS ( data = 1.5 => Velocity_X = 1.5 ~ 1e-3 )
 }
@@ -206,6 +207,8 @@ m {
     assert [(e.jaus, e.ros) for e in found.tables[0].entries] == [("PARK", "0"), ("DRIVE", "D")]
     assert (found.quantities[0].value, found.quantities[0].units) == (8.94, "m/s")
     assert (found.joins[0].type.name, found.joins[0].whenStale.name) == ("Imu", "dropMessage")
+    [report] = found.reportJoins
+    assert (report.message.name, report.freshness) == ("ReportLocalPose", 0.5)
     [vector] = found.vectors
     assert vector.direction.name == "rosToJaus"
     assert [(v.path, v.value) for v in vector.given] == [("data", "1.5")]

@@ -95,6 +95,27 @@ def test_a_topic_names_the_join_of_the_map_of_its_connection(texts):
         assert each.topics[1].join is each.map.joins[0], each.name
 
 
+def test_a_source_names_the_report_join_of_the_map_of_its_connection(texts):
+    model = texts.good(
+        """\
+odometry {
+  JAUS ReportLocalPose
+  ROS nav_msgs/Odometry
+  report_join velocity { message: ReportVelocityState whenStale: dropMessage }
+  JAUS->ROS ( X -> pose.pose.position.x  velocity.Velocity_X -> twist.twist.linear.x )
+}
+component vehicle { address: 1.1.2 provides: LocalPoseSensor, VelocityStateSensor }
+bridge b { address: 1.1.1
+  connection odometry { topic odom map: odometry peers: vehicle sources: { join: velocity rate: 20 } }
+}
+"""
+    )
+    [owner] = model.instances(bridge.Bridge)
+    [connection] = owner.bridgeConnections
+    assert connection.direction.name == "jausToRos"
+    assert connection.sources[0].join is connection.map.reportJoins[0]
+
+
 def test_an_element_never_means_itself(texts):
     model = texts.good('service VelocityStateSensor { urn: "u" inherits: VelocityStateSensor }')
     [own] = model.root.services

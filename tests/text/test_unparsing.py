@@ -74,6 +74,9 @@ MAP = f"""
     </tables>
     <quantities name="top" value="8.94" units="m/s"/>
     <joins name="imu" freshness="0.5"><type href="{ROS}/sensor_msgs.xmi#Imu"/></joins>
+    <reportJoins name="heading" whenStale="dropMessage">
+      <message href="http://www.jausml.org/library/jaus/mobility.xmi#GlobalPoseSensor.ReportGlobalPose"/>
+    </reportJoins>
     <vectors name="still" direction="rosToJaus">
       <given path="twist.x" value="0"/>
       <expected path="Velocity_X" value="absent" tolerance="0.001"/>
@@ -95,6 +98,7 @@ speed {
     table gear ( PARK <-> 0  "IN DRIVE" <-> true )
     quantity top { value: 8.94  units: "m/s" }
     join imu { type: sensor_msgs/Imu  freshness: 0.5 }
+    report_join heading { message: ReportGlobalPose  whenStale: dropMessage }
     JAUS->ROS (
         TimeStamp -> header.stamp : timestamp_to_time
         "odom" -> header.frame_id

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
+from jausml.generators.bridge.report_joins import ReportJoinView, query_of_join
 from jausml.generators.common.components import (
     address_call,
     query_for,
@@ -18,19 +19,22 @@ from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
+from jausml.metamodel.classes import bridge
 from jausml.semantics import stops
 from jausml.semantics.commands import needs_control, needs_ready
 from jausml.semantics.freshness import freshness_of
+from jausml.semantics.report_joins import joined_reports
 from jausml.semantics.services import provided_services, searched_services
 from jausml.semantics.standard_services import standard_services
 from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable
+    from collections.abc import Callable, Container, Iterable, Mapping
 
     from jausml.generators.bridge.translation import Translated
     from jausml.generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import bridge, jaus, ros
+    from jausml.metamodel.classes import jaus, ros
+    from jausml.semantics.report_joins import JoinedReport
 
 PRESENCE_VECTOR = "PresenceVector"
 _QOS = {
@@ -50,16 +54,16 @@ class JoinView:
     """A further topic that a translation takes values from.
 
     Args:
+        connection: The connection.
         join: The join.
         name: Its name in Python.
         type_name: Name of its ROS message class in the generated modules.
-        topics: The topics that feed it.
     """
 
+    connection: bridge.Connection
     join: bridge.Join
     name: str
     type_name: str
-    topics: tuple[bridge.Topic, ...]
 
     @property
     def model_name(self) -> str:
@@ -71,6 +75,21 @@ class JoinView:
         """The ROS type in the model."""
         return self.join.type
 
+    @property
+    def topics(self) -> tuple[bridge.Topic, ...]:
+        """The topics that feed it."""
+        return tuple(each for each in self.connection.topics if each.join is self.join)
+
+    @property
+    def argument(self) -> str:
+        """The join as an argument of the runtime class, as Python text."""
+        topics = _list(_topic(self.connection, topic) for topic in self.topics)
+        found = [python_string(self.model_name), self.type_name, topics]
+        found.append(f"freshness={python_literal(float(self.join.freshness))}")
+        if self.join.whenStale.name == "dropMessage":
+            found.append("drop=True")
+        return call("Join", *found)
+
 
 @dataclass(frozen=True)
 class ConnectionView:
@@ -80,13 +99,13 @@ class ConnectionView:
         connection: The connection.
         translated: Its translation.
         view_of: Returns the class of a JAUS message.
-        requested: JAUS fields of the report that connections of the bridge read.
+        requested: JAUS fields of each report that connections of the bridge read.
     """
 
     connection: bridge.Connection
     translated: Translated
     view_of: Callable[[jaus.MessageDef], MessageView]
-    requested: frozenset[str] = frozenset()
+    requested: Mapping[jaus.MessageDef, frozenset[str]] = field(default_factory=dict)
 
     # ------------------------------------------------------------------ both ends
 
@@ -208,7 +227,11 @@ class ConnectionView:
         ]
         if self.query is not None:
             query = (
-                query_call(self.query, self.message, self.requested)
+                query_call(
+                    self.query,
+                    self.message,
+                    self.requested.get(self.message_element, frozenset()),
+                )
                 if self.to_ros
                 else self.query.class_name
             )
@@ -305,7 +328,7 @@ class ConnectionView:
             lines.append(f"peers={self.peers}")
         lines.append(f"topics={_list(self.topics)}")
         if self.joins:
-            lines.append(f"joins={_list(_join(self.connection, each) for each in self.joins)}")
+            lines.append(f"joins={_list(each.argument for each in self.joins)}")
         return tuple(lines)
 
     @property
@@ -321,19 +344,24 @@ class ConnectionView:
 
     # ------------------------------------------------------------------ translation
 
-    @property
-    def joins(self) -> tuple[JoinView, ...]:
-        """The joined topics, whose latest messages are parameters of the translation."""
-        topics = self.connection.topics
+    @functools.cached_property
+    def joins(self) -> tuple[JoinView | ReportJoinView, ...]:
+        """What is joined, whose latest messages are parameters of the translation."""
+        if self.to_ros:
+            names = {each.join: each.name for each in self.translated.joins}
+            reports = joined_reports(self.connection)
+            return tuple(self._joined_report(each, names[each.join]) for each in reports)
         return tuple(
-            JoinView(
-                each.join,
-                each.name,
-                each.type_name,
-                tuple(topic for topic in topics if topic.join is each.join),
-            )
+            JoinView(self.connection, each.join, each.name, each.type_name)
             for each in self.translated.joins
+            if isinstance(each.join, bridge.Join)
         )
+
+    def _joined_report(self, report: JoinedReport, name: str) -> ReportJoinView:
+        message, query = self.view_of(report.join.message), query_of_join(report)
+        requested = self.requested.get(report.join.message, frozenset())
+        asked = "" if query is None else query_call(self.view_of(query), message, requested)
+        return ReportJoinView(report, name, message, asked)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -453,15 +481,6 @@ def priority_of(
 
 def _list(items: Iterable[str]) -> str:
     return f"[{', '.join(items)}]"
-
-
-def _join(connection: bridge.Connection, join: JoinView) -> str:
-    topics = _list(_topic(connection, topic) for topic in join.topics)
-    arguments = [python_string(join.name), join.type_name, topics]
-    arguments.append(f"freshness={python_literal(float(join.join.freshness))}")
-    if join.join.whenStale.name == "dropMessage":
-        arguments.append("drop=True")
-    return call("Join", *arguments)
 
 
 def _topic(connection: bridge.Connection, topic: bridge.Topic) -> str:

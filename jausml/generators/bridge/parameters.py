@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.generators.bridge.actions import ActionView
+from jausml.generators.bridge.connections import JoinView
 from jausml.generators.bridge.translation import AssignmentError
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.semantics.freshness import freshness_of
@@ -119,7 +120,13 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
             float(join.join.freshness),
             "Seconds after which the latest message is stale.",
         )
-        yield from _topic_lines(owner, list(join.topics))
+        if isinstance(join, JoinView):
+            yield from _topic_lines(owner, list(join.topics))
+            continue
+        if join.named_peers:
+            yield ParameterLine(f"{owner}.peers", join.named_peers)
+        if join.rate is not None:
+            yield ParameterLine(f"{owner}.rate", join.rate, "Messages each second (Hz).")
     for topic in connection.topics:
         yield from _quality_lines(connection, topic)
 

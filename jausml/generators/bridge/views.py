@@ -17,6 +17,7 @@ from jausml.generators.bridge.call_views import CallView
 from jausml.generators.bridge.connections import ConnectionView, query_of
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
 from jausml.generators.bridge.light.module import LightModule
+from jausml.generators.bridge.report_joins import messages_of_joins
 from jausml.generators.bridge.translation import AssignmentError, Translations, translate
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.common import runtime
@@ -131,7 +132,7 @@ class BridgeView:
                     connection,
                     found,
                     self.message_of,
-                    requested.get(connection.map.message, frozenset()),
+                    requested,
                 )
                 for connection, found in own
             ),
@@ -174,7 +175,11 @@ class BridgeView:
         elements = (
             element
             for connection in self._carried
-            for element in (*_messages_of(connection), query_of(connection))
+            for element in (
+                *_messages_of(connection),
+                query_of(connection),
+                *messages_of_joins(connection),
+            )
         )
         of_calls = (
             element

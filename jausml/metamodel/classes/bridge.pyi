@@ -198,6 +198,9 @@ class AttributeMap(NamedElement):
     joins: abc.Sequence[Join]
     """Further ROS topics from which toJaus takes values."""
 
+    reportJoins: abc.Sequence[ReportJoin]
+    """Further JAUS reports from which toRos takes values."""
+
     vectors: abc.Sequence[TestVector]
     """Messages with what they become, checked by the generated tests."""
 
@@ -311,6 +314,25 @@ class Join(NamedElement):
 
     whenStale: StalePolicy
     """What to do when there is no fresh message."""
+
+    def eContainer(self) -> AttributeMap | None:
+        """Returns the element that owns this one, None for a root."""
+
+class ReportJoin(NamedElement):
+    """A further JAUS report whose latest message is at hand when the message of the map arrives,
+    which alone drives: each of its arrivals makes one ROS message.
+
+    Source paths begin with the name of the join.
+    """
+
+    message: jaus.MessageDef
+    """The joined report."""
+
+    freshness: float
+    """Seconds after which the latest report counts as stale, above 0."""
+
+    whenStale: StalePolicy
+    """What to do when there is no fresh report."""
 
     def eContainer(self) -> AttributeMap | None:
         """Returns the element that owns this one, None for a root."""
@@ -506,6 +528,28 @@ class Topic(EObject):
     def eContainer(self) -> Connection | None:
         """Returns the element that owns this one, None for a root."""
 
+class ReportSource(EObject):
+    """Says for one joined report of a connection from JAUS to ROS who sends it, and how."""
+
+    join: ReportJoin
+    """The joined report."""
+
+    peers: abc.Sequence[jaus.Component]
+    """JAUS components that send it; none means those of the connection."""
+
+    exchange: Exchange
+    """How the report is exchanged."""
+
+    query: jaus.MessageDef | None
+    """The query that asks for the report; found by name when absent (QueryX for ReportX)."""
+
+    rate: float
+    """Reports each second of periodic events and queries, up to 1092; 0 means the rate of the
+    connection, or the frequency of the bridge where that has none."""
+
+    def eContainer(self) -> Connection | None:
+        """Returns the element that owns this one, None for a root."""
+
 class Connection(NamedElement):
     """Carries one kind of message across the bridge, by one attribute map."""
 
@@ -529,6 +573,10 @@ class Connection(NamedElement):
 
     topics: abc.Sequence[Topic]
     """ROS topics: all are published to, or all are subscribed to."""
+
+    sources: abc.Sequence[ReportSource]
+    """Where joined reports of the map come from, where that differs from the message of the map:
+    a join without a source comes from the peers of the connection, as a periodic event."""
 
     query: jaus.MessageDef | None
     """The query that asks for the report; found by name when absent (QueryX for ReportX)."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import parameters
+from .joins import with_joins
 from .latency import Latency
 from .limiting import Limiting
 from .reporting import Reporter
@@ -24,12 +25,13 @@ from .stops import StopReason
 from .transcoding import Form, readable, transcoder_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from ..base.address import JausAddress
     from .ages import Age
     from .diagnostics import ConnectionStatus
     from .ends import Ends
+    from .joins import Joined
     from .quality import TopicFault
     from .transcoding import Transcode
 
@@ -78,6 +80,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self._shaping = Shaping(shape, self.statistics, self.drop)
         self._translate = translate
         self._transcode: Transcode
+        self._joined: tuple[Joined, ...] = ()
         self._reporter = Reporter(self)
         self._latest: tuple[bytes, Any] | None = None
         self._wants_latency = self._all_want_latency = False
@@ -149,13 +152,22 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         """Which of several at the other end do not obey, empty while all do or none does."""
         return ""
 
+    def join(self, joined: Sequence[Joined]) -> None:
+        """Has the translation given the latest messages of joins, which are open."""
+        self._joined = tuple(joined)
+        if joined:
+            self._transcode = with_joins(self._transcode, joined)
+
     def describe_joins(self) -> list[tuple[str, str]]:
-        """Names and ages of the joined topics, for diagnostics."""
-        return []
+        """What is joined and the age of its latest message, for diagnostics."""
+        return [
+            (f"join {each.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
+            for each in self._joined
+        ]
 
     def stale_joins(self) -> list[str]:
         """Names of the joins that have nothing fresh."""
-        return []
+        return [each.name for each in self._joined if each.is_stale]
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers that were asked for messages and say nothing."""

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from .joins import Join
     from .quality import TopicFault
     from .topics import Topic
-    from .transcoding import Transcode
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -56,7 +55,7 @@ class FromTopics(Connection[SourceT, TargetT]):
             when_lost: What happens when the topics are lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
-        self._joined = tuple(map(JoinedTopic, joins))
+        self._topic_joins = tuple(map(JoinedTopic, joins))
         self._type = type
         self._topics = tuple(topics)
         self._message = message
@@ -66,10 +65,9 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Makes the subscriptions; no message is taken before the bridge runs."""
         super().open(ends)
         self._topics = parameters.topics(ends.ros, self.name, self._topics)
-        for joined in self._joined:
+        for joined in self._topic_joins:
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
-        if self._joined:
-            self._transcode = _with_joins(self._transcode, self._joined)
+        self.join(self._topic_joins)
         take = self.make_take(self._switch)
         self._feeds = [ends.subscribe(self._type, topic, take) for topic in self._topics]
 
@@ -103,7 +101,7 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics, those of joins included."""
-        for source in (self._topics, *(each.topics for each in self._joined)):
+        for source in (self._topics, *(each.topics for each in self._topic_joins)):
             for topic in source:
                 yield from self._ends.ros.faults(topic, publishes=False)
 
@@ -115,23 +113,3 @@ class FromTopics(Connection[SourceT, TargetT]):
             MISSED: sum(each.missed for each in counts),
             TOO_OLD: sum(each.too_old for each in counts),
         }
-
-    def describe_joins(self) -> list[tuple[str, str]]:
-        """The joined topics and the age of their latest message."""
-        return [
-            (f"join {each.join.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
-            for each in self._joined
-        ]
-
-    def stale_joins(self) -> list[str]:
-        """Names of the joins that have nothing fresh."""
-        return [each.join.name for each in self._joined if each.is_stale]
-
-
-def _with_joins(transcode: Transcode, joined: Sequence[JoinedTopic]) -> Transcode:
-    """Returns a translation that is given the latest messages of joins."""
-
-    def transcode_joined(data: bytes) -> bytes | None:
-        return transcode(data, **{each.join.name: each.fresh() for each in joined})
-
-    return transcode_joined

@@ -1,4 +1,4 @@
-"""Joined topics: further ROS topics whose latest message is at hand when the main one delivers.
+"""Joined messages: further topics or reports whose latest message is at hand for the main one.
 
 Freshness is that of the arrival, by the steady clock of the bridge: clocks of other computers, and
 stamps that nobody filled, do not matter.
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from .ends import Ends
     from .topics import Topic
+    from .transcoding import Transcode
 
 
 @dataclass(frozen=True)
@@ -40,56 +41,55 @@ class Join:
     drop: bool = False
 
 
-class JoinedTopic:
-    """The latest message of a joined topic; it is made an object when somebody asks for it."""
+class Joined:
+    """The latest message of a join; it is made an object when somebody asks for it."""
 
-    def __init__(self, join: Join) -> None:
+    def __init__(self, name: str, *, freshness: float, drop: bool) -> None:
         """Keeps nothing yet.
 
         Args:
-            join: What the model says.
+            name: Name of the join.
+            freshness: Seconds after which the latest message is stale.
+            drop: Whether the main message is dropped when there is nothing fresh.
         """
-        self.join = join
-        self.freshness = join.freshness
-        self.topics: tuple[Topic, ...] = ()
+        self.name = name
+        self.freshness = freshness
+        self._drop = drop
         self._ends: Ends
         self._decode: Callable[[bytes], Any]
         self._arrival: float | None = None
         self._data: bytes | None = None
         self._latest: Any = None
 
-    def open(self, ends: Ends, connection: str, *, real: bool) -> None:
-        """Makes the subscriptions.
+    def begin(self, ends: Ends, owner: str, decode: Callable[[bytes], Any]) -> None:
+        """Makes the parameter of the freshness.
 
         Args:
             ends: The bridge.
-            connection: Name of the connection, with which those of parameters begin.
-            real: Whether objects of the message class of ROS are wanted.
+            owner: Connection and join, with which names of parameters begin.
+            decode: Makes objects of messages.
         """
         self._ends = ends
-        self._decode = ros_decoder(ends.ros, self.join.type, real=real)
-        name = f"{connection}.{self.join.name}"
-        stale = parameters.freshness(name, self.freshness)
+        self._decode = decode
+        self._arrival = self._data = None
+        stale = parameters.freshness(owner, self.freshness)
         self.freshness = ends.ros.parameter(stale, self._set_freshness)
-        self.topics = parameters.topics(ends.ros, name, self.join.topics)
-        for topic in self.topics:
-            ends.subscribe(self.join.type, topic, self._keep)
 
     def fresh(self) -> Any:
         """Returns the latest message, or None when it is stale or there is none.
 
         Raises:
-            StaleJoinError: There is nothing fresh, and the message of the main topic is dropped.
+            StaleJoinError: There is nothing fresh, and the main message is dropped.
             DecodeError: The latest message cannot be read.
         """
         if not self.is_stale:
             if self._data is not None:
                 self._latest, self._data = self._decode(self._data), None
             return self._latest
-        if self.join.drop:
+        if self._drop:
             age = self.age
             reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
-            raise StaleJoinError(self.join.name, reason)
+            raise StaleJoinError(self.name, reason)
         return None
 
     @property
@@ -104,8 +104,51 @@ class JoinedTopic:
         age = self.age
         return age is None or age > self.freshness
 
+    def keep(self, data: bytes, _origin: Any = None) -> None:
+        """Takes a message, which is the latest one from now on."""
+        self._arrival, self._data = self._ends.clock.now(), data
+
     def _set_freshness(self, seconds: float) -> None:
         self.freshness = seconds
 
-    def _keep(self, data: bytes, _stamp: int = 0) -> None:
-        self._arrival, self._data = self._ends.clock.now(), data
+
+class JoinedTopic(Joined):
+    """The latest message of a joined topic."""
+
+    def __init__(self, join: Join) -> None:
+        """Keeps nothing yet.
+
+        Args:
+            join: What the model says.
+        """
+        super().__init__(join.name, freshness=join.freshness, drop=join.drop)
+        self.join = join
+        self.topics: tuple[Topic, ...] = ()
+
+    def open(self, ends: Ends, connection: str, *, real: bool) -> None:
+        """Makes the subscriptions.
+
+        Args:
+            ends: The bridge.
+            connection: Name of the connection, with which those of parameters begin.
+            real: Whether objects of the message class of ROS are wanted.
+        """
+        owner = f"{connection}.{self.name}"
+        self.begin(ends, owner, ros_decoder(ends.ros, self.join.type, real=real))
+        self.topics = parameters.topics(ends.ros, owner, self.join.topics)
+        for topic in self.topics:
+            ends.subscribe(self.join.type, topic, self.keep)
+
+
+def with_joins(transcode: Transcode, joined: Sequence[Joined]) -> Transcode:
+    """Returns a translation that is given the latest messages of joins.
+
+    Args:
+        transcode: The translation.
+        joined: The joins.
+    """
+
+    def transcode_joined(data: bytes) -> bytes | None:
+        return transcode(data, **{each.name: each.fresh() for each in joined})
+
+    return transcode_joined

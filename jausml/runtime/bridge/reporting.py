@@ -9,6 +9,7 @@ from .limiting import FAILURES
 from .rate import Rate
 from .state_log import StateLog
 from .states import Facts, judge
+from .stops import StopReason
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from ..base.counters import Counters
     from .diagnostics import Statistics
     from .quality import TopicFault
-    from .stops import StopReason
     from .transcoding import Form
 
 
@@ -189,14 +189,18 @@ class Reporter:
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
         connection = self._connection
         lacking = connection.lacks_peers()
+        is_heard = connection.statistics.last_arrival is not None
+        # Where messages arrive and none has passed yet, what they lack is the point.
+        has_begun = is_heard and connection.stopped in (StopReason.START, StopReason.INACTIVE)
+        lacks_joins = has_begun and bool(connection.stale_joins())
         return Facts(
             error="values out of range" if present.errors > former.errors else "",
             fault=faults[0].text if faults else "",
             lacking=f"searching {lacking}" if lacking else "",
             failing=self._failing(),
-            stopped=connection.stopped,
+            stopped=None if lacks_joins else connection.stopped,
             forbidden=connection.forbidden(),
-            is_heard=connection.statistics.last_arrival is not None,
+            is_heard=is_heard,
             refusal=connection.refusal(),
             complaint=self._complaint(former, present),
         )

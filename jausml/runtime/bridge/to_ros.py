@@ -2,34 +2,35 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..clients.peer_binding import PeerBinding
 from ..services.definitions import Guard, Status
 from . import parameters
 from .ages import jaus_age
+from .asking import AskedEvents, AskedQueries
 from .by_sender import Taker
 from .connection import FILTERED, Connection
 from .diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER, UNHEARD
 from .latency import age_of_stamp
 from .light_message import is_light
 from .rate_cap import RateCap
-from .simulation import real_rate
+from .report_joins import JoinedReport
 from .stops import StopReason
 from .transcoding import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import Concatenate
 
     from ..base.address import JausAddress
-    from ..clients.event_subscription import EventSubscription
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .ages import Age
     from .connection import Take
     from .ends import Ends, RosPublisher
     from .quality import TopicFault
+    from .report_joins import ReportJoin
     from .stopping import Switch
     from .stops import Standing
     from .topics import Topic
@@ -50,27 +51,31 @@ class ToTopics(Connection[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         message: type[SourceT],
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] | PeerSearch = (),
+        joins: Sequence[ReportJoin] = (),
         **when_lost: Any,
     ) -> None:
         """Prepares the connection.
 
         Args:
             name: Name of the connection in the model.
-            translate: Makes the ROS message, or None to pass nothing on.
+            translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
+                their messages as keyword arguments.
             message: JAUS message that is taken.
             type: ROS type that is published.
             topics: Where it is published.
             peers: JAUS components at the other end, or how they are found.
+            joins: Further reports whose latest one the translation needs.
             when_lost: What happens when the source is lost: the parameters of `Connection`.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
+        self._report_joins = tuple(map(JoinedReport, joins))
         self._message = message
         self._type = type
         self._topics = tuple(topics)
@@ -92,8 +97,15 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._opened = ends.loop.now()
         greet = self._greet if self.is_command and self._safe_value is not None else None
         self._publishers = [ends.publisher(self._type, topic, greet) for topic in self._topics]
+        for each in self._report_joins:
+            each.open(ends, self.name, self._peers, self._refuse_sender)
+        self.join(self._report_joins)
         self._take = self.make_take(self._switch)
+        self.begin(ends)
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
+
+    def begin(self, ends: Ends) -> None:
+        """Prepares to meet the peers; by default nothing is to be done."""
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what decodes the JAUS message."""
@@ -161,6 +173,10 @@ class ToTopics(Connection[SourceT, TargetT]):
     def _leave(self, peer: JausAddress) -> None:
         """Ends with a peer that is gone."""
 
+    def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
+        """Counts a message that no connection takes from its sender."""
+        self.drop(UNEXPECTED, str(sender))
+
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
         return str(self._peers.search) if self._peers.is_lacking else ""
@@ -222,7 +238,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         query: Message,
         rate: float | None = None,
@@ -240,8 +256,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._events: dict[JausAddress, EventSubscription] = {}
-        self._lost = self._late = 0
+        self._events: AskedEvents
 
     @property
     def declared_rate(self) -> float:
@@ -252,9 +267,11 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
             self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
-            if ends.simulation is not None:
-                ends.simulation.clock.follow_ratio(self._ask_anew)
         super().open(ends)
+
+    def begin(self, ends: Ends) -> None:
+        """Prepares to ask for the event."""
+        self._events = AskedEvents(ends, self._query, self._message, self._take, self.rate)
 
     @property
     def is_latched(self) -> bool:
@@ -262,37 +279,14 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         return self.rate is None and not self.is_command
 
     def _set_rate(self, hertz: float) -> None:
-        with self._ends.loop.lock:
-            self.rate = hertz
-            self._ask_anew()
-
-    def _ask_anew(self) -> None:
-        """Has the events of all peers come at the present rate."""
-        if self._events:
-            former, self._events = self._events, {}
-            for peer, event in former.items():
-                self._join(peer)
-                self._end(event)
+        self.rate = hertz
+        self._events.set_rate(hertz)
 
     def _join(self, peer: JausAddress) -> None:
-        self._events[peer] = self._ends.component.subscribe(
-            peer, self._query, self._message, self._take, rate=self._real_rate, payloads=True
-        )
-
-    @property
-    def _real_rate(self) -> float | None:
-        """The rate that peers are asked for, whose clock is not that of a simulation."""
-        simulation = self._ends.simulation
-        if simulation is None or self.rate is None:
-            return self.rate
-        return real_rate(self.rate, simulation.clock.ratio)
+        self._events.begin(peer)
 
     def _leave(self, peer: JausAddress) -> None:
-        self._end(self._events.pop(peer))
-
-    def _end(self, event: EventSubscription) -> None:
-        self._lost, self._late = self._lost + event.lost, self._late + event.late
-        event.cancel()
+        self._events.end(peer)
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers that do not confirm the event, or have ceased to send it."""
@@ -300,16 +294,14 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def losses(self) -> dict[str, int]:
         """How many reports did not arrive, or too late, and how many nobody has heard."""
-        events = self._events.values()
         return {
-            LOST_ON_THE_WAY: self._lost + sum(each.lost for each in events),
-            OUT_OF_ORDER: self._late + sum(each.late for each in events),
+            LOST_ON_THE_WAY: self._events.lost,
+            OUT_OF_ORDER: self._events.late,
             **super().losses(),
         }
 
     def _state_of(self, peer: JausAddress) -> str:
-        event = self._events.get(peer)
-        return "confirmed" if event is not None and event.active else "asked"
+        return self._events.state_of(peer)
 
 
 class QueryToTopics(ToTopics[SourceT, TargetT]):
@@ -322,7 +314,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         query: Message,
         rate: float,
@@ -340,9 +332,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
-        self._next = 0.0
-        self._unanswered: set[JausAddress] = set()
-        self._silent: set[JausAddress] = set()
+        self._queries: AskedQueries
 
     @property
     def declared_rate(self) -> float:
@@ -352,39 +342,21 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then starts to ask."""
         super().open(ends)
-        self.rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
-        self._next = ends.clock.now()
-        ends.loop.call_soon(self._ask)
+        self._queries = AskedQueries(ends, self._query, self._message, self._take, self.rate)
+        rate = ends.ros.parameter(parameters.rate(self.name, self.rate), self._set_rate)
+        self.rate = self._queries.rate = rate
+        self._queries.start(self._peers)
 
     def _set_rate(self, hertz: float) -> None:
         self.rate = hertz
+        self._queries.set_rate(hertz)
 
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers that did not answer lately."""
-        return [peer for peer in self.peers if peer in self._silent]
+        return [peer for peer in self.peers if self._queries.is_silent(peer)]
 
     def _state_of(self, peer: JausAddress) -> str:
-        return "asked" if peer in self._silent else "source"
-
-    def _ask(self) -> None:
-        clock = self._ends.clock
-        # Absolute times, so that the rate does not drift; a late loop does not catch up.
-        self._next = max(self._next + 1 / self.rate, clock.now())
-        clock.call_at(self._next, self._ask)
-        for peer in self.peers:
-            (self._silent.add if peer in self._unanswered else self._silent.discard)(peer)
-            self._unanswered.discard(peer)
-            # Repetition is the next period's; a late answer counts as an answer.
-            self._ends.component.query(
-                peer,
-                self._query,
-                self._message,
-                self._take,
-                on_failure=partial(self._unanswered.add, peer),
-                timeout=1 / self.rate,
-                retries=0,
-                payloads=True,
-            )
+        return "asked" if self._queries.is_silent(peer) else "source"
 
 
 class MessageToTopics(ToTopics[SourceT, TargetT]):
@@ -396,7 +368,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def __init__(
         self,
         name: str,
-        translate: Callable[[SourceT], TargetT | None],
+        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
         when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
         rate_cap: float = 0.0,
@@ -453,10 +425,6 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""
         return super().describe_peers() or [("peer", "any")]
-
-    def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
-        """Counts a message that no connection takes from its sender."""
-        self.drop(UNEXPECTED, str(sender))
 
 
 class _Publishers:

@@ -73,6 +73,7 @@ class MapWriter:
         yield from (self._table(each) for each in obj.tables)
         yield from map(self._elements.element, obj.quantities)
         yield from map(self._elements.element, obj.joins)
+        yield from map(self._elements.element, obj.reportJoins)
         for name, stop in (("stopRos", obj.stopRos), ("stopJaus", obj.stopJaus)):
             if stop is not None:
                 yield self._elements.value_item(stop, self._feature(obj, name))

@@ -79,6 +79,7 @@ def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
             if each.toRos if to_ros else each.toJaus:
                 is_provider = _is_provider(each, to_ros=to_ros)
                 (given if is_provider else used).add(_address(each.message.eContainer()))
+                used |= {_address(join.message.eContainer()) for join in each.reportJoins}
                 peer = "" if is_provider else f"{stem}_peer"
                 carrier = _call if is_of_call(each) else _connection
                 connections.append(carrier(each, to_ros=to_ros, peer=peer))
@@ -144,6 +145,7 @@ def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
             f"    exchange: {exchange}",
             *_hold(attribute_map, to_ros=to_ros),
             *([f"    peers: {peer}"] if peer else []),
+            *(["    rate: 10"] if to_ros and attribute_map.reportJoins else []),
             *topics,
             "  }",
         ]
@@ -213,10 +215,11 @@ class Translator:
         module = importlib.import_module(f"{name}.{name}")
         self.bridge = getattr(module, "".join(word.capitalize() for word in name.split("_")))()
 
-    def to_ros(self, attribute_map: str, source: Any) -> Any:
-        """Translates a JAUS message as it comes from the wire."""
+    def to_ros(self, attribute_map: str, source: Any, **joined: Any) -> Any:
+        """Translates a JAUS message and joined ones as they come from the wire."""
         received = type(source).decode(source.encode())
-        return getattr(self.bridge, f"translate_{attribute_map}_to_ros")(received)
+        others = {name: type(each).decode(each.encode()) for name, each in joined.items()}
+        return getattr(self.bridge, f"translate_{attribute_map}_to_ros")(received, **others)
 
     def to_jaus(self, attribute_map: str, source: Any, **joined: Any) -> Any:
         """Translates a ROS message to a JAUS message as it arrives at the other end of the wire."""

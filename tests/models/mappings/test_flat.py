@@ -179,11 +179,19 @@ def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, 
 def serialized(translate: Any, source: Any) -> Callable[[bytes], bytes | None]:
     """The readable translation to ROS with bytes on both sides."""
 
-    def run(data: bytes) -> bytes | None:
-        target = translate(source.decode(data))
+    def run(data: bytes, **joins: Any) -> bytes | None:
+        target = translate(source.decode(data), **joins)
         return None if target is None else target.to_cdr()
 
     return run
+
+
+def drawn(maps: Translator, join: Any, data: Any) -> Any:
+    """Returns a joined report as it comes from the wire; None for none fresh."""
+    view = view_of(join.message)
+    source = getattr(maps.messages, view.class_name)
+    made = data.draw(st.none() | strategy(view, source))
+    return None if made is None else source.decode(made.encode())
 
 
 @pytest.mark.parametrize(("stem", "each"), TO_ROS)
@@ -199,6 +207,7 @@ def test_to_ros(
     view = view_of(each.message)
     source = getattr(translator(stem).messages, view.class_name)
     payload = data.draw(strategy(view, source)).encode()
+    joins = {join.name: drawn(translator(stem), join, data) for join in each.reportJoins}
     chance = Random(seed)
     now = importlib.import_module("jausml_runtime.conversions").Time(
         chance.randrange(2**31), chance.randrange(10**9)
@@ -207,7 +216,9 @@ def test_to_ros(
     readable = serialized(getattr(bridge, f"translate_{name}"), source)
     connection = getattr(bridge, name)
     for sent in (payload, *wrong(payload, chance)):
-        assert outcome(connection, flat, sent) == outcome(connection, readable, sent)
+        assert outcome(connection, flat, sent, **joins) == outcome(
+            connection, readable, sent, **joins
+        )
 
 
 def wrong(payload: bytes, chance: Random) -> list[bytes]:

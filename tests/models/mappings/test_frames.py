@@ -117,6 +117,51 @@ def test_attitude_in_odom(
         assert (back.roll, back.pitch, back.yaw) == pytest.approx((roll, pitch, yaw), abs=1e-3)
 
 
+@pytest.mark.parametrize(("roll", "pitch", "yaw"), ATTITUDES)
+def test_odometry_has_the_pose_in_odom_and_the_twist_in_the_axes_of_the_vehicle(
+    translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float
+) -> None:
+    """The pose turns nothing of the twist, which REP 105 has in the child frame, as JAUS has."""
+    maps = translator("odometry")
+    pose = maps.messages.ReportLocalPose(x=5.0, y=2.0, z=-1.0, roll=roll, pitch=pitch, yaw=yaw)
+    velocity = maps.messages.ReportVelocityState(
+        velocity_x=3.0,
+        velocity_y=1.0,
+        velocity_z=-0.5,
+        roll_rate=0.1,
+        pitch_rate=0.2,
+        yaw_rate=0.3,
+    )
+    made = maps.to_ros("odometry", pose, velocity=velocity)
+    assert (made.header.frame_id, made.child_frame_id) == ("odom", "base_link")
+    where = made.pose.pose.position
+    assert (where.x, where.y, where.z) == pytest.approx((5.0, -2.0, 1.0), abs=1e-4)
+    ahead, right, up = nose(pitch, yaw)
+    assert turned(made.pose.pose.orientation, (1, 0, 0)) == pytest.approx(
+        (ahead, -right, up), abs=1e-3
+    )
+    linear, angular = made.twist.twist.linear, made.twist.twist.angular
+    assert (linear.x, linear.y, linear.z) == pytest.approx((3.0, -1.0, 0.5), abs=1e-4)
+    assert (angular.x, angular.y, angular.z) == pytest.approx((0.1, -0.2, -0.3), abs=1e-3)
+
+
+def test_a_vehicle_that_turns_left_while_it_drives_a_left_circle(
+    translator: Callable[[str], Translator],
+) -> None:
+    """A quarter of the circle of radius 10 m to the left, as JAUS (x ahead, y right) has it."""
+    maps = translator("odometry")
+    quarter = math.pi / 2
+    pose = maps.messages.ReportLocalPose(x=10.0, y=-10.0, yaw=-quarter)
+    velocity = maps.messages.ReportVelocityState(velocity_x=2.0, yaw_rate=-0.2)
+    made = maps.to_ros("odometry", pose, velocity=velocity)
+    assert (made.pose.pose.position.x, made.pose.pose.position.y) == pytest.approx(
+        (10.0, 10.0), abs=1e-3
+    )
+    assert turned(made.pose.pose.orientation, (1, 0, 0)) == pytest.approx((0, 1, 0), abs=1e-3)
+    assert made.twist.twist.linear.x == near(2.0)
+    assert made.twist.twist.angular.z == near(0.2)  # to the left is positive in ROS (REP 103)
+
+
 def test_the_headings_of_the_compass(translator: Callable[[str], Translator]) -> None:
     """REP 103: yaw 0 is east and grows to the left; JAUS headings grow to the right from north."""
     maps = translator("global_pose_sensor")

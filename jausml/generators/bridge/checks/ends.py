@@ -8,17 +8,23 @@ from typing import TYPE_CHECKING
 
 from jausml.generators.bridge.checks.check import store
 from jausml.generators.bridge.checks.figures import NO_STEP, Chain, quantities_of
-from jausml.generators.bridge.checks.filling import JausMessage, RosMessage
+from jausml.generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
+from jausml.generators.bridge.report_joins import ReportJoinView
+from jausml.generators.python.codec.jaus_fields import TEXT
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge, ros
+from jausml.semantics.paths import source_paths
 from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+    from typing import TypeAlias
 
-    from jausml.generators.bridge.checks.filling import Message
+    from jausml.generators.bridge.checks.filling import Message, Place, Scalar
     from jausml.generators.bridge.connections import ConnectionView, JoinView
     from jausml.generators.bridge.translation import Surroundings
+
+    AnyJoin: TypeAlias = JoinView | ReportJoinView
 
 
 @dataclass(frozen=True)
@@ -91,10 +97,16 @@ class Ends:
         maps = used_maps(self.map, to_ros=self.to_ros)
         return self.uses.overridden(each for one in maps for each in one.quantities)
 
-    def join_of(self, path: str) -> JoinView | None:
+    def join_of(self, path: str) -> AnyJoin | None:
         """Returns the join that a path of the source starts with."""
         first = path.partition(".")[0]
         return next((join for join in self.view.joins if join.model_name == first), None)
+
+    def joined_message(self, join: AnyJoin) -> Message:
+        """Returns the message of a join, as tests fill it."""
+        if isinstance(join, ReportJoinView):
+            return JausMessage(join.type, join.message, join.name)
+        return RosMessage(join.type, join.name, self.type_name)
 
     def policy(self, chain: Chain) -> str:
         """Returns what becomes of values out of range, as a literal of the metamodel."""
@@ -180,14 +192,36 @@ class Ends:
         """
         present = set(given)
         return [
-            f"{join.name} = {join.type_name}()"
+            line
             for join in self.view.joins
             if join.name not in present and self._is_given(join, present)
+            for line in self.joined_message(join).fill(self._needed(join))
         ]
 
+    def _needed(self, join: AnyJoin) -> dict[str, Scalar]:
+        """Returns values of what a joined report has to hold, so that nothing is refused."""
+        found: dict[str, Scalar] = {}
+        for each in self.assignments:
+            is_needed = isinstance(each, bridge.FieldAssignment) and (
+                each.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
+            )
+            for path in source_paths(each) if is_needed else ():
+                first, _, rest = path.partition(".")
+                if first == join.model_name:
+                    found[rest] = _usual(self.joined_message(join).place(rest))
+        return found
+
     @staticmethod
-    def _is_given(join: JoinView, present: set[str]) -> bool:
+    def _is_given(join: AnyJoin, present: set[str]) -> bool:
         return join.name in present or join.join.whenStale.name == "dropMessage"
+
+
+def _usual(place: Place) -> Scalar:
+    """Returns a value that a place can hold: 0 if it can."""
+    if not place.is_number:
+        return "" if place.kind == TEXT else PRESENT
+    candidates = (0, *(low for low, _ in place.ranges), *place.limits)
+    return next(each for each in candidates if place.can_hold(each))
 
 
 def overlap(first: str, second: str) -> bool:

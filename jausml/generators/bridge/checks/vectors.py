@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.generators.bridge.checks.assertions import SINGLE, has_value, is_absent
 from jausml.generators.bridge.checks.check import Check, tidy
-from jausml.generators.bridge.checks.filling import RosMessage, Scalar, ValueTextError
+from jausml.generators.bridge.checks.filling import Scalar, ValueTextError
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.generators.python.names import snake_case
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from jausml.generators.bridge.checks.ends import Ends
+    from jausml.generators.bridge.checks.filling import Message
     from jausml.metamodel.classes import bridge
 
 ABSENT = "absent"
@@ -64,14 +65,14 @@ def _check(ends: Ends, vector: bridge.TestVector) -> Check:
 def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
     """The statements that make the source and joined messages, and the names of the latter."""
     values: dict[str, dict[str, Scalar]] = {"": {}}
-    messages = {"": ends.source}
+    messages: dict[str, Message] = {"": ends.source}
     for given in vector.given:
         path = given.path.strip()
         join = ends.join_of(path)
         name = "" if join is None else join.name
         if join is not None:
             path = path.partition(".")[2]
-            messages.setdefault(name, RosMessage(join.type, name, ends.type_name))
+            messages.setdefault(name, ends.joined_message(join))
         if given.value != ABSENT:
             values.setdefault(name, {})[path] = messages[name].place(path).parse(str(given.value))
     lines = [line for name, message in messages.items() for line in message.fill(values[name])]

@@ -31,6 +31,7 @@ def to_ros(
     message: MessageView,
     owner: str,
     class_name: str,
+    joins: Mapping[str, tuple[str, MessageView]],
     around: Surroundings,
 ) -> Body:
     """Returns the statements that make `target` (ROS) from `source` (JAUS).
@@ -40,14 +41,15 @@ def to_ros(
         message: Its JAUS message.
         owner: Python path of the connection.
         class_name: Name of the ROS message class in the module.
+        joins: Parameter and class of each joined report, by name of the join.
         around: The class and the module around.
 
     Raises:
         AssignmentError: A value does not fit its target.
         PathError: A path leads nowhere.
     """
-    body = _body(owner, connection.outOfRange.name)
-    _map_to_ros(body, connection.map, message, class_name, around)
+    body = _body(owner, connection.outOfRange.name, *(name for name, _ in joins.values()))
+    _map_to_ros(body, connection.map, message, class_name, joins, around)
     return body
 
 
@@ -99,7 +101,7 @@ def stop(
     body = _body(owner, connection.outOfRange.name)
     used = connection.map
     if connection.direction.name == "jausToRos":
-        translation = _translation_to_ros(body, used, message, around)
+        translation = _translation_to_ros(body, used, message, {}, around)
     else:
         translation = _translation_to_jaus(body, used, message, {}, around)
         class_name = message.class_name
@@ -127,11 +129,12 @@ def _map_to_ros(
     attribute_map: bridge.AttributeMap,
     message: MessageView,
     class_name: str,
+    joins: Mapping[str, tuple[str, MessageView]],
     around: Surroundings,
 ) -> None:
     if may_set_limits(attribute_map.message):
         _refuse_limits(body, attribute_map)
-    translation = _translation_to_ros(body, attribute_map, message, around)
+    translation = _translation_to_ros(body, attribute_map, message, joins, around)
     translation.require(attribute_map.toRos)
     body.store(f"{class_name}()", "target")
     translation.add(attribute_map.toRos)
@@ -151,11 +154,15 @@ def _map_to_jaus(
 
 
 def _translation_to_ros(
-    body: Body, attribute_map: bridge.AttributeMap, message: MessageView, around: Surroundings
+    body: Body,
+    attribute_map: bridge.AttributeMap,
+    message: MessageView,
+    joins: Mapping[str, tuple[str, MessageView]],
+    around: Surroundings,
 ) -> _MapTranslation:
     target = RosTarget(attribute_map.type, RosStart("target", attribute_map.type))
     name = body.owner.removeprefix("self.")
-    source = JausSource(message, JausStart("source", names=body.name_of))
+    source = JausSource(message, JausStart("source", names=body.name_of), joins=joins)
     return _MapTranslation(body, around, attribute_map, source, target, name, _nested_method)
 
 
@@ -196,7 +203,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     nested = around.nested[key] = NestedTranslation(name, source, target, text)
     body = _body(owner, translation.body.policy)
     if translation.to_ros:
-        _map_to_ros(body, attribute_map, message, type_name, around)
+        _map_to_ros(body, attribute_map, message, type_name, {}, around)
     else:
         _map_to_jaus(body, attribute_map, message, {}, around)
     nested.lines = body.lines

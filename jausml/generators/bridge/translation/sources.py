@@ -104,6 +104,7 @@ class JausSource:
         top: The whole message, when this is an element.
         counters: The counters of the loop over the elements.
         conditions: What must hold for the element to be there.
+        joins: Python name and class of each joined report, by name of the join.
     """
 
     message: MessageView
@@ -111,6 +112,7 @@ class JausSource:
     top: JausSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
     conditions: tuple[Condition, ...] = ()
+    joins: Mapping[str, tuple[str, MessageView]] = field(default_factory=dict)
 
     def inlined(self) -> JausSource:
         """Returns the same source, whose values give no names to elements of lists."""
@@ -124,6 +126,13 @@ class JausSource:
         """
         if path.startswith("/"):
             return (self.top or self).field(path[1:])
+        name, _, rest = path.partition(".")
+        if self.top is None and name in self.joins:
+            root, joined = self.joins[name]
+            start = JausStart(root, names=self.start.names)
+            found = jaus_field(joined, rest or ".", start)
+            conditions = (there(root), *found.conditions)
+            return replace(found, path=f"{name}.{found.path}", conditions=conditions)
         found = jaus_field(self.message, path, self.start)
         return replace(found, conditions=(*self.conditions, *found.conditions))
 

@@ -12,6 +12,7 @@ from jausml.generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml.generators.bridge.translation.sharing import SharedTranslations
 from jausml.generators.bridge.translation.surroundings import Surroundings
 from jausml.generators.python.names import Scope, names_in, snake_case
+from jausml.metamodel.classes import bridge
 from jausml.semantics import calls
 from jausml.semantics.stops import has_stop
 from jausml.semantics.used_maps import used_maps
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping
 
     from jausml.generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import bridge, jaus
+    from jausml.metamodel.classes import jaus
 
 # Attributes that the base class has anyway.
 _TAKEN_ATTRIBUTES = names_in(
@@ -39,10 +40,10 @@ class TranslatedJoin:
     Attributes:
         join: The join.
         name: Its name in Python.
-        type_name: Name of its ROS message class in the module.
+        type_name: Name of its message class in the module.
     """
 
-    join: bridge.Join
+    join: bridge.Join | bridge.ReportJoin
     name: str
     type_name: str
 
@@ -158,6 +159,22 @@ def _translated_call(
     return TranslatedCall(name, request, response, halves)
 
 
+def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[TranslatedJoin, ...]:
+    """Returns what is joined to the message that a connection takes."""
+    scope, used = Scope(OWN_NAMES), connection.map
+    if connection.direction.name == "jausToRos":
+        return tuple(
+            TranslatedJoin(
+                each, scope.claim(snake_case(each.name)), uses.view_of(each.message).class_name
+            )
+            for each in used.reportJoins
+        )
+    return tuple(
+        TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
+        for each in used.joins
+    )
+
+
 def _translated(
     connection: bridge.Connection,
     name: str,
@@ -168,17 +185,23 @@ def _translated(
 ) -> Translated:
     used, message = connection.map, uses.view_of(connection.map.message)
     is_to_ros = connection.direction.name == "jausToRos"
-    scope = Scope(OWN_NAMES)
-    joins = tuple(
-        TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
-        for each in (() if is_to_ros else used.joins)
-    )
+    joins = _joins(connection, uses)
 
     def make(name: str, around: Surroundings) -> tuple[str, ...]:
+        owner = f"self.{name}"
         if is_to_ros:
-            return to_ros(connection, message, f"self.{name}", ros_name, around).lines
-        parameters = {str(each.join.name): (each.name, each.join.type) for each in joins}
-        return to_jaus(connection, message, f"self.{name}", parameters, around).lines
+            reports = {
+                str(join.name): (each.name, uses.view_of(join.message))
+                for each in joins
+                if isinstance(join := each.join, bridge.ReportJoin)
+            }
+            return to_ros(connection, message, owner, ros_name, reports, around).lines
+        types = {
+            str(join.name): (each.name, join.type)
+            for each in joins
+            if isinstance(join := each.join, bridge.Join)
+        }
+        return to_jaus(connection, message, owner, types, around).lines
 
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):

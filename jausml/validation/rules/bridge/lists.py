@@ -159,8 +159,8 @@ def _map_findings(
     if not _assignments(used, feature):
         message = f"map '{used.name}' has no {feature} assignments"
         yield Finding(assignment, message, "map", related=(note,))
-    if used.joins and not direction.to_ros:
-        message = f"map '{used.name}' has joins, which only the topics of a connection feed"
+    if used.reportJoins if direction.to_ros else used.joins:
+        message = f"map '{used.name}' has joins, which only a connection feeds"
         yield Finding(assignment, message, "map", related=(note,))
     if _leads_to(used, direction.map, feature):
         message = f"map '{used.name}' leads back to map '{direction.map.name}'"

@@ -1,0 +1,58 @@
+"""A component of the live test of joined reports: `pose` or `velocity` of one vehicle."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+
+from jausml_runtime import (
+    ComponentProgram,
+    ComponentSettings,
+    JausAddress,
+    JausComponent,
+    ServiceIdentity,
+    run_component,
+)
+from odometry_bridge.messages import (
+    QueryLocalPose,
+    QueryVelocityState,
+    ReportLocalPose,
+    ReportVelocityState,
+)
+
+CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
+ADDRESSES = {"pose": JausAddress(10, 1, 1), "velocity": JausAddress(10, 1, 2)}
+SERVICES = {"pose": "LocalPoseSensor", "velocity": "VelocityStateSensor"}
+
+
+class Sensor(JausComponent):
+    """Reports what stays the same: a turn to the right."""
+
+    def __init__(self, kind, transport, address, settings):
+        services = [
+            *(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE),
+            ServiceIdentity(f"urn:jaus:jss:mobility:{SERVICES[kind]}", 1, 0),
+        ]
+        super().__init__(transport, address, name=kind, services=services, settings=settings)
+        if kind == "pose":
+            pose = ReportLocalPose(x=3.0, y=4.0, z=0.0, yaw=1.5707963)
+            self.provide(QueryLocalPose, ReportLocalPose, lambda *_: pose)
+        else:
+            velocity = ReportVelocityState(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25)
+            self.provide(QueryVelocityState, ReportVelocityState, lambda *_: velocity)
+
+
+if __name__ == "__main__":
+    kind, *rest = sys.argv[1:]
+    raise SystemExit(
+        run_component(
+            partial(Sensor, kind),
+            ComponentProgram(
+                name=kind,
+                description="Sensor of the live test of joined reports.",
+                address=ADDRESSES[kind],
+                settings=ComponentSettings(register_services=False),
+            ),
+            rest,
+        )
+    )

@@ -1,0 +1,110 @@
+"""A generated bridge that makes one ROS message of two JAUS reports."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from workspaces import packages_of
+
+from jausml.generation import render
+from jausml.generators.bridge.target import TARGET as BRIDGE
+from jausml.generators.messages.target import TARGET as MESSAGES
+from jausml.generators.runtime.target import TARGET as RUNTIME
+from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
+
+from .bridge_support import Process, RosPeer, free_port, wait_for
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+VEHICLE = str(Path(__file__).with_name("odometry_vehicle.py"))
+SYSTEM = """
+import mappings.odometry
+component pose { address: 10.1.1 provides: LocalPoseSensor external: true }
+component velocity { address: 10.1.2 provides: VelocityStateSensor external: true }
+bridge odometry_bridge {
+  address: 10.1.9
+  connection odometry {
+    map: odometry
+    peers: pose
+    rate: 10
+    sources: { join: velocity peers: velocity rate: 20 }
+    topic odom
+  }
+}
+"""
+
+
+@pytest.fixture
+def system(tmp_path, monkeypatch):
+    """Yields what starts a process, and a node of the test; the bridge runs."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+    model = tmp_path / "odometry.ros2jaus"
+    model.write_text(SYSTEM, encoding="utf-8")
+    result = read_models([model], notations=NOTATIONS)
+    assert result.diagnostics == []
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
+        path = tmp_path / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    path, port, processes = packages_of(tmp_path), str(free_port()), []
+
+    def start(*line):
+        log = tmp_path / f"{len(processes)}.log"
+        processes.append(Process([*line, "--jaus-port", port], path, log))
+        return processes[-1]
+
+    ros = RosPeer()
+    start("-m", "odometry_bridge.main")
+    yield start, ros
+    for process in processes:
+        process.close()
+        sys.stderr.write(process.log.read_text())
+    ros.close()
+
+
+def test_odometry_is_there_while_both_reports_are(system):
+    from diagnostic_msgs.msg import DiagnosticArray
+    from nav_msgs.msg import Odometry
+
+    start, ros = system
+    found = ros.listen(Odometry, "odom")
+    told = ros.listen(DiagnosticArray, "/diagnostics")
+
+    def warnings():
+        statuses = [status for each in told for status in each.status]
+        return [each.message for each in statuses if each.name.endswith(": odometry")]
+
+    start(VEHICLE, "pose")
+    wait_for(lambda: "nothing fresh from velocity" in warnings(), "a pose without a velocity")
+    assert found == []
+    velocity = start(VEHICLE, "velocity")
+    wait_for(lambda: len(found) > 5, "odometry of both")
+    made = found[-1]
+    assert (made.header.frame_id, made.child_frame_id) == ("odom", "base_link")
+    assert made.pose.pose.position.x == pytest.approx(3.0, abs=1e-3)
+    assert made.pose.pose.position.y == pytest.approx(-4.0, abs=1e-3)
+    assert made.pose.pose.orientation.z == pytest.approx(-0.70710678, abs=1e-3)
+    assert made.twist.twist.linear.x == pytest.approx(2.0, abs=1e-3)
+    assert made.twist.twist.linear.y == pytest.approx(-0.5, abs=1e-3)
+    assert made.twist.twist.angular.z == pytest.approx(-0.25, abs=1e-3)
+    velocity.kill()
+    told.clear()
+    wait_for(lambda: "nothing fresh from velocity" in warnings(), "that the velocity is stale")
+    found.clear()
+    told.clear()
+    wait_for(lambda: len(warnings()) > 1, "more diagnostics")
+    assert found == []  # the vehicle does not stand: nobody knows how fast it is
+    start(VEHICLE, "velocity")
+    wait_for(lambda: len(found) > 5, "odometry again", 60.0)
