@@ -96,10 +96,9 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
     head = ("what", "datagrams a second", "share that arrives", "99 % alone, s", "99 % flooded, s")
     yield table(head, rows)
     yield (
-        "A bridge takes what comes to its one socket in turn, and the kernel drops what there is no "
-        "room for, of whomever: a network that may be flooded needs a filter before the bridge. "
-        "`reports` come in the name of the vehicle from elsewhere, so that what is for the vehicle "
-        "may go there.\n"
+        "A bridge takes what comes to its one socket in turn, and the kernel drops what there is "
+        "no room for, of whomever: a network that may be flooded needs a filter before the "
+        "bridge. `reports` come in the name of the vehicle, from elsewhere.\n"
     )
 
 
