@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
+from jausml.semantics import calls
+from jausml.semantics.commands import is_command
 from jausml.semantics.standard_services import is_discovered
 from jausml.validation.rule import Finding, rule
 
@@ -73,20 +75,18 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
     With `choice="all"` each vehicle that appears within reach is controlled and moves by the same
     commands.
 
-    Bad: the commands of a topic to `<search services="..." choice="all"/>`
+    Bad: the commands of a topic or of a ROS service to `<search services="..." choice="all"/>`
 
     Good: the same with `choice="nearest"`, or with the subsystem of the vehicle
     """
     for connection in subject.instances(bridge.Connection):
-        search = connection.search
-        if search is None or search.choice.name != "all" or search.subsystem:
-            continue
-        commands = connection.map is not None and connection.map.message is not None
-        is_sent = connection.direction.name == "rosToJaus" and connection.control
-        if commands and is_sent and connection.map.message.isCommand:
-            message = f"'{connection.name}' takes control of all that its search finds"
-            hint = "search for one, or in one subsystem"
-            yield Finding(connection, message, "search", hint)
+        command = connection.map.message if connection.map is not None else None
+        if command is not None and command.isCommand and _controls_all(connection):
+            yield _control_of_all(connection)
+    for called in subject.instances(bridge.RosServiceConnection):
+        asking = calls.asking(called)
+        if asking is not None and is_command(asking) and _controls_all(called):
+            yield _control_of_all(called)
 
 
 @rule("JML357", Severity.INFO, "subsystem that nobody finds")
@@ -149,3 +149,15 @@ def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:
         if number not in (0, own[feature]):
             message = f"the search is within the own {search.within.name} and asks for"
             yield Finding(search, f"{message} {feature} {number}", feature)
+
+
+def _controls_all(connection: bridge.Connection | bridge.RosServiceConnection) -> bool:
+    search = connection.search
+    if search is None or search.choice.name != "all" or search.subsystem:
+        return False
+    return bool(connection.direction.name == "rosToJaus" and connection.control)
+
+
+def _control_of_all(connection: bridge.Connection | bridge.RosServiceConnection) -> Finding:
+    message = f"'{connection.name}' takes control of all that its search finds"
+    return Finding(connection, message, "search", "search for one, or in one subsystem")
