@@ -15,7 +15,7 @@ from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.services.completion import Completion
-from jausml.runtime.transports.delivery import ReceivedMessage
+from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
@@ -77,6 +77,7 @@ class Network:
         loop: The loop, on that time.
         receive: Who is attached.
         sent: Number of messages sent.
+        arrival: The message that is being handed over.
     """
 
     def __init__(self) -> None:
@@ -85,6 +86,7 @@ class Network:
         self.loop = Loop(clock=lambda: self.now)
         self.receive: Receive | None = None
         self.sent = 0
+        self.arrival = Arrival()
 
     @property
     def counters(self) -> Counters:

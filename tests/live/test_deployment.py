@@ -202,28 +202,6 @@ def test_a_misspelt_name_is_told_and_the_bridge_runs(bridge):
     assert running(process).stop() == 0
 
 
-def catches(process):
-    """Whether Python, or the program, handles SIGINT by now."""
-    try:
-        status = Path(f"/proc/{process.popen.pid}/status").read_text()
-    except FileNotFoundError:
-        return False
-    (mask,) = [line.split()[1] for line in status.splitlines() if line.startswith("SigCgt")]
-    return bool(int(mask, 16) >> signal.SIGINT - 1 & 1)
-
-
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks /proc for signal handlers")
-@pytest.mark.parametrize("delay", [0.0, 0.02, 0.1, 0.2, 0.3, 0.5, 0.8])
-def test_a_signal_during_the_imports_ends_a_bridge_without_a_traceback(bridge, delay):
-    process = bridge("waypoints", "--jaus-port", str(free_port()))
-    wait_for(lambda: catches(process), "Python")
-    wait_for(lambda: not catches(process), "main")
-    time.sleep(delay)  # wherever that is: any moment must do
-    process.popen.send_signal(signal.SIGINT)
-    assert process.popen.wait(timeout=30) in (0, -signal.SIGINT)
-    assert "Traceback" not in process.log.read_text()
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_further_signals_do_no_harm(bridge, number):
     process = running(bridge("waypoints", "--jaus-port", str(free_port())))

@@ -117,7 +117,7 @@ class Rover:
 
     def tells(self, reason):
         """Waits until /diagnostics names the reason of the stop."""
-        wait_for(lambda: self.told()[0] == reason, f"'{reason}' on /diagnostics", PATIENCE)
+        wait_for(lambda: reason in self.told()[0], f"'{reason}' on /diagnostics", PATIENCE)
         _, values = self.told()
         assert int(values[f"stopped: {reason}"]) > 0
         assert values["when lost"] == "the stop is sent"

@@ -276,7 +276,10 @@ def test_every_map_of_the_library_is_found_by_its_name(texts):
         [connection] = texts.one(text).model.instances(bridge.Connection)
         used = connection.map
         assert (used.name, used.message.name) == (each.name, each.message)
-        assert each.type == f"{used.type.eContainer().name}/{used.type.name}"
+        owner, name = used.type.eContainer(), used.type.name
+        if not isinstance(owner, ros.InterfacePackage):  # a half of a service or action
+            owner, name = owner.eContainer(), owner.name
+        assert each.type == f"{owner.name}/{name}"
 
 
 def test_index_of_the_library_has_all_its_maps(texts):

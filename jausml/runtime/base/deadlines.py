@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .loop import Loop
+    from .loop import Loop, Timer
 
 T = TypeVar("T")
 
@@ -31,6 +31,7 @@ class Deadlines(Generic[T]):
         self._loop = loop
         self._on_due = on_due
         self._due: dict[float, dict[T, float]] = {}  # by delay, in the order in which they are due
+        self._timers: dict[float, Timer] = {}
 
     def add(self, item: T, delay: float) -> None:
         """Wait for an answer; nothing may wait twice for the same time.
@@ -43,7 +44,7 @@ class Deadlines(Generic[T]):
         waiting = self._due.get(delay)
         if waiting is None:
             waiting = self._due[delay] = {}
-            self._loop.call_at(due, partial(self._expire, delay))
+            self._set_timer(delay, due)
         waiting[item] = due
 
     def discard(self, item: T, delay: float) -> None:
@@ -52,9 +53,21 @@ class Deadlines(Generic[T]):
         if waiting is not None:
             waiting.pop(item, None)
 
+    def clear(self) -> None:
+        """Wait for nothing any more."""
+        for timer in self._timers.values():
+            timer.cancel()
+        for waiting in self._due.values():
+            waiting.clear()
+        self._timers.clear()
+        self._due.clear()
+
+    def _set_timer(self, delay: float, due: float) -> None:
+        self._timers[delay] = self._loop.call_at(due, partial(self._expire, delay))
+
     def _expire(self, delay: float) -> None:
         """Tell what is due; the next that will be has the timer then."""
-        waiting, now = self._due[delay], self._loop.now()
+        waiting, now = self._due.get(delay, {}), self._loop.now()
         late = list(takewhile(lambda item: waiting[item] <= now, waiting))
         try:
             for item in late:
@@ -62,6 +75,6 @@ class Deadlines(Generic[T]):
                     self._on_due(item)
         finally:
             if waiting:
-                self._loop.call_at(next(iter(waiting.values())), partial(self._expire, delay))
+                self._set_timer(delay, next(iter(waiting.values())))
             else:
-                del self._due[delay]
+                self._due.pop(delay, None)

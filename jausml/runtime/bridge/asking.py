@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..clients.event_subscription import EventSubscription
     from ..clients.peer_binding import PeerBinding
+    from ..component.component import JausComponent
     from ..wire.message import Message
     from .connection import Take
     from .ends import Ends
@@ -122,6 +123,7 @@ class AskedQueries:
         self._message = message
         self._take = take
         self._peers: PeerBinding
+        self._component: JausComponent
         self._next = 0.0
         self._unanswered: set[JausAddress] = set()
         self._silent: set[JausAddress] = set()
@@ -133,6 +135,7 @@ class AskedQueries:
             peers: Who is asked.
         """
         self._peers = peers
+        self._component = self._ends.component
         self._next = self._ends.clock.now()
         self._ends.loop.call_soon(self._ask)
 
@@ -145,6 +148,8 @@ class AskedQueries:
         return peer in self._silent
 
     def _ask(self) -> None:
+        if not self._component.running:
+            return  # the bridge was closed; opened again, it has other queries
         clock = self._ends.clock
         # Absolute times, so that the rate does not drift; a late loop does not catch up.
         self._next = max(self._next + 1 / self.rate, clock.now())
@@ -153,7 +158,7 @@ class AskedQueries:
             (self._silent.add if peer in self._unanswered else self._silent.discard)(peer)
             self._unanswered.discard(peer)
             # Repetition is the next period's; a late answer counts as an answer.
-            self._ends.component.query(
+            self._component.query(
                 peer,
                 self._query,
                 self._message,

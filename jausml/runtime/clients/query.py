@@ -136,6 +136,7 @@ class QueryClient:
         for queries in self._pending.values():
             for pending in list(queries):
                 self.forget(pending)
+        self._deadlines.clear()
 
     def _start(self, pending: PendingQuery) -> None:
         """Send a query at the start of the component, unless it was cancelled before."""
