@@ -139,7 +139,8 @@ def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
         ]
     return "\n".join(
         [
-            f"  /** Whoever is in control. */ connection {attribute_map.name}_{way} {{",
+            "  /** Whoever is in control. */",
+            f"  connection {attribute_map.name}_{way} {{",
             f"    map: {attribute_map.name}",
             f"    direction: {'jausToRos' if to_ros else 'rosToJaus'}",
             f"    exchange: {exchange}",
