@@ -18,7 +18,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from .bridge_support import PATIENCE, free_port, generate, wait_for
+from tests.live.bridge_support import PATIENCE, free_port, generate, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -45,7 +45,8 @@ def fast_dds():
 
 
 @pytest.mark.parametrize(
-    "rounds", [pytest.param(20), pytest.param(100, marks=pytest.mark.slow)], ids=str
+    "rounds",
+    [20, pytest.param(100, marks=[pytest.mark.faults, pytest.mark.timeout(600)])],
 )
 def test_signals_at_any_moment(path, tmp_path, rounds):
     chance, before = random.Random(rounds), fast_dds()
