@@ -225,7 +225,7 @@ def test_the_last_message_on_both_sides(system):
         wait_for(lambda: observation.state().connections["/loop_bridge", "odometry"].told, "status")
         wait_for(lambda: any("linear:" in line for line in at("odometry")[0]), "Odometry")
         wait_for(lambda: any("Velocity_X: 2" in line for line in at("odometry")[1]), "report")
-        assert system.ros.node.count_subscribers("/odometry") == before + 1
+        wait_for(lambda: system.ros.node.count_subscribers("/odometry") == before + 1, "the look")
         _, jaus = at("drive")
         assert "not observable" in jaus[0]
         wait_for(

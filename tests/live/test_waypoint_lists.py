@@ -206,6 +206,16 @@ def order(system, *words):
         system.processes["ros"].tell(word)
 
 
+def pass_by(system, operator, *uids):
+    """Has the robot go from one element to the next ones, and after the last to the end.
+
+    Feedback and result of a ROS action are not in order with each other: each is waited for.
+    """
+    for uid in (*uids, 0):
+        order(system, "next")
+        operator.wait_active(uid)
+
+
 def wait_goal(system, number=1):
     wait_for(lambda: len(facts(system, "goal")) >= number, f"goal {number}", PATIENCE)
     return facts(system, "goal")[number - 1]
@@ -219,10 +229,8 @@ def test_a_list_is_followed_to_its_end(system, operator):
     operator.execute()
     goal = wait_goal(system)
     assert (goal["x"], goal["frame"], goal["loops"]) == ([1.0, 2.0, 3.0], "odom", 0)
-    for uid in (1, 2, 3):
-        operator.wait_active(uid)
-        order(system, "next")
-    operator.wait_active(0)
+    operator.wait_active(1)
+    pass_by(system, operator, 2, 3)
     wait_for(lambda: operator.ends, "end of the command", PATIENCE)
     assert operator.seen == [0, 1, 2, 3, 0]
     assert operator.ends == [True]
@@ -233,8 +241,7 @@ def test_execution_begins_at_the_named_element(system, operator):
     operator.execute(2)
     assert wait_goal(system)["x"] == [2.0, 3.0]
     operator.wait_active(2)
-    order(system, "next", "next")
-    operator.wait_active(0)
+    pass_by(system, operator, 3)
     assert operator.seen == [0, 2, 3, 0]
 
 
@@ -285,8 +292,7 @@ def test_a_changed_list_is_followed_from_the_active_element(system, operator):
     operator.wait_active(2)
     operator.append(ListElement(4, 3, 0, operator.waypoint(7)))
     assert wait_goal(system, 2)["x"] == [2.0, 3.0, 7.0]
-    order(system, "next", "next", "next")
-    operator.wait_active(0)
+    pass_by(system, operator, 3, 4)
     assert operator.seen == [0, 1, 2, 3, 4, 0]
 
 
