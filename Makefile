@@ -56,8 +56,7 @@ bench: $(READY)  ## measure all, some twelve minutes, and write docs/performance
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 
 faults: $(READY)  ## every fault with real processes, some six minutes; writes docs/reference/faults.md
-	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults \
-	  tests/live/test_signals.py
+	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 
 MINUTES ?= 60
