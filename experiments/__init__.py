@@ -1,0 +1,1 @@
+"""Experiments with whole systems: run from the root of the repository, by `python -m`."""
