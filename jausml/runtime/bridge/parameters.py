@@ -163,23 +163,23 @@ def silence_timeout(connection: str, seconds: float) -> Parameter:
 def max_rate(connection: str, hertz: float) -> Parameter:
     """Returns the rate above which messages of a connection are thinned out; 0 is never."""
     text = f"Messages of {connection} that pass each second at most (Hz); 0 is all."
-
-    def check(value: float) -> None:
-        if 0 < value < LEAST_MAX_RATE:
-            raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
-
-    return Parameter(f"{connection}.max_rate", hertz, text, (0.0, GREATEST), check)
+    return _limit(f"{connection}.max_rate", hertz, text)
 
 
 def rate_cap(connection: str, hertz: float) -> Parameter:
     """Returns the rate above which messages of one source are dropped; 0 is never."""
     text = f"Messages of {connection} that are taken of one source each second (Hz); 0 is all."
+    return _limit(f"{connection}.rate_cap", hertz, text)
+
+
+def _limit(name: str, hertz: float, text: str) -> Parameter:
+    """Returns a rate in hertz that limits; 0 is no limit."""
 
     def check(value: float) -> None:
         if 0 < value < LEAST_MAX_RATE:
             raise ValueError(f"{value:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
 
-    return Parameter(f"{connection}.rate_cap", hertz, text, (0.0, GREATEST), check)
+    return Parameter(name, hertz, text, (0.0, GREATEST), check)
 
 
 def decimation(connection: str, number: int) -> Parameter:
