@@ -13,6 +13,7 @@ from jausml.metamodel.classes import ros
 if TYPE_CHECKING:
     from random import Random
 
+# Written here again: a test that took them from the generator would not see a wrong one.
 FORMATS = {
     "bool": "?",
     "byte": "B",

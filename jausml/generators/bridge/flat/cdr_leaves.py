@@ -7,28 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.generation.literals import python_literal
+from jausml.generators.bridge.flat.cdr_layout import LETTERS
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.metamodel.classes import ros
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-
-_LETTERS = {
-    "bool": "?",
-    "byte": "B",
-    "char": "B",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
 
 
 @dataclass(frozen=True)
@@ -93,8 +77,8 @@ def _field(each: ros.Field, path: str) -> Iterator[WrittenLeaf]:
         yield ManyLeaf(path, each, size if kind == "boundedSequence" else 0)
     elif kind == "single":
         yield from single_leaves(each, path, default_of(each))
-    elif isinstance(each, ros.PrimitiveField) and each.type.name in _LETTERS:
-        letter = _LETTERS[each.type.name]
+    elif isinstance(each, ros.PrimitiveField) and each.type.name in LETTERS:
+        letter = LETTERS[each.type.name]
         given = default_of(each)
         values = given if isinstance(given, list) else [None] * size
         yield NumberLeaf(path, letter, tuple(_number(letter, value) for value in values))
@@ -111,8 +95,8 @@ def single_leaves(each: ros.Field, path: str, default: object) -> Iterator[Writt
         yield from written_leaves(each.messageType, f"{path}." if path else "")
     elif isinstance(each, ros.PrimitiveField) and each.type.name == "string":
         yield TextLeaf(path, int(each.stringBound), str(default or ""))
-    elif isinstance(each, ros.PrimitiveField) and each.type.name in _LETTERS:
-        letter = _LETTERS[each.type.name]
+    elif isinstance(each, ros.PrimitiveField) and each.type.name in LETTERS:
+        letter = LETTERS[each.type.name]
         yield NumberLeaf(path, letter, (_number(letter, default),))
     else:
         raise NotFlatError(f"{path} is a wide string")

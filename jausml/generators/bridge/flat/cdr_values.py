@@ -17,7 +17,7 @@ from jausml.generators.bridge.flat.cdr_leaves import (
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.limits import FINITE, SINGLE
-from jausml.generators.bridge.flat.protocols import Numbers, Place, Target
+from jausml.generators.bridge.flat.protocols import Given, Numbers, Place, Target
 from jausml.generators.bridge.flat.vectors import NUMBERS
 from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call, tuple_of
@@ -28,25 +28,6 @@ if TYPE_CHECKING:
 
     from jausml.generators.bridge.flat.constants import Constants
     from jausml.generators.python.names import Scope
-
-
-@dataclass(frozen=True)
-class Given:
-    """What has the value of a field.
-
-    Attributes:
-        code: A local variable or a literal.
-        conditional: Whether it is None where the field is given no value.
-    """
-
-    code: str
-    conditional: bool
-
-    def otherwise(self, default: str) -> str:
-        """Returns the value, or the default where it is None, as Python text."""
-        return (
-            f"{default} if {self.code} is None else {self.code}" if self.conditional else self.code
-        )
 
 
 @dataclass

@@ -22,12 +22,12 @@ from jausml.generators.bridge.flat.cdr_leaves import (
 from jausml.generators.bridge.flat.cdr_values import (
     CdrSequenceWriting,
     CdrValues,
-    Given,
     literal_of,
 )
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.loops import loop_over
 from jausml.generators.bridge.flat.pieces import bytes_literal
+from jausml.generators.bridge.flat.protocols import Given
 from jausml.generators.bridge.translation.ros_fields import full_name
 from jausml.generators.python.names import snake_case
 

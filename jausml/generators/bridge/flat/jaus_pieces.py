@@ -9,7 +9,7 @@ from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_elements import numbers_of
 from jausml.generators.bridge.flat.pieces import Bytes, Packed, Piece, joined
-from jausml.generators.bridge.flat.protocols import Place
+from jausml.generators.bridge.flat.protocols import Given, Place
 from jausml.generators.bridge.flat.wire_items import (
     bit_field_item,
     default_item,
@@ -40,19 +40,6 @@ if TYPE_CHECKING:
 
 _STEP = " " * 4
 _LETTERS = {1: "B", 2: "H", 4: "I", 8: "Q"}
-
-
-@dataclass(frozen=True)
-class Given:
-    """What has the value of a field.
-
-    Attributes:
-        code: A local variable or a literal.
-        conditional: Whether it is None where the field is given no value.
-    """
-
-    code: str
-    conditional: bool
 
 
 class ListPieces(Protocol):
@@ -218,8 +205,7 @@ class JausBlock:
             code = given.code
             if given.conditional:
                 code = self._scope.claim(sub.attribute)
-                default = sub.value.default
-                self.lines.append(f"{code} = {default} if {given.code} is None else {given.code}")
+                self.lines.append(f"{code} = {given.otherwise(sub.value.default)}")
             codes[sub.attribute] = code
         return bit_field_item(bits, codes)
 
@@ -236,9 +222,7 @@ class JausBlock:
 
     def _blob(self, value: Blob, path: str, attribute: str) -> None:
         given = self._given(path)
-        code = given.code if given is not None else value.default
-        if given is not None and given.conditional:
-            code = f"{value.default} if {given.code} is None else {given.code}"
+        code = value.default if given is None else given.otherwise(value.default)
         name = self._scope.claim(f"{attribute}_bytes")
         field_text = python_string(attribute)
         self.lines.append(f"{name} = {code}")

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import python_string
 from jausml.generators.bridge.flat.errors import NotFlatError
 from jausml.generators.bridge.flat.jaus_elements import number_of, numbers_of, octet_of
-from jausml.generators.bridge.flat.jaus_pieces import Given, JausBlock, RecordBlock, Tree
+from jausml.generators.bridge.flat.jaus_pieces import JausBlock, RecordBlock, Tree
 from jausml.generators.bridge.flat.pieces import Packed, bytes_literal, joined
-from jausml.generators.bridge.flat.protocols import Numbers, Target
+from jausml.generators.bridge.flat.protocols import Given, Numbers, Target
 from jausml.generators.python.codec.classes import (
     ContainerClass,
 )

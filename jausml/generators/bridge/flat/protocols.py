@@ -111,6 +111,25 @@ class Group:
     value: str = "{}"
 
 
+@dataclass(frozen=True)
+class Given:
+    """What has the value of a field.
+
+    Attributes:
+        code: A local variable or a literal.
+        conditional: Whether it is None where the field is given no value.
+    """
+
+    code: str
+    conditional: bool
+
+    def otherwise(self, default: str) -> str:
+        """Returns the value, or the default where it is None, as Python text."""
+        return (
+            f"{default} if {self.code} is None else {self.code}" if self.conditional else self.code
+        )
+
+
 class Reading(Protocol):
     """Reads the wanted values of a message, or of an element of a list, out of its bytes.
 
