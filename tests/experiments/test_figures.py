@@ -1,0 +1,118 @@
+"""Figures of the right turn: all that shall be seen is drawn, and equal data gives equal files."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from catvehicle.metrics import Sample
+from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
+
+from experiments.right_turn import comparisons, maps, style, turns
+
+PARAMETERS = VehicleParameters()
+PATH = StraightArcStraight.right_turn(PARAMETERS)
+
+
+def drive(offset=0.0, wiggle=0.0):
+    """A drive along the path, some metres beside it, whose tyres swing by so many radians."""
+    samples = []
+    for index in range(200):
+        pose = PATH.points(0.5)[min(index, len(PATH.points(0.5)) - 1)]
+        delta = -0.1 * math.sin(index / 30) + wiggle * math.sin(index)
+        samples.append(
+            Sample(0.1 * index, pose.x, pose.y + offset, pose.psi, 4.0, delta, delta, 4.0)
+        )
+    return samples
+
+
+def texts(figure):
+    """All words of a figure."""
+    return " ".join(each.get_text() for each in figure.findobj(lambda it: hasattr(it, "get_text")))
+
+
+def turn_figure():
+    rows = [turns.Turns("JAUS alone", [drive(), drive(0.1)]), turns.Turns("ROS", [drive(0.3)])]
+    return turns.draw(rows, PATH, PARAMETERS)
+
+
+def test_both_rows_of_the_turn_have_the_same_axes():
+    figure = turn_figure()
+    paths, regions = figure.axes[0:4:2], figure.axes[1:4:2]
+    for column in (paths, regions):
+        assert len({(axes.get_xlim(), axes.get_ylim()) for axes in column}) == 1
+    assert paths[0].get_ylim()[1] > 0.3
+
+
+def test_the_boundary_of_the_safe_region_is_where_the_acceleration_is_the_limit():
+    region = turn_figure().axes[1]
+    curve = next(line for line in region.lines if "boundary" in line.get_label())
+    degrees, speed = curve.get_xdata()[0], curve.get_ydata()[0]
+    sideways = speed**2 * abs(math.tan(math.radians(degrees))) / PARAMETERS.wheelbase
+    assert sideways == pytest.approx(PARAMETERS.lateral_acceleration_limit)
+
+
+def test_a_drive_without_samples_is_refused():
+    with pytest.raises(ValueError, match="JAUS alone: a drive without samples"):
+        turns.Turns("JAUS alone", [[]])
+
+
+def test_equal_figures_give_equal_files(tmp_path):
+    first = style.store(turn_figure(), tmp_path / "one", "turn")
+    second = style.store(turn_figure(), tmp_path / "two", "turn")
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+    assert [path.suffix for path in first] == [".svg", ".png"]
+    assert b"dc:date" not in first[0].read_bytes()
+
+
+def test_delays_tell_their_median_and_their_tail():
+    times = [0.001 * (index + 1) for index in range(100)]
+    figure = comparisons.latencies({"to_controller": {"J": times, "R": times}, "to_vehicle": {}})
+    assert "median 50, 99 % 99" in texts(figure)
+    assert len(figure.axes) == 1
+
+
+def test_delays_that_nobody_measured_are_refused():
+    with pytest.raises(ValueError, match="no message"):
+        comparisons.latencies({"to_controller": {"J": []}})
+
+
+def test_steering_is_summed_over_a_drive():
+    figure = comparisons.steering({"J": [drive()], "R": [drive(wiggle=0.05)]})
+    calm, wild = (line.get_ydata()[-1] for line in figure.axes[1].lines)
+    assert wild > 5 * calm > 0
+
+
+def test_gaps_are_those_of_pairs_at_equal_times():
+    bound = comparisons.Bound(0.5, "bound")
+    figure = comparisons.gaps([drive(), drive(0.1)], [drive(0.3)], {"position": bound})
+    across, null, line = figure.axes[0].lines
+    assert max(across.get_ydata()) == pytest.approx((0.3 + 0.2) / 2)
+    assert max(null.get_ydata()) == pytest.approx(0.1)
+    assert line.get_ydata()[0] == 0.5
+
+
+def test_the_boundary_on_the_map_parts_what_is_accepted():
+    cells = {
+        (x, y): maps.Cell(0.5 - x, accepted=x == 0) for x in (0.0, 1.0, 2.0) for y in (0.0, 5.0)
+    }
+    figure = maps.grid(cells, label="margin", horizontal="delay", vertical="loss")
+    boundary = figure.axes[0].lines[0]
+    assert {x for x in boundary.get_xdata() if x == x} == {1}
+    assert "−1.50" in texts(figure)
+
+
+def test_a_map_without_cells_is_refused():
+    with pytest.raises(ValueError, match="without cells"):
+        maps.grid({}, label="", horizontal="", vertical="")
+
+
+def test_polls_are_drawn_beside_the_bridge_that_does_not_poll():
+    bridges = [
+        maps.Polled("generated", None, [drive()], [0.001]),
+        maps.Polled("5 Hz", 5.0, [drive(wiggle=0.1)], [0.1, 0.2]),
+        maps.Polled("20 Hz", 20.0, [drive(wiggle=0.05)], [0.02, 0.05]),
+    ]
+    figure = maps.polling(bridges, [drive()], PATH)
+    assert all(name in texts(figure) for name in ("5 Hz", "20 Hz", "generated", "JAUS alone"))
