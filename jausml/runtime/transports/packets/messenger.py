@@ -120,6 +120,26 @@ class Messenger(Generic[Origin]):
         if count > HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
 
+    def cut(
+        self, source: JausAddress, destination: JausAddress, payload: bytes
+    ) -> list[tuple[bytes, int, int]]:
+        """Cut a message of several packets that goes out in one go, without acknowledgement.
+
+        Args:
+            source: Component that sends.
+            destination: Component of another process.
+            payload: Longer than one packet.
+
+        Returns:
+            Each part with the bits of its place (AS5669A, data flags) and its sequence number;
+            nothing when the message is to be sent in another way.
+        """
+        packetizer = self.packetizer
+        count = packetizer.count(destination, len(payload))
+        if not 1 < count <= HELD_BY_PEERS or not self._can_take(destination, count):
+            return []
+        return packetizer.cut(source, destination, payload)
+
     def _send_one(
         self,
         source: JausAddress,

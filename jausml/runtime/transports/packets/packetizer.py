@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from .packet import AckNak, Priority
 
 _MAX_FRAGMENTS = 32768
+_PLACES = tuple(DataFlags)
+_FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
 MOST_SMALL_FRAGMENTS = 40
 """Packets of a message from which on they are larger than wished for."""
 
@@ -62,26 +64,36 @@ class Packetizer:
         acknowledge: AckNak,
     ) -> list[Packet]:
         """Return the packets of a message with their sequence numbers."""
-        step, none = self._step(destination, len(payload)), Broadcast.NONE
-        if len(payload) <= step:
+        none = Broadcast.NONE
+        if len(payload) <= self._step(destination, len(payload)):
             number = self.reserve(source, 1)
             return [Packet(destination, source, payload, number, priority, none, acknowledge)]
-        parts = [payload[start : start + step] for start in range(0, len(payload), step)]
-        flags = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (len(parts) - 2), DataFlags.LAST]
-        first = self.reserve(source, len(parts))
         return [
             Packet(
-                destination,
-                source,
-                part,
-                first + index & 0xFFFF,
-                priority,
-                none,
-                acknowledge,
-                flag,
+                destination, source, part, number, priority, none, acknowledge, _PLACES[place >> 6]
             )
-            for index, (part, flag) in enumerate(zip(parts, flags, strict=True))
+            for part, place, number in self.cut(source, destination, payload)
         ]
+
+    def cut(
+        self, source: JausAddress, destination: JausAddress, payload: bytes
+    ) -> list[tuple[bytes, int, int]]:
+        """Return the parts of a message of several packets, and take numbers for them.
+
+        Returns:
+            Each part with the bits of its place (AS5669A, data flags) and its sequence number.
+        """
+        size = len(payload)
+        step = self._step(destination, size)
+        count = -(-size // step)
+        first = self.reserve(source, count)
+        parts = [
+            (payload[start : start + step], _MIDDLE, first + index & 0xFFFF)
+            for index, start in enumerate(range(0, size, step))
+        ]
+        parts[0] = (parts[0][0], _FIRST, first)
+        parts[-1] = (parts[-1][0], _LAST, parts[-1][2])
+        return parts
 
     def _step(self, destination: JausAddress, size: int) -> int:
         if size <= self._fragment_size:

@@ -143,6 +143,7 @@ class JudpTransport(Transport):
             messenger.packetizer.numbers(source),
             self._settings.fragment_size,
             self._inbox,
+            partial(messenger.cut, source, destination),
             send,
         )
 

@@ -19,7 +19,8 @@ from ..packets.packet import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    import socket
+    from collections.abc import Callable, Iterable, Iterator
 
     from ...base.address import JausAddress
     from ...base.loop import Loop
@@ -101,12 +102,13 @@ class Sender(Carrier[Endpoint]):
         numbers: Iterator[int],
         longest: int,
         inbox: Inbox[Endpoint],
+        cut: Callable[[bytes], Iterable[tuple[bytes, int, int]]],
         otherwise: Callable[[bytes], None],
     ) -> Callable[[bytes], None]:
         """Return what sends payloads from one component to another, without acknowledgement.
 
-        The usual case is here, in one function: one packet, to a component that was heard lately
-        where it is. Callable from any thread.
+        The usual case is here, in one function: one packet, or several in one go, to a component
+        that was heard lately where it is. Callable from any thread.
 
         Args:
             source: Component that sends.
@@ -115,11 +117,26 @@ class Sender(Carrier[Endpoint]):
             numbers: Sequence numbers of the source.
             longest: Bytes of payload that one packet carries.
             inbox: Components of this process, which are not sent to.
+            cut: Yields the parts of a payload of several packets, each with its place and its
+                number; nothing where they cannot go out in one go.
             otherwise: Sends in any other case.
         """
         learnt, lifetime, clock = self._book.learnt, self._book.lifetime, self._loop.now
         port, lock, sent, counters = self._port, self._socket_lock, self._sent, self._loop.counters
         pack, pack_number, join = DATAGRAM_HEADER.pack, SEQUENCE.pack, b"".join
+
+        def put_all(
+            parts: Iterable[tuple[bytes, int, int]], sock: socket.socket, endpoint: Endpoint
+        ) -> None:
+            try:
+                with lock:
+                    for part, place, number in parts:
+                        size, flags = EMPTY_MESSAGE_SIZE + len(part), priority | place
+                        header = pack(JUDP_VERSION, 0, size, flags, destination, source)
+                        sock.sendto(join((header, part, pack_number(number))), endpoint)
+                        sent.count += 1
+            except OSError as error:
+                counters.count("judp.send_failed", f"{endpoint}: {error}")
 
         def send(payload: bytes) -> None:
             size = len(payload)
@@ -127,11 +144,18 @@ class Sender(Carrier[Endpoint]):
             if (
                 entry is None
                 or sock is None
-                or not MESSAGE_CODE_SIZE <= size <= longest
+                or size < MESSAGE_CODE_SIZE
                 or clock() - entry.heard >= lifetime
                 or destination in inbox.receivers
             ):
                 otherwise(payload)
+                return
+            if size > longest:
+                parts = cut(payload)
+                if parts:
+                    put_all(parts, sock, entry.endpoint)
+                else:
+                    otherwise(payload)
                 return
             size += EMPTY_MESSAGE_SIZE
             header = pack(JUDP_VERSION, 0, size, priority, destination, source)
