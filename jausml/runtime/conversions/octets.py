@@ -16,7 +16,8 @@ class Table:
 
     Attributes:
         octets: The octet for each of the 256, as `bytes.translate` takes them.
-        fitting: Those that become one; what is done with others, a limit says.
+        odd: What those become that have none: an octet that stands for no other, to be looked for
+            in the result, as a limit says what is done with them. None where all have one.
     """
 
     def __init__(
@@ -38,8 +39,9 @@ class Table:
                 continue
             if lower <= value <= upper:
                 found[octet] = round(value) & 0xFF
-        self.octets = bytes(found.get(octet, 0) for octet in range(256))
-        self.fitting = bytes(found)
+        unused = set(range(256)).difference(found.values())
+        self.odd = min(unused) if len(found) < 256 else None
+        self.octets = bytes(found.get(octet, self.odd or 0) for octet in range(256))
 
 
 def reverse_rows(cells: bytes, columns: float) -> bytes:

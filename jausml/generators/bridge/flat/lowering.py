@@ -86,14 +86,13 @@ class Lowering(Statements):
         signed = f"{_STEP * 2}{number} = {octet} - 256 * ({octet} > 127)"
         sequence.vector(result)
         for line in (
-            f"if {cells.code}.translate(None, {name}.fitting):",
+            f"{result} = {cells.code}.translate({name}.octets)",
+            f"if {name}.odd is not None and {name}.odd in {result}:",
             f"{_STEP}{result} = bytearray()",
             f"{_STEP}for {octet} in {cells.code}:",
             *([signed] if cells.is_signed else []),
             *(f"{_STEP * 2}{line}" for line in lines),
             f"{_STEP * 2}{result}.append({one.code} & 0xFF)",
-            "else:",
-            f"{_STEP}{result} = {cells.code}.translate({name}.octets)",
         ):
             self._add(line)
         return True
