@@ -43,7 +43,7 @@ STANDARD_GUARDS = {
 _NAME_ALONE = ""
 
 _NAMES = """
-add_machine address allows attempt authority call clear_emergency command command_handler
+add_machine address allows attempt authority call clear_emergency clock command command_handler
 component_type control control_available controller core_event core_state core_state_changed
 core_version counters current_time delete_elements discover discovery_server elements
 encoded_report event_clock fail find_peers handle handle_by_machines handle_payload host_time

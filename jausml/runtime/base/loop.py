@@ -55,20 +55,28 @@ class Loop:
         lock: Held while callbacks run; taken once for all callbacks of a turn.
         counters: Where failures are counted.
         now: Returns the time of the loop's clock in seconds.
+        wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
         on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
             of user code; the loop goes on. Unless it is set, that is counted as what fails is.
     """
 
-    def __init__(self, clock: Clock = time.monotonic, counters: Counters | None = None) -> None:
+    def __init__(
+        self,
+        clock: Clock = time.monotonic,
+        counters: Counters | None = None,
+        wall: Callable[[], int] = time.time_ns,
+    ) -> None:
         """Prepare a loop that does not run yet.
 
         Args:
             clock: Monotonic time in seconds.
             counters: Where failures are counted; the transport uses the same ones.
+            wall: Time of day in nanoseconds since 1970 (UTC).
         """
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
         self.now = clock
+        self.wall = wall
         self.on_failure: Callable[[BaseException], object] = self._failed
         self._epoll = select.epoll()
         self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -181,6 +189,19 @@ class Loop:
         """
         return self._turn(timeout, is_only=True)
 
+    def next_due(self) -> float | None:
+        """Return when there is something to do by the loop's clock; None when it waits for nothing.
+
+        Whoever drives the loop with a clock of its own goes there. Descriptors are not looked at.
+        """
+        if self._soon:
+            return self.now()
+        with self._state:
+            while self._timers and self._timers[0][2].callback is None:
+                heapq.heappop(self._timers)
+                self._cancelled -= 1
+            return self._timers[0][0] if self._timers else None
+
     def _turn(  # noqa: C901 - what is called here delays each message
         self, timeout: float | None, *, is_only: bool
     ) -> int:
@@ -250,14 +271,11 @@ class Loop:
     def _wait_time(self, timeout: float | None) -> float | None:
         if self._soon or self._stopping:
             return 0
-        with self._state:
-            while self._timers and self._timers[0][2].callback is None:
-                heapq.heappop(self._timers)
-                self._cancelled -= 1
-            if self._timers:
-                due = max(0.0, self._timers[0][0] - self.now())
-                return due if timeout is None else min(due, timeout)
-        return timeout
+        due = self.next_due()
+        if due is None:
+            return timeout
+        wait = max(0.0, due - self.now())
+        return wait if timeout is None else min(wait, timeout)
 
     def _run_due_timers(self) -> int:
         """Runs what is due and was asked for before; a timer may ask for the next at once."""

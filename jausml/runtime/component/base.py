@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..base.host_clock import HostClock
 from ..clients.clients import Clients
 from ..clients.presence import SILENCE
 from ..services.core import CoreServices
@@ -46,7 +47,11 @@ R = TypeVar("R", bound=Message)
 
 
 class ComponentBase(ComponentHooks):
-    """A component that handles commands and answers queries; see ``JausComponent``."""
+    """A component that handles commands and answers queries; see ``JausComponent``.
+
+    Attributes:
+        clock: The time, for user code that shall run in virtual time as well.
+    """
 
     def __init__(
         self,
@@ -81,6 +86,7 @@ class ComponentBase(ComponentHooks):
         self.component_type = component_type
         self.settings = ComponentSettings() if settings is None else settings
         self.event_clock: Timing = transport.loop
+        self.clock = HostClock(transport.loop)
         # Sub-classes are user code: the prefix keeps their private attributes apart from these.
         self._jaus_running = False
         self._jaus_starters: list[Callable[[], None]] = []
@@ -306,7 +312,14 @@ class ComponentBase(ComponentHooks):
         with self.loop.lock:
             self._jaus_core.management.fail(reason)
 
-    # ---- hook with a default ----------------------------------------------------------------
+    # ---- hooks with a default ---------------------------------------------------------------
+
+    def host_time(self) -> datetime:
+        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
+
+        Override it for a component that lives in simulated time.
+        """
+        return self.clock.utc()
 
     def supports_element(self, element: ListElement) -> bool:
         """Return whether the component's list may hold an element (AS5710, ListManager).

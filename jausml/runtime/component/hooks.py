@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from ..base.address import JausAddress
 
 
@@ -44,13 +45,6 @@ class ComponentHooks:
         Args:
             time: What it was set to, in UTC. The host's clock is left as it is.
         """
-
-    def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by; the host's unless overridden.
-
-        Override it for a component that lives in simulated time.
-        """
-        return datetime.now(timezone.utc)
 
     def on_list_changed(self) -> None:
         """The controller has changed ``elements`` (AS5710, ListManager)."""

@@ -16,6 +16,8 @@ from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .packetizer import Packetizer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ...base.address import JausAddress
     from ...base.loop import Loop
     from ...base.settings import TransportSettings
@@ -40,6 +42,7 @@ class Messenger(Generic[Origin]):
         settings: TransportSettings,
         loop: Loop,
         carrier: Carrier[Origin],
+        draw: Callable[[int], int] | None = None,
     ) -> None:
         """Start with no components and nothing to wait for.
 
@@ -48,10 +51,12 @@ class Messenger(Generic[Origin]):
             loop: Loop on which messages are received; its counters are used.
             carrier: Puts packets on the network. Messages are repeated until acknowledged unless
                 it is reliable by itself.
+            draw: Returns a random number from 0 to below its argument, for sequence numbers;
+                by default that of the process.
         """
         self._loop = loop
         self._transmit = carrier.transmit
-        self.packetizer = Packetizer(settings.fragment_size)
+        self.packetizer = Packetizer(settings.fragment_size, draw)
         self._longest = settings.fragment_size
         self._bursts = Bursts()
         self._outbox = Outbox(settings, loop, carrier)

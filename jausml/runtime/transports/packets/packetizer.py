@@ -10,7 +10,7 @@ from ...base.settings import MAX_FRAGMENT_SIZE
 from .packet import Broadcast, DataFlags, Packet
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from ...base.address import JausAddress
     from .packet import AckNak, Priority
@@ -29,12 +29,15 @@ class Packetizer:
     Junior and the JAUS Tool Set hold no more than 50 of an unfinished message.
     """
 
-    def __init__(self, fragment_size: int) -> None:
+    def __init__(self, fragment_size: int, draw: Callable[[int], int] | None = None) -> None:
         """Start with no numbers used.
 
         Args:
             fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
+            draw: Returns a random number from 0 to below its argument; by default that
+                of the process.
         """
+        self._draw = random.randrange if draw is None else draw
         self._fragment_size = fragment_size
         self._numbers: dict[JausAddress, count[int]] = {}
 
@@ -119,5 +122,5 @@ class Packetizer:
         known = self._numbers.get(source)
         if known is None:
             # A restarted sender must not repeat numbers that peers remember as seen.
-            known = self._numbers.setdefault(source, count(random.randrange(0x10000)))
+            known = self._numbers.setdefault(source, count(self._draw(0x10000)))
         return known

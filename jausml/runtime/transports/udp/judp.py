@@ -7,15 +7,12 @@ from typing import TYPE_CHECKING
 
 from ...base.counters import LOGGER
 from ...base.settings import JUDP_PORT
-from ..address_book import AddressBook
 from ..allowed_hosts import AllowedHosts
-from ..packets.messenger import Messenger
-from ..packets.packet import Packet, Priority, parse_datagram
+from ..packets.packet import Packet, parse_datagram
 from ..port_holder import manager_folder
-from ..transport import Transport
+from .datagrams import DatagramTransport
 from .drops import KernelDrops
 from .reading import reader
-from .sender import Sender
 from .shared_port import SharedPort, forwarded_frame, present_frame, read_forwarded, read_present
 from .standstill import Standstill
 
@@ -26,25 +23,14 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.loop import Loop, Timer
     from ...base.settings import Endpoint, TransportSettings
-    from ..delivery import OnResult, Receive, Take
-    from ..packets.inbox import Inbox
+    from ..delivery import Receive, Take
 
-_MAX_PREPARED = 1024
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
 
-_TIME_TO_ANSWER = 2.0
-"""Seconds that a component has to answer the first message after a silence."""
 
-
-class JudpTransport(Transport):
-    """Components of this process on one JUDP port (AS5669A).
-
-    Destinations with a wildcard go to the multicast group and to the matching components of this
-    process, except the sender. A component of this process is reached without the network. An
-    unknown destination is multicast with a request for acknowledgement, as Junior does; the
-    acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
-    """
+class JudpTransport(DatagramTransport):
+    """Components of this process on one JUDP port (AS5669A)."""
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
         """Prepare a transport; ``open`` puts it on the network.
@@ -53,17 +39,9 @@ class JudpTransport(Transport):
             settings: Interface, port, peers and time-outs.
             loop: Loop on which messages are received; its counters are used.
         """
-        super().__init__(settings, loop)
         self._port = SharedPort(settings)
-        self._book = AddressBook(
-            settings.address_lifetime, self.counters, fixed=settings.fixed_sources
-        )
+        super().__init__(settings, loop, self._port)
         self._allowed = AllowedHosts(settings, self.counters)
-        self._sender = Sender(loop, self._port, self._book)
-        self._messenger = Messenger(settings, loop, self._sender)
-        self.arrival = self._messenger.inbox.arrival
-        self._inbox = self._messenger.inbox
-        self._prepared: dict[tuple[int, int, int], Callable[[bytes], None]] = {}
         self._drops = KernelDrops(self.counters)
         self._standstill = Standstill(loop, lambda: self._port.sockets, settings.standstill)
         self._takeover: Timer | None = None
@@ -100,63 +78,6 @@ class JudpTransport(Transport):
             self._sender.close()
             self._messenger.close()
 
-    def send(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-        on_result: OnResult | None = None,
-    ) -> None:
-        """Send one message; see ``Transport.send``. Senders are prepared for the usual ways."""
-        if acknowledge or on_result is not None:
-            self._messenger.send(source, destination, payload, priority, acknowledge, on_result)
-            return
-        send = self._prepared.get((source, destination, priority))
-        if send is None:
-            if len(self._prepared) >= _MAX_PREPARED:
-                self._prepared.clear()
-            send = self.sender(source, destination, priority)
-            self._prepared[source, destination, priority] = send
-        send(payload)
-
-    def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
-    ) -> Callable[[bytes], None]:
-        """Return what sends one payload after the other; see ``Transport.sender``."""
-        messenger = self._messenger
-
-        def send(payload: bytes) -> None:
-            messenger.send(source, destination, payload, priority, False, None)  # noqa: FBT003
-
-        if not (source.is_concrete and destination.is_concrete):
-            return send
-        return self._sender.prepare(
-            source,
-            destination,
-            priority,
-            messenger.packetizer.numbers(source),
-            self._settings.fragment_size,
-            self._inbox,
-            partial(messenger.cut, source, destination),
-            send,
-        )
-
-    @property
-    def inbox(self) -> Inbox[Endpoint]:
-        """What receives for the components of this process."""
-        return self._inbox
-
-    @property
-    def address_book(self) -> AddressBook:
-        """Where components are."""
-        return self._book
-
     @property
     def endpoint(self) -> Endpoint | None:
         """Where this process sends from and is reached, while open."""
@@ -164,24 +85,8 @@ class JudpTransport(Transport):
         return None if unicast is None else unicast.getsockname()
 
     def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        self._inbox.attach(address, receive, take)
+        super()._attach(address, receive, take)
         self._announce()
-
-    def _detach(self, address: JausAddress) -> None:
-        self._inbox.detach(address)
-
-    def is_unheard(self, address: JausAddress) -> bool:
-        """Return whether a component is silent that was asked; see ``Transport.is_unheard``."""
-        with self.loop.lock:
-            if address in self._messenger.inbox.receivers:
-                return False
-            entry = self._book.learnt.get(address)
-            longest = self._book.lifetime + _TIME_TO_ANSWER
-            return entry is None or self.loop.now() - entry.heard > longest
-
-    def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
-        del source  # one for all components
-        return self._messenger
 
     def _watch(self, sock: socket.socket | None) -> None:
         if sock is not None:
@@ -223,12 +128,7 @@ class JudpTransport(Transport):
             self._on_packet(packet, sender, may_forward=not by_multicast)
 
     def _on_packet(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
-        if self._inbox.refuses(packet, sender):
-            return
-        now = self.loop.now()
-        if not self._book.learn(packet.source, sender, now):
-            return
-        if not self._inbox.take(packet, sender, now):
+        if not self._take_packet(packet, sender):
             self._on_stray(packet, sender, may_forward=may_forward)
 
     def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:

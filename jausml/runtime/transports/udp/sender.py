@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ...base.settings import Endpoint
 from ..address_book import AddressBook, Doubt
@@ -19,20 +19,40 @@ from ..packets.packet import (
 )
 
 if TYPE_CHECKING:
-    import socket
     from collections.abc import Callable, Iterable, Iterator
 
     from ...base.address import JausAddress
     from ...base.loop import Loop
     from ..packets.inbox import Inbox
     from ..packets.packet import Packet, Priority
-    from .shared_port import SharedPort
+
+
+class Outlet(Protocol):
+    """What datagrams leave through: a socket, as a rule."""
+
+    def sendto(self, datagram: bytes, endpoint: Endpoint, /) -> int:
+        """Send a datagram; raises OSError when it cannot go."""
+
+
+class Port(Protocol):
+    """What a sender needs of a port; ``SharedPort`` is that of a host."""
+
+    @property
+    def unicast(self) -> Outlet | None:
+        """What datagrams leave through, while the port is open."""
+
+    @property
+    def group(self) -> Endpoint:
+        """Where datagrams go that are for everybody."""
+
+    def close(self) -> None:
+        """Send no more."""
 
 
 class Sender(Carrier[Endpoint]):
     """Sends each packet where its destination is, from any thread."""
 
-    def __init__(self, loop: Loop, port: SharedPort, book: AddressBook) -> None:
+    def __init__(self, loop: Loop, port: Port, book: AddressBook) -> None:
         """Prepare to send.
 
         Args:
@@ -126,7 +146,7 @@ class Sender(Carrier[Endpoint]):
         pack, pack_number, join = DATAGRAM_HEADER.pack, SEQUENCE.pack, b"".join
 
         def put_all(
-            parts: Iterable[tuple[bytes, int, int]], sock: socket.socket, endpoint: Endpoint
+            parts: Iterable[tuple[bytes, int, int]], sock: Outlet, endpoint: Endpoint
         ) -> None:
             try:
                 with lock:

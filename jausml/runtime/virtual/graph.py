@@ -1,0 +1,364 @@
+"""ROS in one process: topics, and what publishes and subscribes."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..bridge.errors import RosTypeError
+from ..bridge.quality import EndpointHealth, conflicts
+from ..bridge.topics import Qos, Topic, TopicCounts
+from .link import Link, Way
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from random import Random
+
+    from ..base.loop import Loop
+
+RosType: TypeAlias = "type[Any] | str"
+"""A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""
+
+MOST_KEPT = 5000
+"""Messages that a latched publisher with `keep_all` keeps."""
+
+_OUTSIDE = "the world"
+
+
+def type_name(ros_type: RosType) -> str:
+    """Returns the name of a type, e.g. `nav_msgs/msg/Odometry`."""
+    if isinstance(ros_type, str):
+        return ros_type
+    named: str | None = getattr(ros_type, "TYPE", None)
+    if named is not None:
+        return named
+    package, kind, *_ = f"{ros_type.__module__}..".split(".")
+    return f"{package}/{kind}/{ros_type.__name__}"
+
+
+class GraphPublisher:
+    """A publisher.
+
+    Attributes:
+        node: Name of its node.
+        qos: What it offers.
+        topic: Where it publishes.
+        greet: Called for each subscription that is found.
+        health: What is wrong with it.
+        publish: Publishes a serialized message.
+        encode: Serializes an object of the class of rclpy.
+        matched: Subscriptions that it reaches.
+        unmatched: Messages that found none of them; whoever publishes counts.
+        reached: The subscriptions that it reaches.
+        kept: What late subscriptions get, with the time of its publication.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        qos: Qos,
+        topic: GraphTopic,
+        greet: Callable[[], None] | None,
+        health: EndpointHealth,
+    ) -> None:
+        """Publishes on a topic; `RosGraph` makes it."""
+        self.node = node
+        self.qos = qos
+        self.topic = topic
+        self.greet = greet
+        self.health = health
+        self.publish: Callable[[bytes], None] = self._publish
+        self.encode: Callable[[Any], bytes] = bytes
+        self.matched = 0
+        self.unmatched = 0
+        self.reached: list[GraphSubscription] = []
+        size = MOST_KEPT if qos.history == "keep_all" else qos.depth
+        self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
+
+    def _publish(self, data: bytes) -> None:
+        message = bytes(data), self.topic.wall()
+        if self.qos.durability == "transient_local":
+            self.kept.append(message)
+        for each in tuple(self.reached):
+            each.send(*message)
+
+    def publish_message(self, message: Any) -> None:
+        """Publishes an object of the class of rclpy."""
+        self.publish(self.encode(message))
+
+    def close(self) -> None:
+        """Publishes no more."""
+        self.topic.remove(self)
+
+
+@dataclass(eq=False)
+class GraphSubscription:
+    """A subscription, and the way to it.
+
+    Attributes:
+        node: Name of its node.
+        qos: What it requests.
+        counts: What became of its messages.
+    """
+
+    node: str
+    qos: Qos
+    topic: GraphTopic
+    take: Callable[[bytes, int], None]
+    way: Way
+    health: EndpointHealth
+    counts: TopicCounts = field(default_factory=TopicCounts)
+    is_open: bool = True
+
+    @property
+    def link(self) -> Link:
+        """What the way to it does; it may be changed at any time."""
+        return self.way.link
+
+    @link.setter
+    def link(self, link: Link) -> None:
+        self.way.link = link
+
+    def close(self) -> None:
+        """Subscribes no more."""
+        self.topic.remove(self)
+
+    def send(self, data: bytes, stamp: int) -> None:
+        """Lets a message come.
+
+        Args:
+            data: The serialized message.
+            stamp: When it was published, in nanoseconds since 1970.
+        """
+        if not self.way.carry(partial(self._arrive, data, stamp)):
+            self.counts.missed += 1
+
+    def _arrive(self, data: bytes, stamp: int) -> None:
+        if not self.is_open:
+            return
+        lifespan = self.qos.lifespan
+        if lifespan and self.topic.wall() - stamp > lifespan * 1e9:
+            self.counts.lost += 1
+            self.counts.missed += 1
+            return
+        self.counts.taken += 1
+        self.topic.watch(self.topic.name, data)
+        self.take(data, stamp)
+
+
+class GraphTopic:
+    """A topic, with those who publish and subscribe.
+
+    Attributes:
+        name: Its full name.
+        kind: Name of the type of its messages.
+        wall: Time of day in nanoseconds.
+        watch: Told each message that arrives.
+        publishers: Its publishers.
+        subscriptions: Its subscriptions.
+    """
+
+    def __init__(self, graph: RosGraph, name: str, kind: str) -> None:
+        self.name = name
+        self.kind = kind
+        self.wall = graph.loop.wall
+        self.watch = graph.watch
+        self.publishers: list[GraphPublisher] = []
+        self.subscriptions: list[GraphSubscription] = []
+        self._loop = graph.loop
+
+    def add_publisher(self, publisher: GraphPublisher) -> None:
+        """Connects a publisher with the subscriptions that are there."""
+        self.publishers.append(publisher)
+        for each in self.subscriptions:
+            self._connect(publisher, each)
+
+    def add_subscription(self, subscription: GraphSubscription) -> None:
+        """Connects a subscription with the publishers that are there."""
+        self.subscriptions.append(subscription)
+        for each in self.publishers:
+            self._connect(each, subscription)
+
+    def remove(self, end: GraphPublisher | GraphSubscription) -> None:
+        """Disconnects a publisher or a subscription; no effect once it is."""
+        if isinstance(end, GraphPublisher):
+            end.reached.clear()
+            end.matched = 0
+            if end in self.publishers:
+                self.publishers.remove(end)
+            return
+        end.is_open = False
+        if end in self.subscriptions:
+            self.subscriptions.remove(end)
+        for each in self.publishers:
+            if end in each.reached:
+                each.reached.remove(end)
+                each.matched -= 1
+
+    def others(self, *, publishers: bool) -> list[tuple[str, Qos]]:
+        """Returns node and quality of service of all publishers, or of all subscriptions."""
+        ends = self.publishers if publishers else self.subscriptions
+        return [(each.node, each.qos) for each in ends]
+
+    def _connect(self, publisher: GraphPublisher, subscription: GraphSubscription) -> None:
+        found = conflicts(publisher.qos, subscription.qos)
+        if found:
+            publisher.health.note_incompatible(found[0].policy)
+            subscription.health.note_incompatible(found[0].policy)
+            return
+        publisher.reached.append(subscription)
+        publisher.matched += 1
+        if publisher.greet is not None:
+            self._loop.call_soon(publisher.greet)
+        if subscription.qos.durability == "transient_local":
+            kept = list(publisher.kept)
+            if subscription.qos.history != "keep_all":
+                kept = kept[-subscription.qos.depth :]
+            for data, stamp in kept:
+                subscription.send(data, stamp)
+
+
+class RosGraph:
+    """Topics by name, for nodes of a virtual world and for what stands in for nodes.
+
+    Messages are serialized, as `RosSide` has them. Each subscription is reached by a way of its
+    own. What a way loses is lost, whatever quality of service says: it stands for `best_effort`.
+
+    Attributes:
+        loop: Everything happens on it.
+        watch: Told each message that arrives, and its topic.
+    """
+
+    def __init__(self, loop: Loop, random: Random, watch: Callable[[str, bytes], None]) -> None:
+        """Begins without topics.
+
+        Args:
+            loop: Everything happens on it.
+            random: Decides what gets lost, and how long the rest takes.
+            watch: Told each message that arrives, and its topic.
+        """
+        self.loop = loop
+        self.watch = watch
+        self._random = random
+        self._topics: dict[str, GraphTopic] = {}
+        self._own: dict[tuple[str, Qos], GraphPublisher] = {}
+
+    def publish(self, topic: str, ros_type: RosType, data: bytes, qos: Qos | None = None) -> None:
+        """Publishes a serialized message; the first on a topic makes its publisher.
+
+        Args:
+            topic: Full name of the topic.
+            ros_type: Type of the message.
+            data: The serialized message.
+            qos: Quality of service; that of a plain publisher by default.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        offered = Qos() if qos is None else qos
+        publisher = self._own.get((topic, offered))
+        if publisher is None or publisher.topic.kind != type_name(ros_type):
+            publisher = self.advertise(_OUTSIDE, ros_type, Topic(topic, offered))
+            self._own[topic, offered] = publisher
+        publisher.publish(data)
+
+    def subscribe(
+        self,
+        topic: str,
+        ros_type: RosType,
+        take: Callable[[bytes], object],
+        qos: Qos | None = None,
+        link: Link | None = None,
+    ) -> GraphSubscription:
+        """Subscribes to a topic.
+
+        Args:
+            topic: Full name of the topic.
+            ros_type: Type of its messages.
+            take: Is given each serialized message.
+            qos: Quality of service; that of a plain subscription by default.
+            link: What the way to the subscription does; nothing by default.
+
+        Returns:
+            The subscription, whose link may be changed, and which may be closed.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        wanted = Topic(topic, Qos() if qos is None else qos)
+
+        def taking(data: bytes, _stamp: int) -> None:
+            take(data)
+
+        return self.attach(_OUTSIDE, ros_type, wanted, taking, Link() if link is None else link)
+
+    # ------------------------------------------------------------------ for nodes
+
+    def advertise(
+        self,
+        node: str,
+        ros_type: RosType,
+        topic: Topic,
+        greet: Callable[[], None] | None = None,
+    ) -> GraphPublisher:
+        """Makes a publisher of a node.
+
+        Args:
+            node: Name of the node.
+            ros_type: Type of the messages.
+            topic: The topic, by its full name.
+            greet: Called for each subscription that is found.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        joint = self._topic(topic.name, ros_type)
+        qos = topic.qos
+        health = self._health(joint, qos, publishes=True)
+        made = GraphPublisher(node, qos, joint, greet, health)
+        joint.add_publisher(made)
+        return made
+
+    def attach(
+        self,
+        node: str,
+        ros_type: RosType,
+        topic: Topic,
+        take: Callable[[bytes, int], None],
+        link: Link,
+    ) -> GraphSubscription:
+        """Makes a subscription of a node.
+
+        Args:
+            node: Name of the node.
+            ros_type: Type of the messages.
+            topic: The topic, by its full name.
+            take: Is given each serialized message, and when it was published, in nanoseconds.
+            link: What the way to the subscription does.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        joint = self._topic(topic.name, ros_type)
+        qos = topic.qos
+        way = Way(self.loop, self._random, link)
+        health = self._health(joint, qos, publishes=False)
+        made = GraphSubscription(node, qos, joint, take, way, health)
+        joint.add_subscription(made)
+        return made
+
+    def _topic(self, name: str, ros_type: RosType) -> GraphTopic:
+        kind = type_name(ros_type)
+        if not name.startswith("/"):
+            raise ValueError(f"{name!r} is no full name of a topic, such as /odometry")
+        found = self._topics.setdefault(name, GraphTopic(self, name, kind))
+        if found.kind != kind:
+            raise RosTypeError(f"{name} has the type {found.kind}, not {kind}")
+        return found
+
+    def _health(self, topic: GraphTopic, qos: Qos, *, publishes: bool) -> EndpointHealth:
+        entity = "publisher" if publishes else "subscription"
+        others = partial(topic.others, publishers=not publishes)
+        return EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)

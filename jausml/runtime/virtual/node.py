@@ -1,0 +1,239 @@
+"""A node of the ROS of a virtual world, as bridges see it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from ..bridge.errors import RosTypeError
+from ..bridge.parameters import ParameterError
+from ..bridge.topics import Topic
+from ..conversions import Time
+from .graph import GraphSubscription, type_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from ..base.loop import Loop
+    from ..bridge.actions import ActionClient, GoalTaker, ListAction
+    from ..bridge.ends import RosCodec, RosPublisher
+    from ..bridge.parameter import Parameter
+    from ..bridge.quality import EndpointHealth, TopicFault
+    from ..bridge.service_client import RosService, ServiceClient
+    from ..bridge.topics import TopicCounts
+    from .graph import GraphPublisher, RosGraph
+    from .link import Link
+
+_DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+
+
+class VirtualRosNode:
+    """A node for a bridge, without ROS: topics, parameters, and virtual time.
+
+    Services and actions need ROS; a bridge that has some cannot be opened on it.
+    """
+
+    is_simulated = False
+    """The time of the world is that of the loop: nothing needs to follow `/clock`."""
+
+    def __init__(
+        self, graph: RosGraph, name: str, parameters: Mapping[str, Any], link: Link
+    ) -> None:
+        """Joins the graph; `VirtualWorld.ros_node` does that.
+
+        Args:
+            graph: Topics of the world.
+            name: Full name, e.g. `/fleet/bridge`.
+            parameters: Values by name, which replace those of the model.
+            link: What the ways to its subscriptions do.
+        """
+        self.name = name
+        self._graph = graph
+        self._given = dict(parameters)
+        self._link = link
+        self._followers: dict[str, Callable[[Any], None]] = {}
+        self._declared: dict[str, Parameter] = {}
+        self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
+        self._ends: list[GraphPublisher | GraphSubscription] = []
+        diagnostics = graph.advertise(name, _DIAGNOSTICS, Topic("/diagnostics"))
+        self._ends.append(diagnostics)
+        self.publish_diagnostics: Callable[[bytes], None] = diagnostics.publish
+
+    def attach(self, loop: Loop) -> None:
+        """Checks that a bridge has the time of the world.
+
+        Raises:
+            ValueError: It has another loop.
+        """
+        if loop is not self._graph.loop:
+            raise ValueError(f"{self.name} is of another world than the transport of its bridge")
+
+    def close(self) -> None:
+        """Gives all topics back; the bridge is closed before."""
+        for each in self._ends:
+            each.close()
+        self._ends.clear()
+
+    # ------------------------------------------------------------------ time and parameters
+
+    def now(self) -> Time:
+        """Time of day of the world."""
+        return Time(*divmod(self._graph.loop.wall(), 10**9))
+
+    def follow_clock(self, take: Callable[[float], None]) -> None:
+        """Follows nothing: the time of the world is that of the loop."""
+
+    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
+        """Declares a parameter and returns its value.
+
+        Args:
+            parameter: The parameter.
+            changed: Takes each later value; without it the parameter cannot change.
+
+        Raises:
+            ParameterError: The value that was given for it does not do.
+        """
+        name = parameter.name
+        self._declared[name] = parameter
+        if changed is not None:
+            self._followers[name] = changed
+        if name not in self._given:
+            return parameter.default
+        return _checked(parameter, self._given[name])
+
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Changes a parameter, as `ros2 param set` does.
+
+        Args:
+            name: Its name.
+            value: The new value.
+
+        Raises:
+            ParameterError: There is no such parameter, it cannot change, or the value does not do.
+        """
+        parameter = self._declared.get(name)
+        if parameter is None:
+            raise ParameterError(f"{self.name} has no parameter {name}")
+        if name not in self._followers:
+            raise ParameterError(f"{name} cannot change while the bridge runs")
+        self._given[name] = _checked(parameter, value)
+        self._followers[name](value)
+
+    # ------------------------------------------------------------------ topics
+
+    def codec(self, ros_type: type[Any]) -> RosCodec:
+        """Returns what makes objects of rclpy of serialized messages, and the reverse.
+
+        Raises:
+            RosTypeError: rclpy or the type is not installed: light classes do without.
+        """
+        try:
+            from ..bridge.ros_codec import Codec  # noqa: PLC0415 - light classes do without
+
+            return Codec(ros_type)
+        except ImportError as error:
+            needed = f"objects of ROS for {type_name(ros_type)} need ROS itself"
+            raise RosTypeError(f"{needed}: {error}") from error
+
+    def publisher(
+        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+    ) -> RosPublisher:
+        """Makes a publisher; see `RosSide`.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        resolved = self._resolved(topic)
+        end = self._graph.advertise(self.name, ros_type, resolved, greet)
+        end.encode = partial(self._encoded, ros_type)
+        self._health[topic, True] = end.health
+        self._ends.append(end)
+        return end
+
+    def subscribe(
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription; see `RosSide`.
+
+        Raises:
+            RosTypeError: The topic has another type.
+        """
+        resolved = self._resolved(topic)
+        end = self._graph.attach(self.name, ros_type, resolved, take, self._link)
+        self._health[topic, False] = end.health
+        self._ends.append(end)
+        return end.counts
+
+    @property
+    def link(self) -> Link:
+        """What the ways to the subscriptions do; another one may be set at any time."""
+        return self._link
+
+    @link.setter
+    def link(self, link: Link) -> None:
+        self._link = link
+        for each in self._ends:
+            if isinstance(each, GraphSubscription):
+                each.link = link
+
+    def faults(self, topic: Topic, *, publishes: bool) -> Sequence[TopicFault]:
+        """Returns why a topic does not work as it should; nothing while it does."""
+        return self._health[topic, publishes].faults()
+
+    def _encoded(self, ros_type: type[Any], message: Any) -> bytes:
+        return self.codec(ros_type).encode(message)
+
+    def _resolved(self, topic: Topic) -> Topic:
+        namespace, _, own = self.name.rpartition("/")
+        if topic.name.startswith("/"):
+            return topic
+        if topic.name.startswith("~/"):
+            return replace(topic, name=f"{namespace}/{own}/{topic.name[2:]}")
+        return replace(topic, name=f"{namespace}/{topic.name}")
+
+    # ------------------------------------------------------------------ what needs ROS
+
+    def action_client(self, action: ListAction) -> ActionClient:
+        """Refuses: actions need ROS."""
+        raise _needs_ros(f"action {action.name}")
+
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
+        """Refuses: actions need ROS."""
+        del taker
+        raise _needs_ros(f"action {action.name}")
+
+    def serve(
+        self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
+    ) -> None:
+        """Refuses: services need ROS."""
+        del take
+        raise _needs_ros(f"service {service.name}")
+
+    def service_client(self, service: RosService) -> ServiceClient:
+        """Refuses: services need ROS."""
+        raise _needs_ros(f"service {service.name}")
+
+
+def _needs_ros(what: str) -> NotImplementedError:
+    return NotImplementedError(f"{what}: in virtual time there are topics, no services and actions")
+
+
+def _checked(parameter: Parameter, value: Any) -> Any:
+    """Returns a value that a parameter can have, as rclpy takes it.
+
+    Raises:
+        ParameterError: It is of another type, out of its range, or does not do.
+    """
+    if type(value) is not type(parameter.default):
+        wanted = type(parameter.default).__name__
+        raise ParameterError(f"{parameter.name} is {value!r}; it must be a {wanted}")
+    if parameter.limits is not None and not parameter.limits[0] <= value <= parameter.limits[1]:
+        low, high = parameter.limits
+        raise ParameterError(f"{parameter.name} is {value!r}; it must lie in {low:g}..{high:g}")
+    try:
+        if parameter.check is not None:
+            parameter.check(value)
+    except ValueError as error:
+        raise ParameterError(f"{parameter.name}: {error}") from error
+    return value

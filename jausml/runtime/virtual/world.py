@@ -1,0 +1,213 @@
+"""A world with a clock of its own, as fast as the computer can go."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta, timezone
+from random import Random
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..base.loop import Loop
+from ..base.settings import TransportSettings
+from .graph import RosGraph
+from .link import Link
+from .network import Network
+from .node import VirtualRosNode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from types import TracebackType
+
+    from ..base.counters import Counters
+    from ..base.loop import Timer
+    from .network import VirtualTransport
+
+Watch: TypeAlias = "Callable[[float, str, bytes], object]"
+"""Told the time in seconds, where something arrives, and the bytes of it."""
+
+START = datetime(2026, 1, 1, tzinfo=timezone.utc)
+"""Time of day at which worlds begin."""
+
+MOST_AT_ONCE = 100_000
+"""Turns of the loop without any time between them after which something goes round in circles."""
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+_NANO = 10**9
+
+
+class VirtualWorld:
+    """Components and bridges on one clock, which goes from event to event and never waits.
+
+    Nothing in it depends on the computer: the same seed gives the same bytes at the same times, as
+    long as what runs in it asks the time of its component or bridge, and draws its random numbers
+    from ``random`` or a seed of its own. All of it runs on the thread that calls ``run_for``.
+
+    Attributes:
+        loop: The loop of all components and bridges.
+        random: Decides what gets lost, and how long the rest takes, in the order of events.
+        ros: Topics.
+    """
+
+    def __init__(self, seed: int = 1, start: datetime = START) -> None:
+        """Begin at 0 seconds.
+
+        Args:
+            seed: Of all that happens by chance.
+            start: Time of day at 0 seconds, with its time zone.
+
+        Raises:
+            ValueError: The start has no time zone.
+        """
+        if start.tzinfo is None:
+            raise ValueError(f"start {start} has no time zone")
+        self._now = 0.0
+        self._start = (start - _EPOCH) // timedelta(microseconds=1) * 1000
+        self._seed = seed
+        self._transports = 0
+        self._watchers: list[Watch] = []
+        self.random = Random(seed)
+        self.loop = Loop(clock=self.now, wall=self._wall)
+        self._network = Network(self.loop, self.random, self._tell)
+        self.ros = RosGraph(self.loop, self.random, self._tell)
+
+    def __enter__(self) -> VirtualWorld:
+        """Return the world; it is closed when the block ends."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close the world."""
+        self.close()
+
+    def close(self) -> None:
+        """End; components and bridges that should leave in good order are stopped before."""
+        self._network.close()
+        self.loop.stop()
+
+    # ------------------------------------------------------------------ what is in it
+
+    def transport(
+        self,
+        out: Link | None = None,
+        into: Link | None = None,
+        settings: TransportSettings | None = None,
+    ) -> VirtualTransport:
+        """Return the transport of one more process, open.
+
+        Args:
+            out: What the way out of the process does; nothing by default.
+            into: What the way to it does; nothing by default.
+            settings: Time-outs and limits; what is said there of sockets does not count.
+        """
+        self._transports += 1
+        # A stream of its own: numbers of packets do not shift what happens by chance.
+        numbers = Random(f"{self._seed} {self._transports}")
+        return self._network.transport(
+            settings or TransportSettings(), out or Link(), into or Link(), numbers.randrange
+        )
+
+    def ros_node(
+        self,
+        name: str,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        namespace: str = "",
+        link: Link | None = None,
+    ) -> VirtualRosNode:
+        """Return a node for a bridge.
+
+        Args:
+            name: Its name.
+            parameters: Values of parameters, which replace those of the model.
+            namespace: Namespace, e.g. `/fleet`; empty means the root.
+            link: What the ways to its subscriptions do; nothing by default.
+        """
+        full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
+        return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
+
+    def watch(self, take: Watch) -> None:
+        """Tell of each datagram and each ROS message that arrives from now on."""
+        self._watchers.append(take)
+
+    @property
+    def counters(self) -> Counters:
+        """Counts of what was dropped, ignored or failed."""
+        return self.loop.counters
+
+    # ------------------------------------------------------------------ time
+
+    def now(self) -> float:
+        """Return the seconds since the world began."""
+        return self._now
+
+    def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
+        """Run a callback at a time in seconds."""
+        return self.loop.call_at(when, callback)
+
+    def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
+        """Run a callback after a delay in seconds."""
+        return self.loop.call_later(delay_s, callback)
+
+    def run_for(self, seconds: float) -> None:
+        """Let so much time pass, with all that happens in it.
+
+        Raises:
+            RuntimeError: Something goes round in circles, and time does not go on.
+        """
+        end = self._now + seconds
+        turns = _Turns()
+        while self._step(end, turns):
+            pass
+        self._now = end
+
+    def run_until(self, condition: Callable[[], object], limit: float) -> None:
+        """Let time pass until a condition holds; it is asked after each turn of the loop.
+
+        Args:
+            condition: Whether it holds.
+            limit: Longest time in seconds.
+
+        Raises:
+            TimeoutError: It does not hold by then.
+            RuntimeError: Something goes round in circles, and time does not go on.
+        """
+        begun = self._now
+        turns = _Turns()
+        while not condition():
+            if not self._step(begun + limit, turns):
+                self._now = begun + limit
+                raise TimeoutError(
+                    f"what was waited for did not happen in {limit:g} s of virtual time"
+                    f" (from {begun:g} s to {self._now:g} s)"
+                )
+
+    def _step(self, end: float, turns: _Turns) -> bool:
+        """Go to what happens next and let it happen; return False if it is after the end."""
+        due = self.loop.next_due()
+        if due is None or due > end:
+            return False
+        if due > self._now:
+            self._now = due
+            turns.at_once = 0
+        turns.at_once += 1
+        if turns.at_once > MOST_AT_ONCE:
+            raise RuntimeError(f"time stands still at {self._now:g} s: callbacks call each other")
+        self.loop.run_once(0)
+        return True
+
+    def _wall(self) -> int:
+        return self._start + round(self._now * _NANO)
+
+    def _tell(self, where: str, data: bytes) -> None:
+        for each in self._watchers:
+            each(self._now, where, data)
+
+
+class _Turns:
+    """How many turns the loop took at the present time."""
+
+    def __init__(self) -> None:
+        self.at_once = 0

@@ -1,0 +1,95 @@
+"""Virtual time: what happens in a world, when, and whether it happens again."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta, timezone
+
+import pytest
+
+from jausml.runtime import JausAddress, JausComponent, ServiceIdentity
+from jausml.runtime.messages import QueryStatus, ReportStatus
+from jausml.runtime.virtual import Link, VirtualWorld
+
+CORE = tuple(
+    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
+    for name in ("Transport", "Events", "AccessControl", "Management", "Time")
+)
+FIRST, SECOND = JausAddress(1, 1, 1), JausAddress(1, 1, 2)
+
+
+@pytest.fixture
+def world():
+    with VirtualWorld(seed=7) as made:
+        yield made
+
+
+def component(transport, address, name="tested"):
+    made = JausComponent(transport, address, name=name, services=CORE)
+    made.start()
+    return made
+
+
+class TestTime:
+    def test_it_goes_to_what_is_due(self, world):
+        times = []
+        world.call_at(2.5, lambda: times.append(world.now()))
+        world.call_later(0.25, lambda: times.append(world.now()))
+        world.run_for(2.0)
+        assert times == [0.25]
+        assert world.now() == 2.0
+        world.run_for(1.0)
+        assert times == [0.25, 2.5]
+
+    def test_hours_pass_at_once(self, world):
+        world.run_for(3600.0)
+        assert world.now() == 3600.0
+
+    def test_a_condition_ends_the_run_at_its_time(self, world):
+        done = []
+        world.call_at(0.75, lambda: done.append(1))
+        world.run_until(lambda: done, limit=10)
+        assert world.now() == 0.75
+
+    def test_a_condition_that_never_holds(self, world):
+        with pytest.raises(TimeoutError, match=r"in 5 s of virtual time \(from 0 s to 5 s\)"):
+            world.run_until(lambda: False, limit=5)
+        assert world.now() == 5
+
+    def test_time_that_stands_still(self, world):
+        def again():
+            world.loop.call_soon(again)
+
+        again()
+        with pytest.raises(RuntimeError, match="time stands still at 0 s"):
+            world.run_for(1)
+
+    def test_a_callback_that_fails_is_counted(self, world):
+        def fail():
+            raise ValueError("no")
+
+        world.call_later(0.1, fail)
+        world.run_for(1)
+        assert world.counters.snapshot()["loop.callback_failed"] == 1
+
+    def test_the_clock_of_a_component(self):
+        start = datetime(2030, 6, 1, 12, 0, 0, 600_000, tzinfo=timezone.utc)
+        with VirtualWorld(start=start) as world:
+            made = component(world.transport(), FIRST)
+            world.run_for(90.25)
+            assert made.clock.now() == 90.25
+            assert made.clock.utc() == start + timedelta(seconds=90.25)
+            assert made.current_time == made.clock.utc()
+
+    def test_a_start_without_a_time_zone(self):
+        with pytest.raises(ValueError, match="no time zone"):
+            VirtualWorld(start=datetime(2030, 1, 1))
+
+
+class TestNetwork:
+    def test_a_question_takes_both_ways(self, world):
+        component(world.transport(out=Link(delay=0.020), into=Link(delay=0.003)), FIRST)
+        asker = component(world.transport(out=Link(delay=0.010)), SECOND)
+        times = []
+        asker.query(FIRST, QueryStatus(), ReportStatus, lambda *_: times.append(world.now()))
+        world.run_until(lambda: times, limit=1)
+        assert times == [pytest.approx(0.010 + 0.003 + 0.020, abs=1e-9)]
