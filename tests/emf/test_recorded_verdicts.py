@@ -68,4 +68,4 @@ def test_saved_again_generates_the_same(saved: Path, tmp_path: Path) -> None:
 
 
 def test_there_are_systems_among_the_saved() -> None:
-    assert {path.stem for path in SYSTEMS} == {"catvehicle", "minimal", "winch"}
+    assert {path.stem for path in SYSTEMS} == {"catvehicle", "jaus_only", "minimal", "winch"}

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ["catvehicle", "minimal", "examples/winch"]
+EXAMPLES = ["catvehicle", "catvehicle/jaus_only", "minimal", "examples/winch"]
 RULES = "E,F,W,UP,B,SIM,D,N,PIE,RET"
 # What ROS itself leaves untyped.
 MYPY = """[mypy]

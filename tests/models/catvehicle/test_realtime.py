@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose
 from catvehicle.plant import BicyclePlant
 from catvehicle.realtime import RealTimePlant
+
+if TYPE_CHECKING:
+    from catvehicle.metrics import Sample
 
 
 class Clock:
@@ -97,3 +102,39 @@ def test_a_vehicle_that_stood_for_a_year_answers_at_once(clock: Clock) -> None:
     plant.command_speed(3.0)
     clock.time += 0.1
     assert plant.state().v > 0.0
+
+
+def test_the_truth_is_recorded_every_hundredth_second(clock: Clock) -> None:
+    rows: list[Sample] = []
+    parameters = VehicleParameters()
+    plant = RealTimePlant(parameters, clock, record=rows.append)
+    plant.command_speed(5.0)
+    clock.time += 0.3033
+    plant.command_speed(5.0)
+    clock.time += 1.0
+    plant.state()
+
+    assert [round(row.t * 100, 6) for row in rows] == list(range(131))
+    # The dead man acts between two rows, at its instant.
+    assert [row.v_cmd for row in rows[18:23] if row is not rows[20]] == [5.0, 5.0, 0.0, 0.0]
+    assert rows[31].v_cmd == 5.0
+    assert rows[-1].v_cmd == 0.0
+    unrecorded = RealTimePlant(parameters, clock)
+    assert unrecorded.sample().v == 0.0
+
+
+def test_recording_does_not_change_the_drive(clock: Clock) -> None:
+    rows: list[Sample] = []
+    plants = [
+        RealTimePlant(VehicleParameters(), clock, record=record) for record in (rows.append, None)
+    ]
+    for _ in range(100):
+        clock.time += 0.0173
+        for plant in plants:
+            plant.command_speed(4.0)
+            plant.command_steering(-0.2)
+    first, second = (plant.state() for plant in plants)
+
+    assert (first.x, first.y, first.psi) == pytest.approx(
+        (second.x, second.y, second.psi), abs=1e-6
+    )

@@ -28,6 +28,11 @@ class EventLog:
         folder = os.environ.get(FOLDER_VARIABLE)
         return cls(Path(folder) / f"{name}.csv" if folder else None)
 
+    @property
+    def is_open(self) -> bool:
+        """Whether rows are kept."""
+        return self._file is not None
+
     def write(self, *cells: str | int | float) -> None:
         """Writes one row; numbers keep all their digits."""
         if self._file is not None:

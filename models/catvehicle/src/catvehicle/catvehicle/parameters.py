@@ -157,6 +157,46 @@ class VehicleParameters:
     report_rate: float = field(
         default=25.0, metadata=_about("Rate of the vehicle's reports.", "Hz", ASSUMPTION)
     )
+    mass: float = field(
+        default=1883.2,
+        metadata=_about(
+            "Mass, for the dynamic plant.",
+            "kg",
+            "computed from catvehicle: body 1703.2 kg, 4 wheels of 20 kg, 2 links of 50 kg (xacro)",
+        ),
+    )
+    yaw_inertia: float = field(
+        default=2529.4,
+        metadata=_about(
+            "Moment of inertia about z, for the dynamic plant.",
+            "kg m^2",
+            "catvehicle: Izz of the body (xacro)",
+        ),
+    )
+    rear_axle_distance: float = field(
+        default=1.31,
+        metadata=_about(
+            "Distance from the rear axle to the centre of mass, for the dynamic plant.",
+            "m",
+            "assumption: half the wheelbase",
+        ),
+    )
+    front_cornering_stiffness: float = field(
+        default=70_500.0,
+        metadata=_about(
+            "Side force of the front axle per slip angle, for the dynamic plant.",
+            "N/rad",
+            "assumption: with the rear axle's, understeer in a steady turn is K = 0.0015 s^2/m^2",
+        ),
+    )
+    rear_cornering_stiffness: float = field(
+        default=100_000.0,
+        metadata=_about(
+            "Side force of the rear axle per slip angle, for the dynamic plant.",
+            "N/rad",
+            "assumption: a passenger car's",
+        ),
+    )
     deadman_timeout: float = field(
         default=0.2,
         metadata=_about(

@@ -93,6 +93,10 @@ class BicyclePlant:
         self._speed_command = _clamp(speed, 0.0, self._parameters.speed_max)
         self._angle_command = _clamp(steering_angle, -limit, limit)
 
+    def place(self, pose: Pose) -> None:
+        """Say where the vehicle is; its motion and its commands go on."""
+        self._state = replace(self._state, x=pose.x, y=pose.y, psi=pose.psi)
+
     def advance(self, dt: float) -> VehicleState:
         """Integrate over exactly `dt` seconds, in equal midpoint steps of 1 ms at most.
 
@@ -122,8 +126,8 @@ class BicyclePlant:
 
     def _step(self, start: VehicleState, dt: float) -> VehicleState:
         rate = self._derivative(start)
-        rate = self._derivative(_moved(start, rate, dt / 2))
-        return _moved(start, rate, dt)
+        rate = self._derivative(moved(start, rate, dt / 2))
+        return moved(start, rate, dt)
 
     def _derivative(self, state: VehicleState) -> VehicleState:
         """Return the rate of every state (per second), in the same order."""
@@ -147,7 +151,8 @@ class BicyclePlant:
         return speed * math.tan(steering_angle / understeer) / self._parameters.wheelbase
 
 
-def _moved(state: VehicleState, rate: VehicleState, dt: float) -> VehicleState:
+def moved(state: VehicleState, rate: VehicleState, dt: float) -> VehicleState:
+    """Return the state after `dt` seconds of a rate of change (per second)."""
     return VehicleState(
         state.x + rate.x * dt,
         state.y + rate.y * dt,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .metrics import Sample
@@ -16,6 +15,10 @@ if TYPE_CHECKING:
     from .path import Pose
 
 
+RECORD_PERIOD = 0.01
+"""Seconds between two recorded samples."""
+
+
 class RealTimePlant:
     """Advances a plant to the present whenever it is asked.
 
@@ -23,13 +26,29 @@ class RealTimePlant:
     instant on; the tyre angle keeps its command.
     """
 
-    def __init__(self, parameters: VehicleParameters, clock: Callable[[], float]) -> None:
-        """Start at rest in the origin; `clock` returns monotonic seconds."""
+    def __init__(
+        self,
+        parameters: VehicleParameters,
+        clock: Callable[[], float],
+        plant: BicyclePlant | None = None,
+        record: Callable[[Sample], None] | None = None,
+    ) -> None:
+        """Start now.
+
+        Args:
+            parameters: The dead-man time is used, and the rest for the default plant.
+            clock: Returns monotonic seconds.
+            plant: The vehicle; by default a kinematic bicycle at rest in the origin.
+            record: Takes the true state at every hundredth second of the plant's time, however
+                seldom anybody asks for it.
+        """
         self._parameters = parameters
-        self._plant = BicyclePlant(parameters)
+        self._plant = plant or BicyclePlant(parameters)
         self._clock = clock
         self._start = self._time = clock()
         self._deadline = math.inf
+        self._record = record
+        self._recorded = 0
 
     def state(self) -> VehicleState:
         """Return the state now."""
@@ -65,16 +84,18 @@ class RealTimePlant:
 
     def place(self, pose: Pose) -> None:
         """Say where the vehicle is; its motion and its commands go on."""
-        state = replace(self.state(), x=pose.x, y=pose.y, psi=pose.psi)
-        commands = self._plant.speed_command, self._plant.steering_command
-        self._plant = BicyclePlant(self._parameters, state)
-        self._plant.command(*commands)
+        self.state()
+        self._plant.place(pose)
 
     def sample(self) -> Sample:
         """Return the present state as a row of a log; time counts from the start."""
-        state = self.state()
+        self.state()
+        return self._sample(self._time - self._start)
+
+    def _sample(self, time: float) -> Sample:
+        state = self._plant.state
         return Sample(
-            t=self._time - self._start,
+            t=time,
             x=state.x,
             y=state.y,
             psi=state.psi,
@@ -85,5 +106,13 @@ class RealTimePlant:
         )
 
     def _advance_to(self, time: float) -> None:
+        while self._record is not None:
+            due = self._recorded * RECORD_PERIOD
+            if self._start + due > time:
+                break
+            self._plant.advance(max(self._start + due - self._time, 0.0))
+            self._time = max(self._start + due, self._time)
+            self._record(self._sample(due))
+            self._recorded += 1
         self._plant.advance(time - self._time)
         self._time = time

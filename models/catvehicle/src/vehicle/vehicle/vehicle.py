@@ -8,9 +8,10 @@ from dataclasses import astuple
 from datetime import datetime, timezone
 
 from catvehicle.events import EventLog
-from catvehicle.metrics import COLUMNS
+from catvehicle.metrics import COLUMNS, Sample
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose
+from catvehicle.plants import delay_from_environment, plant_from_environment
 from catvehicle.realtime import RealTimePlant
 from jausml_runtime import ComponentSettings, JausAddress, Transport
 
@@ -47,13 +48,25 @@ class Vehicle(VehicleBase):
     ) -> None:
         super().__init__(transport, address, settings)
         self._parameters = VehicleParameters()
-        self._plant = RealTimePlant(self._parameters, time.monotonic)
+        self._delay = delay_from_environment()
         self._truth = EventLog.from_environment("vehicle")
         self._truth.write(*COLUMNS)
+        plant = plant_from_environment(self._parameters)
+        record = self._write_truth if self._truth.is_open else None
+        self._plant = RealTimePlant(self._parameters, time.monotonic, plant, record)
         self._events = EventLog.from_environment("vehicle_events")
+
+    def _write_truth(self, sample: Sample) -> None:
+        self._truth.write(*astuple(sample))
 
     def on_set_wrench_effort(self, message: SetWrenchEffort, sender: JausAddress) -> None:
         """Takes the efforts that are present; an absent one keeps its last value."""
+        if self._delay:
+            self.loop.call_later(self._delay, lambda: self._obey(message))
+        else:
+            self._obey(message)
+
+    def _obey(self, message: SetWrenchEffort) -> None:
         linear, rotational = (
             message.propulsive_linear_effort_x,
             message.propulsive_rotational_effort_z,
@@ -84,13 +97,12 @@ class Vehicle(VehicleBase):
     def report_velocity_state(
         self, query: QueryVelocityState, sender: JausAddress
     ) -> ReportVelocityState:
-        """Returns the velocity of the rear axle and logs the true state."""
-        sample = self._plant.sample()
-        self._truth.write(*astuple(sample))
+        """Returns the velocity of the rear axle."""
+        state = self._plant.state()
         now = datetime.now(timezone.utc)
         self._events.write("report", time.monotonic(), int(now.timestamp() * 1000))
         return ReportVelocityState(
-            velocity_x=sample.v,
+            velocity_x=state.v,
             velocity_y=0.0,
             yaw_rate=-self._plant.yaw_rate,
             time_stamp=ReportVelocityState.TimeStamp(

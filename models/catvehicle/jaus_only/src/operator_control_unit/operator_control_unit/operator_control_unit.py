@@ -1,0 +1,57 @@
+"""The operator: sets the cruise speed and watches the true and the dead-reckoned pose."""
+
+from __future__ import annotations
+
+import logging
+
+from catvehicle.parameters import VehicleParameters
+from catvehicle.progress import Progress
+from jausml_runtime import ComponentSettings, JausAddress, Transport
+
+from .messages import ReportLocalPose, SetVelocityCommand
+from .operator_control_unit_base import ADDRESS, SETTINGS, OperatorControlUnitBase
+
+COMMAND_PERIOD = 0.5
+"""Seconds between two cruise commands; the controller stops the vehicle after two without."""
+
+_log = logging.getLogger("operator")
+
+
+class OperatorControlUnit(OperatorControlUnitBase):
+    """Drives the vehicle by a cruise speed and says how it goes."""
+
+    def __init__(
+        self,
+        transport: Transport,
+        address: JausAddress = ADDRESS,
+        settings: ComponentSettings = SETTINGS,
+    ) -> None:
+        super().__init__(transport, address, settings)
+        self._cruise_speed = VehicleParameters().reference_speed
+        self._progress = Progress()
+
+    def start(self) -> None:
+        """Starts the component and the repetition of the cruise command."""
+        super().start()
+        self._command()
+
+    def _command(self) -> None:
+        command = SetVelocityCommand(command_type=0, velocity_x=self._cruise_speed)
+        if self.running:
+            self.send(command, self.CONTROLLER)
+            self.loop.call_later(COMMAND_PERIOD, self._command)
+
+    def on_vehicle_pose(self, report: ReportLocalPose, provider: JausAddress) -> None:
+        """Shows progress, and says so once the vehicle stands at the end of its way."""
+        if report.x is not None and report.y is not None:
+            for line in self._progress.take_position(report.x, report.y):
+                _log.info(line)
+
+    def on_vehicle_pose_silent(self, provider: JausAddress) -> None:
+        """Says that the vehicle stopped reporting."""
+        _log.warning("the vehicle does not report")
+
+    def on_estimated_pose(self, report: ReportLocalPose, provider: JausAddress) -> None:
+        """Keeps the pose that the controller has integrated."""
+        if report.x is not None and report.y is not None:
+            self._progress.take_estimate(report.x, report.y)
