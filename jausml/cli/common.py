@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
@@ -20,6 +21,19 @@ _ADDRESS = re.compile(r"\d+\.\d+\.\d+")
 PROBLEMS = 1
 SUFFIXES = (".xmi", ".ros2jaus")
 """The endings of model files."""
+
+
+class FiniteRange(click.FloatRange):
+    """A number in a range, as click has it, which takes `nan` in any and `inf` without an end."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Returns the number, or tells that it is none."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!a} is no finite number.", param, ctx)
+        return number
 
 
 class EnvironmentFault(click.ClickException):
@@ -91,7 +105,7 @@ def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
     """Adds the frequency of the bridge of `bridge_options` to a verb."""
     return click.option(
         "--frequency",
-        type=click.FloatRange(0, 1092, min_open=True),
+        type=FiniteRange(0, 1092, min_open=True),
         metavar="HZ",
         help="Frequency of the bridge of --bridge-address.",
     )(command)

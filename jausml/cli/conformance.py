@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.choices import CONFORMANCE_FORMATS
-from jausml.cli.common import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange, write_report
 from jausml.cli.messages import open_catalogue
 from jausml.cli.network import (
     ended_by_signals,
@@ -77,14 +77,14 @@ def _checks(
 @click.option("--destructive", is_flag=True, help="Also shut the target down, at the end.")
 @click.option(
     "--timeout",
-    type=click.FloatRange(0.05, 60),
+    type=FiniteRange(0.05, 60),
     default=1.0,
     show_default=True,
     help="Seconds to wait for an answer.",
 )
 @click.option(
     "--quiet-time",
-    type=click.FloatRange(0.02, 60),
+    type=FiniteRange(0.02, 60),
     default=0.3,
     show_default=True,
     help="Seconds of silence that stand for 'nothing comes'.",

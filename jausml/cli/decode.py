@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from contextlib import ExitStack
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange
 from jausml.cli.messages import (
     FORMATS,
     STDIN,
@@ -38,13 +37,6 @@ _ARGUMENT = "argument "
 
 Line = tuple[str, str]
 """Where a line stands, and its text."""
-
-
-def _finite(_context: click.Context, _option: click.Parameter, value: float | None) -> float | None:
-    """Returns a duration; Click takes "nan" and "inf" for numbers."""
-    if value is not None and not math.isfinite(value):
-        raise click.BadParameter(f"{value} is no number of seconds; without it there is no end")
-    return value
 
 
 @click.command("decode")
@@ -97,8 +89,7 @@ def _finite(_context: click.Context, _option: click.Parameter, value: float | No
 @click.option("--count", type=click.IntRange(1), help="End after so many messages or datagrams.")
 @click.option(
     "--duration",
-    type=click.FloatRange(0),
-    callback=_finite,
+    type=FiniteRange(0),
     metavar="S",
     help="Listen so many seconds.",
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS
+from jausml.cli.common import PROBLEMS, FiniteRange
 from jausml.cli.messages import read_model, to_json
 from jausml.cli.operating import Settings, operator_options, remark, until_interrupted
 
@@ -35,20 +35,20 @@ _BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
 @click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
 @click.option(
     "--duration",
-    type=click.FloatRange(0.1, 3600),
+    type=FiniteRange(0.1, 3600),
     default=10.0,
     show_default=True,
     help="Seconds to measure.",
 )
 @click.option(
     "--rate",
-    type=click.FloatRange(min=0, max=1092, min_open=True),
+    type=FiniteRange(min=0, max=1092, min_open=True),
     metavar="HZ",
     help="Ask for so many reports each second; by default for one at every change.",
 )
 @click.option(
     "--interval",
-    type=click.FloatRange(0.01, 3600),
+    type=FiniteRange(0.01, 3600),
     default=0.5,
     show_default=True,
     help="Seconds from one query for a report to the next.",

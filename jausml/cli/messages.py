@@ -83,14 +83,14 @@ def read_model(path: str) -> Model:
     """
     from jausml.model import Severity, read_models
     from jausml.text.notation import NOTATIONS
+    from jausml.validation.formats.text import one_line
 
-    try:
-        result = read_models([path], notations=NOTATIONS)
-    except OSError as error:
-        raise EnvironmentFault(f"{path}: {error.strerror or error}") from error
+    if Path(path).is_dir():
+        raise EnvironmentFault(f"{click.format_filename(path)} is a folder; name one model file")
+    result = read_models(find_models([path]), notations=NOTATIONS)
     errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
     if errors:
-        raise ModelFault(f"{path} has {len(errors)} errors; jausml validate shows them")
+        raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
     return result.model
 
 

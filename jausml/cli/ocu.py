@@ -11,7 +11,7 @@ import click
 from click.core import ParameterSource
 
 from jausml.cli.choices import AUTHORITY
-from jausml.cli.common import PROBLEMS
+from jausml.cli.common import PROBLEMS, FiniteRange
 from jausml.cli.operating import (
     FIELDS,
     MESSAGE,
@@ -69,7 +69,7 @@ def session(settings: Settings) -> None:
 @command.command("discover")
 @click.option(
     "--duration",
-    type=click.FloatRange(0.05, 3600),
+    type=FiniteRange(0.05, 3600),
     default=2.0,
     show_default=True,
     help="Seconds to listen.",
@@ -144,14 +144,14 @@ def query(
 @MESSAGE
 @click.option(
     "--rate",
-    type=click.FloatRange(min=0, max=1092, min_open=True),
+    type=FiniteRange(min=0, max=1092, min_open=True),
     metavar="HZ",
     help="Reports each second.",
 )
 @click.option("--every-change", is_flag=True, help="A report at every change (the default).")
 @click.option("--count", type=click.IntRange(min=1), help="End after so many reports.")
 @click.option(
-    "--duration", type=click.FloatRange(min=0, min_open=True), help="End after so many seconds."
+    "--duration", type=FiniteRange(min=0, min_open=True), help="End after so many seconds."
 )
 @operator_options
 def watch(
@@ -212,13 +212,13 @@ def _watch(
 )
 @click.option(
     "--rate",
-    type=click.FloatRange(min=0, max=1000, min_open=True),
+    type=FiniteRange(min=0, max=1000, min_open=True),
     metavar="HZ",
     help="Repeat the message so often each second, for --duration.",
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(min=0),
+    type=FiniteRange(min=0),
     default=0.0,
     metavar="SECONDS",
     help="Hold control so long after the first message.",

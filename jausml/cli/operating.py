@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import EnvironmentFault
+from jausml.cli.common import EnvironmentFault, FiniteRange
 from jausml.cli.messages import open_catalogue
 from jausml.cli.network import (
     ended_by_signals,
@@ -120,7 +120,7 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
     @transport_options
     @click.option(
         "--timeout",
-        type=click.FloatRange(0.05, 600),
+        type=FiniteRange(0.05, 600),
         default=3.0,
         show_default=True,
         help="Seconds to wait for an answer.",

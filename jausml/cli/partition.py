@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.common import PROBLEMS, SUFFIXES, reading_options
-from jausml.cli.systems import assumption_options
+from jausml.cli.systems import assumption_options, whole_number
 
 if TYPE_CHECKING:
     from jausml.analysis.assumptions import Assumptions
@@ -21,9 +21,10 @@ def _number(_: click.Context, __: click.Parameter, value: str) -> int | None:
     """Returns how many bridges there shall be, None for as many as are needed."""
     if value == AUTO:
         return None
-    if not (value.isascii() and value.isdigit() and int(value) > 0):
+    number = whole_number(value)
+    if not number:
         raise click.BadParameter(f"{value!a} is neither a number of bridges nor '{AUTO}'")
-    return int(value)
+    return number
 
 
 @click.command("partition")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli import choices
-from jausml.cli.common import PROBLEMS
+from jausml.cli.common import PROBLEMS, FiniteRange
 from jausml.cli.messages import to_json
 from jausml.cli.operating import TARGET, Settings, operator_options, remark, until_interrupted
 
@@ -29,7 +29,7 @@ AUTOMATIC = "automatic"
 @click.option(
     "-i",
     "--interval",
-    type=click.FloatRange(min=0.001, max=3600),
+    type=FiniteRange(min=0.001, max=3600),
     default=1.0,
     show_default=True,
     help="Seconds from one question to the next.",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import PROBLEMS, EnvironmentFault
+from jausml.cli.common import PROBLEMS, EnvironmentFault, FiniteRange
 from jausml.cli.handed_on import Handed, handed_on, split_arguments
 from jausml.cli.ros_packages import require_packages
 from jausml.cli.supervisor import Command, Supervisor
@@ -32,7 +32,7 @@ _ROS_KINDS = frozenset({"bridge", "node"})
 @click.option(
     "--for",
     "duration",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     metavar="SECONDS",
     help="Stop all after this time.",
 )

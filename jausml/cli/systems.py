@@ -22,6 +22,7 @@ Number = TypeVar("Number", int, float)
 
 _LARGEST_RATE = 1e6
 _LARGEST_LENGTH = 1 << 32
+_MOST_DIGITS = 18
 
 
 def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -137,6 +138,13 @@ def _rate(text: str) -> float:
 
 
 def _length(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) <= _LARGEST_LENGTH):
+    length = whole_number(text)
+    if length is None or length > _LARGEST_LENGTH:
         raise click.UsageError(f"--assume-length: {text!a} is no number of elements")
-    return int(text)
+    return length
+
+
+def whole_number(text: str) -> int | None:
+    """Returns the number that digits say; None for other texts, and for more than a word holds."""
+    is_number = text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS
+    return int(text) if is_number else None

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.common import EnvironmentFault
-from jausml.cli.messages import read_model
+from jausml.cli.common import EnvironmentFault, FiniteRange
+from jausml.cli.messages import ModelFault, read_model
 from jausml.cli.network import network_from, network_options, transport_options
 
 if TYPE_CHECKING:
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object a line, each --interval.")
 @click.option(
     "--interval",
-    type=click.FloatRange(0.1, 3600),
+    type=FiniteRange(0.1, 3600),
     default=1.0,
     show_default=True,
     help="Seconds from one look to the next.",
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(0.1, 3600),
+    type=FiniteRange(0.1, 3600),
     default=5.0,
     show_default=True,
     help="Seconds to listen with --once.",
@@ -105,7 +105,10 @@ def _expected(model: str | None) -> Observation:
 
     if model is None:
         return Observation(SystemState(time.monotonic()))
-    read = read_model(model)
+    try:
+        read = read_model(model)
+    except ModelFault as error:  # 1 would say that something is in WARN
+        raise EnvironmentFault(error.message) from error
     return Observation(expected(declarations_of(read), components_of(read), time.monotonic()))
 
 

@@ -31,7 +31,7 @@ class NoSystemError(GenerationError):
 
     def __init__(self, path: str, systems: Sequence[str], maps: Sequence[str]) -> None:
         found = f"{len(systems)} systems" if systems else "no system"
-        super().__init__(f"{path} holds {found}; generate needs one")
+        super().__init__(f"{path} holds {found}, where one is needed")
         self.path = path
         self.systems = systems
         self.maps = maps

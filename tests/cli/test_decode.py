@@ -382,7 +382,7 @@ def test_listening_ends_after_a_duration(jausml, port):
 def test_a_duration_is_a_number_of_seconds(jausml, seconds):
     result = jausml("decode", "--listen", "--duration", seconds)
     assert result.exit_code == 2
-    assert f"{seconds} is no number of seconds" in result.stderr
+    assert f"'{seconds}' is no finite number" in result.stderr
 
 
 def test_any_duration_may_be_given(listening, port):

@@ -225,7 +225,7 @@ def test_model_without_a_system(jausml):
     )
     result = jausml("generate", "set.xmi")
     assert result.exit_code == 2
-    assert "set.xmi holds no system; generate needs one" in result.stderr
+    assert "set.xmi holds no system, where one is needed" in result.stderr
 
 
 def test_output_that_cannot_be_written(jausml):

@@ -7,9 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
 
-from jausml.cli import VERBS
+from jausml.cli import VERBS, main
 from jausml.validation import engine
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -73,6 +74,31 @@ def test_looking_up_messages_loads_neither_runtime_nor_text(words):
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
+
+
+def ranges():
+    """Yields the options of all verbs, and of verbs inside them, that are numbers in a range."""
+    found = [(name, main.get_command(click.Context(main), name)) for name in VERBS]
+    while found:
+        path, command = found.pop()
+        if isinstance(command, click.Group):
+            inner = command.list_commands(click.Context(command))
+            found += [
+                (f"{path} {name}", command.get_command(click.Context(command), name))
+                for name in inner
+            ]
+        for option in command.params:
+            if isinstance(option.type, click.FloatRange):
+                yield path, option
+
+
+def test_no_number_of_an_option_is_not_a_number():
+    options = list(ranges())
+    assert {path for path, _ in options} >= {"top", "ocu watch", "run", "decode"}
+    for _, option in options:
+        for text in ("nan", "inf"):
+            with pytest.raises(click.BadParameter):
+                option.type.convert(text, option, None)
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -73,7 +73,7 @@ def test_the_reason_names_what_stays_together(jausml):
     assert "whoever controls waypoint_vehicle commands all of them" in result.output
 
 
-@pytest.mark.parametrize("number", ["0", "-1", "many", "2.5"])
+@pytest.mark.parametrize("number", ["0", "-1", "many", "2.5", "9" * 5000])
 def test_wrong_numbers(jausml, number):
     result = jausml("partition", MODELS[0], "--bridges", number)
     assert result.exit_code == 2

@@ -52,6 +52,7 @@ def test_assumptions_change_what_is_assumed_alone(jausml):
         (["--assume-rate", "0"], "'0' is no rate above 0 in hertz"),
         (["--assume-rate", "nan"], "'nan' is no rate above 0 in hertz"),
         (["--assume-length", "-1"], "'-1' is no number of elements"),
+        (["--assume-length", "9" * 5000], "is no number of elements"),
         (["--assume-length", "nobody=5"], "no connection 'nobody' of which to assume something"),
     ],
 )
@@ -72,4 +73,4 @@ def test_a_model_with_errors_is_shown(jausml):
 def test_no_system(jausml):
     result = jausml("report", ROOT / "models" / "library" / "ros" / "std_msgs.xmi")
     assert result.exit_code == 2
-    assert "no system" in result.output
+    assert "no system, where one is needed" in result.output

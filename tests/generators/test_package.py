@@ -214,7 +214,7 @@ def test_the_source_is_named_without_its_folder():
 
 def test_a_workspace_is_made_of_exactly_one_system():
     library = read_models([ROOT / "models" / "library" / "ros" / "std_msgs.xmi"]).model
-    with pytest.raises(GenerationError, match="holds no system; generate needs one"):
+    with pytest.raises(GenerationError, match="holds no system, where one is needed"):
         system_of(library)
     # The system of another file is referred to, and has a workspace of its own.
     both = read_models([CASES / "talk.xmi", CASES / "hosts.xmi"]).model

@@ -130,7 +130,7 @@ def test_a_model_with_errors_is_refused(jausml, tmp_path):
     model.write_text("<nothing/>")
     result = jausml("latency", model)
     assert result.exit_code == 1
-    assert "jausml validate" in result.stderr
+    assert "bad.xmi:1:1: JML101 root element" in result.stderr
 
 
 def test_reports_of_a_model():
