@@ -7,7 +7,7 @@ READY := .venv/.ready
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo quick test test-slow coverage live lint format bench fuzz emf reference \
-	types release-check faults soak clean
+	types release-check faults soak experiment clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -65,6 +65,9 @@ soak: $(READY)  ## MINUTES of messages both ways through one bridge: nothing gro
 	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
 	$(BIN)/python benchmarks/page.py
 
+experiment: $(READY)  ## the right turn by JAUS and through the bridge, and what breaks it, some ten minutes; writes docs/experiment.md
+	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
+
 SECONDS ?= 60
 
 fuzz: $(READY)  ## every fuzz target for SECONDS each, guided by coverage where atheris is installed
@@ -87,4 +90,4 @@ release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest depe
 	$(BIN)/python tools/release_check.py
 
 clean:  ## remove what make has made
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out experiment-out

@@ -1,0 +1,160 @@
+"""Gathers what the stages left into the data of the page, and judges it.
+
+Read are, below the folder of a stage:
+
+- its runs (`data.Run`), wherever `run.json` is. The stage `wall` keeps those of `J` and `R`;
+- `summary.json`. Whatever the stage, `claims` in it is a list of `{"text": ..., "holds": true}`
+  that must hold.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from catvehicle.metrics import closeness
+from catvehicle.parameters import VehicleParameters
+
+from experiments.right_turn import judging
+from experiments.right_turn.pictures import moved
+from experiments.right_turn.results import (
+    FORMAT,
+    by_system,
+    machine,
+    of_system,
+    parameters,
+    runs_of,
+    summaries,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from catvehicle.metrics import Sample
+
+    from experiments.right_turn.data import Plan, Run
+
+SHIFTS = (0.0, 0.1, 0.25)
+"""Seconds by which states of two drives may be apart when they are looked for in each other."""
+
+
+def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any]:
+    """Returns the data of the page.
+
+    Args:
+        folder: Folder of the stages.
+        plan: How much was done.
+        failed: Why stages failed, by name.
+    """
+    wall = by_system(runs_of(folder, "wall"))
+    found: dict[str, Any] = {
+        "format": FORMAT,
+        "quick": plan.quick,
+        "machine": machine(),
+        "failed": dict(failed),
+        "systems": {system: of_system(runs) for system, runs in wall.items()},
+        "summaries": summaries(folder),
+        "parameters": parameters(),
+        "figures": [],
+    }
+    found["verdicts"] = _verdicts(wall)
+    found["closeness"] = _closeness(wall)
+    found["claims"] = _claims(found)
+    return found
+
+
+def _verdicts(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
+    first, second = wall.get("J", []), wall.get("R", [])
+    verdicts = []
+    if first and second:
+        verdicts.append(
+            _verdict(
+                "R against J, real time",
+                "ROS controllers through the bridge against JAUS alone.",
+                first,
+                second,
+                must_pass=True,
+            )
+        )
+    if len(first) > 3:
+        verdicts.append(
+            _verdict(
+                "J against J, real time",
+                "Drives of J with odd numbers against those with even ones: what the experiment "
+                "calls different though it is the same.",
+                first[0::2],
+                first[1::2],
+                must_pass=True,
+            )
+        )
+    return verdicts
+
+
+def _verdict(
+    title: str, about: str, first: Sequence[Run], second: Sequence[Run], *, must_pass: bool
+) -> dict[str, Any]:
+    verdict = judging.judge(first, second, VehicleParameters())
+    return {
+        "title": title,
+        "about": about,
+        "must_pass": must_pass,
+        "passes": verdict.passes,
+        "rows": [_row(row) for row in verdict.rows],
+    }
+
+
+def _row(row: Any) -> dict[str, Any]:
+    return {name: _plain(value) for name, value in asdict(row).items()}
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value as JSON has it: four digits, None for what is not finite."""
+    if isinstance(value, float):
+        return float(f"{value:.4g}") if math.isfinite(value) else None
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value
+
+
+def _closeness(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
+    """Returns for each shift in time how far states of J and R are apart at most."""
+    first, second = moved(wall.get("J", [])), moved(wall.get("R", []))
+    pairs = list(zip(map(_from_zero, first), map(_from_zero, second), strict=False))
+    if not pairs:
+        return []
+    rows = []
+    for shift in SHIFTS:
+        row: dict[str, Any] = {"shift": shift}
+        for name, distance in _DISTANCES.items():
+            row[name] = _plain(max(closeness(one, two, shift, distance) for one, two in pairs))
+        rows.append(row)
+    return rows
+
+
+_DISTANCES = {
+    "position": lambda one, two: math.hypot(one.x - two.x, one.y - two.y),
+    "speed": lambda one, two: abs(one.v - two.v),
+    "angle": lambda one, two: abs(one.delta - two.delta),
+}
+
+
+def _from_zero(drive: Sequence[Sample]) -> list[Sample]:
+    return list(drive)
+
+
+def _claims(data: Mapping[str, Any]) -> list[dict[str, Any]]:
+    claims: list[dict[str, Any]] = []
+    for system, found in data["systems"].items():
+        text = f"each drive of {system} arrives"
+        claims.append({"text": text, "holds": found["arrived"] == found["drives"]})
+        unsafe = found["measures"].get("unsafe")
+        holds = None if unsafe is None else unsafe["most"] == 0
+        claims.append({"text": f"no drive of {system} leaves the safe region", "holds": holds})
+    for verdict in data["verdicts"]:
+        text = f"{verdict['title']}: {'equivalent' if verdict['must_pass'] else 'not equivalent'}"
+        claims.append({"text": text, "holds": verdict["passes"] == verdict["must_pass"]})
+    for summary in data["summaries"].values():
+        claims += [dict(claim) for claim in summary.get("claims", ())]
+    return claims

@@ -1,0 +1,78 @@
+"""Draws the figures of a run of the experiment from what its stages left."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from catvehicle.evaluation import driven
+from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
+
+from experiments.right_turn import comparisons, style, turns
+from experiments.right_turn.data import HOPS
+from experiments.right_turn.results import by_system, runs_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+    from experiments.right_turn.data import Run
+
+_ROWS = {"J": "J, JAUS alone", "R": "R, ROS through the bridge"}
+
+
+def draw(folder: Path, data: dict[str, Any], target: Path) -> None:
+    """Draws what can be drawn, and notes the names of the figures in the data.
+
+    Args:
+        folder: Folder of the stages.
+        data: What was gathered.
+        target: Folder of the figures.
+
+    Raises:
+        OSError: A figure cannot be written.
+    """
+    data["figures"] = []
+    for name, figure in _figures(folder):
+        style.store(figure, target, name)
+        data["figures"].append(name)
+
+
+def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
+    parameters = VehicleParameters()
+    path = StraightArcStraight.right_turn(parameters)
+    wall = {
+        system: runs
+        for system, runs in by_system(runs_of(folder, "wall")).items()
+        if system in _ROWS
+    }
+    drives = {system: moved(runs) for system, runs in wall.items()}
+    drives = {system: found for system, found in drives.items() if found}
+    if drives:
+        rows = [turns.Turns(_ROWS[system], found) for system, found in drives.items()]
+        yield "turn", turns.draw(rows, path, parameters)
+        yield "steering", comparisons.steering(drives)
+    if len(drives) == len(_ROWS) and len(drives["J"]) > 1:
+        yield "gaps", comparisons.gaps(drives["J"], drives["R"], {})
+    hops = {
+        hop: {
+            system: [each for run in runs for each in run.latencies.get(hop, ())]
+            for system, runs in wall.items()
+        }
+        for hop in HOPS
+    }
+    if any(any(systems.values()) for systems in hops.values()):
+        yield "latency", comparisons.latencies(hops)
+
+
+def moved(runs: Sequence[Run]) -> list[Sequence[Any]]:
+    """Returns the drives of runs from their first motion on, without those that never moved."""
+    found = []
+    for run in runs:
+        try:
+            found.append(driven(run.samples))
+        except ValueError:
+            continue
+    return found

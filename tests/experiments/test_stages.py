@@ -1,0 +1,100 @@
+"""Stages: in a process of their own, bounded, and kept while nothing changes."""
+
+from __future__ import annotations
+
+import io
+import time
+from pathlib import Path
+
+import pytest
+
+from experiments.right_turn.data import Plan
+from experiments.right_turn.progress import Progress
+from experiments.right_turn.stages import Stage, digest, is_done, perform
+
+PLAN = Plan(quick=True, runs=2)
+CODE = {
+    "good": """
+def run(folder, plan, tell):
+    tell(f"driving {plan.runs}")
+    print("words of its own")
+    (folder / "summary.json").write_text("{}")
+""",
+    "bad": """
+def run(folder, plan, tell):
+    raise OSError("no port is free")
+""",
+    "endless": """
+import subprocess, sys, time
+def run(folder, plan, tell):
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+    (folder / "child").write_text(str(child.pid))
+    tell("waiting")
+    time.sleep(600)
+""",
+}
+
+
+@pytest.fixture
+def perform_stage(tmp_path, monkeypatch):
+    """Runs the stage of a name of CODE; returns why it failed, its folder, and what was told."""
+    (tmp_path / "code").mkdir()
+    for name, text in CODE.items():
+        (tmp_path / "code" / f"stage_{name}.py").write_text(text)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "code"))
+    stream = io.StringIO()
+    progress = Progress(stream, 200)
+
+    def perform_one(name, limit=30.0):
+        stage = Stage(name, f"stage_{name}", "a test", limit, limit)
+        why = perform(stage, tmp_path / name, PLAN, "sources", progress)
+        return why, tmp_path / name, stream.getvalue()
+
+    return perform_one
+
+
+def test_a_stage_tells_how_far_it_is_and_keeps_its_words_in_a_log(perform_stage):
+    why, folder, told = perform_stage("good")
+    assert why == ""
+    assert "driving 2" in told
+    assert "words of its own" not in told
+    assert (folder / "log.txt").read_text() == "words of its own\n"
+
+
+def test_a_stage_that_was_done_counts_for_its_plan_and_sources_alone(perform_stage):
+    _, folder, _ = perform_stage("good")
+    assert is_done(folder, PLAN, "sources")
+    assert not is_done(folder, Plan(quick=True, runs=3), "sources")
+    assert not is_done(folder, PLAN, "other sources")
+    assert not is_done(folder / "nothing", PLAN, "sources")
+
+
+def test_a_stage_that_fails_is_not_done(perform_stage):
+    why, folder, _ = perform_stage("bad")
+    assert why.startswith("exit status 1")
+    assert "no port is free" in (folder / "log.txt").read_text()
+    assert not is_done(folder, PLAN, "sources")
+
+
+def test_a_stage_without_end_is_ended_with_all_that_it_started(perform_stage):
+    why, folder, told = perform_stage("endless", limit=3.0)
+    assert why.startswith("not done after 3 s")
+    assert "waiting" in told
+    child = int((folder / "child").read_text())
+    deadline = time.monotonic() + 10.0
+    while _lives(child) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not _lives(child)
+
+
+def _lives(process):
+    """Whether a process still runs; one that ended may wait for its parent to take note."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_the_digest_is_that_of_the_sources():
+    assert digest() == digest()
+    assert len(digest()) == 64
