@@ -1,0 +1,210 @@
+"""What a run beside the simulator left behind, and how it is judged."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+RATE = 20.0
+"""Events a second that the driver asks for, in models/examples/simulator/simulator.ros2jaus."""
+TOLERANCE = 0.03
+"""Share by which the rate of events may differ from rate x factor. An event waits for the next step
+of the clock, a fifth of its period, but only once in a run; this is ten times what that does to the
+shortest run, and a thirtieth of the difference between half the pace and the whole."""
+PATH_TOLERANCE = 0.10
+"""Metres by which the largest path error may differ between paces: a period of the events, 50 ms at
+6 m/s, is 0.3 m of the way, and moves the car sideways by less than a third of it."""
+SETTLING = 1.0
+"""Seconds of real time after which the rate counts: connections are made before."""
+
+
+class Arrival(NamedTuple):
+    """An event that came to the driver.
+
+    Attributes:
+        received: When, s of real time.
+        stamp: The time of the simulation that it tells, s.
+    """
+
+    received: float
+    stamp: float
+
+
+class State(NamedTuple):
+    """A step of the simulation.
+
+    Attributes:
+        real: When it was made, s of real time.
+        time: Its time in the simulation, s.
+        factor: The factor that was set.
+        x: Position forward of the start, m.
+        y: Position left of the start, m.
+        v: Speed, m/s.
+    """
+
+    real: float
+    time: float
+    factor: float
+    x: float
+    y: float
+    v: float
+
+
+class Change(NamedTuple):
+    """A factor and when it was set, s of real time."""
+
+    real: float
+    factor: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A time of a run in which the factor stayed what it was.
+
+    Attributes:
+        begin: Its begin, s of real time.
+        end: Its end, s of real time.
+        factor: The factor that was set.
+        pace: Seconds of the simulation in each real one, as measured.
+        real_rate: Events in a second of real time.
+        simulated_rate: Events in a second of the simulation; None while it rests.
+    """
+
+    begin: float
+    end: float
+    factor: float
+    pace: float
+    real_rate: float
+    simulated_rate: float | None
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run and its numbers.
+
+    Attributes:
+        name: Name of the run, and of its folder.
+        follows_clock: Whether the bridge was started with use_sim_time.
+        segments: Times with one factor each.
+        arrived: Whether the car came to rest at the end of its path.
+        path_error: Largest distance from the path, m; None for a car that has not arrived.
+        duration: Seconds of the simulation until the car had arrived; None likewise.
+        follows: Whether the events kept the pace of the simulation in all segments.
+    """
+
+    name: str
+    follows_clock: bool
+    segments: list[Segment]
+    arrived: bool
+    path_error: float | None
+    duration: float | None
+    follows: bool
+
+    def write(self, folder: Path) -> None:
+        """Writes the numbers to `run.json`."""
+        text = json.dumps(asdict(self), indent=2, sort_keys=True, allow_nan=False)
+        (folder / "run.json").write_text(text + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: Path) -> Result:
+        """Reads what `write` has written."""
+        about = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        segments = [Segment(**each) for each in about.pop("segments")]
+        return cls(**about, segments=segments)
+
+
+def arrivals(folder: Path) -> list[Arrival]:
+    """Returns the poses that came to the driver."""
+    rows = _rows(folder / "driver.csv")
+    return [
+        Arrival(float(row["received_s"]), float(row["stamp_ms"]) / 1000)
+        for row in rows
+        if row["event"] == "pose" and row["stamp_ms"]
+    ]
+
+
+def states(folder: Path) -> list[State]:
+    """Returns the steps of the simulation."""
+    names = ("real_s", "time_s", "factor", "x_m", "y_m", "v_m_s")
+    return [State(*(float(row[name]) for name in names)) for row in _rows(folder / "simulator.csv")]
+
+
+def changes(folder: Path) -> list[Change]:
+    """Returns the factors that were set while the run lasted."""
+    path = folder / "factors.csv"
+    if not path.exists():
+        return []
+    return [Change(float(row["real_s"]), float(row["factor"])) for row in _rows(path)]
+
+
+def judge(folder: Path, name: str, *, follows_clock: bool, arrived: bool) -> Result:
+    """Works out the numbers of a run from its files.
+
+    Raises:
+        ValueError: No event came.
+    """
+    events, steps = arrivals(folder), states(folder)
+    if len(events) < 2:
+        raise ValueError(f"no events came in {folder}")
+    segments = _segments(events, steps, changes(folder))
+    error = duration = None
+    if arrived:
+        path = StraightArcStraight.right_turn(VehicleParameters())
+        error = max(abs(path.nearest(each.x, each.y).cross_track_error) for each in steps)
+        moving = [each.time for each in steps if each.v > 0.01]
+        duration = moving[-1] - moving[0]
+    return Result(
+        name, follows_clock, segments, arrived, error, duration, all(map(_follows, segments))
+    )
+
+
+def _segments(events: list[Arrival], steps: list[State], changed: list[Change]) -> list[Segment]:
+    begin, end = events[0].received + SETTLING, events[-1].received
+    inside = [each for each in changed if begin < each.real < end]
+    bounds = [begin, *(each.real for each in inside), end]
+    factors = [steps[0].factor, *(each.factor for each in inside)]
+    return [
+        _segment(events, steps, bounds[at], bounds[at + 1], factor)
+        for at, factor in enumerate(factors)
+    ]
+
+
+def _segment(
+    events: list[Arrival], steps: list[State], begin: float, end: float, factor: float
+) -> Segment:
+    times = [each.time for each in steps if begin <= each.real < end]
+    pace = (times[-1] - times[0]) / (end - begin) if times else 0.0
+    within = [each for each in events if begin <= each.received < end]
+    if len(within) < 3:
+        return Segment(begin, end, factor, pace, len(within) / (end - begin), None)
+    count = len(within) - 1
+    real = within[-1].received - within[0].received
+    simulated = within[-1].stamp - within[0].stamp
+    return Segment(begin, end, factor, pace, count / real, count / simulated)
+
+
+def _follows(segment: Segment) -> bool:
+    if segment.factor == 0.0:
+        # One that was on its way when the simulation came to rest.
+        return segment.real_rate * (segment.end - segment.begin) <= 1.0
+    expected = RATE * segment.pace
+    return abs(segment.real_rate - expected) <= TOLERANCE * expected
+
+
+def spread(results: list[Result]) -> float | None:
+    """Returns by how much the path errors of the runs differ, m; None for less than two."""
+    errors = [each.path_error for each in results if each.path_error is not None]
+    return max(errors) - min(errors) if len(errors) > 1 else None
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
