@@ -3,7 +3,7 @@
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
 only; rclpy is imported by the ROS side of bridges, when one runs.
 
-What generated code and its users may import stands in six modules, by name; whatever lies behind
+What generated code and its users may import stands in seven modules, by name; whatever lies behind
 them may move:
 
 - ``jausml_runtime``: components, bridges and what they are made and told of;
@@ -11,7 +11,8 @@ them may move:
 - ``jausml_runtime.conversions``: conversions of values, and the values that they know;
 - ``jausml_runtime.conversions.arithmetic``: the functions of expressions;
 - ``jausml_runtime.wire``: what classes of messages are made of;
-- ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of.
+- ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of;
+- ``jausml_runtime.virtual``: virtual time, for tests.
 """
 
 from .base.address import JausAddress

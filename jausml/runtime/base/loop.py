@@ -56,6 +56,7 @@ class Loop:
         counters: Where failures are counted.
         now: Returns the time of the loop's clock in seconds.
         wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
+        stopwatch: Returns a time in seconds by which callbacks are slow.
         on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
             of user code; the loop goes on. Unless it is set, that is counted as what fails is.
     """
@@ -65,6 +66,7 @@ class Loop:
         clock: Clock = time.monotonic,
         counters: Counters | None = None,
         wall: Callable[[], int] = time.time_ns,
+        stopwatch: Clock = time.perf_counter,
     ) -> None:
         """Prepare a loop that does not run yet.
 
@@ -72,11 +74,13 @@ class Loop:
             clock: Monotonic time in seconds.
             counters: Where failures are counted; the transport uses the same ones.
             wall: Time of day in nanoseconds since 1970 (UTC).
+            stopwatch: Time in seconds that passes while callbacks run.
         """
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
         self.now = clock
         self.wall = wall
+        self.stopwatch = stopwatch
         self.on_failure: Callable[[BaseException], object] = self._failed
         self._epoll = select.epoll()
         self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)

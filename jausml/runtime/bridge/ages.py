@@ -7,7 +7,6 @@ clock of the bridge.
 from __future__ import annotations
 
 import struct
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -30,7 +29,7 @@ _STAMPED = {("header", "std_msgs/Header"), ("stamp", "builtin_interfaces/Time")}
 _NANO = 10**9
 
 
-def ros_age(ros_type: type[Any], ros: RosSide) -> Age:
+def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
     """Returns what tells the age of messages of a ROS type.
 
     That is the one of its stamp by the ROS clock; of a type or message without one, that of its
@@ -39,6 +38,7 @@ def ros_age(ros_type: type[Any], ros: RosSide) -> Age:
     Args:
         ros_type: A light class, or a message class of ROS.
         ros: Has the ROS clock.
+        wall: Tells the time of day in nanoseconds since 1970, as publishers do.
     """
     is_stamped = _begins_with_stamp(ros_type)
 
@@ -46,7 +46,7 @@ def ros_age(ros_type: type[Any], ros: RosSide) -> Age:
         stamp = _first_stamp(data) if is_stamped else 0
         if stamp:
             return (_nanoseconds(ros.now()) - stamp) / _NANO
-        return (time.time_ns() - origin) / _NANO if origin else None
+        return (wall() - origin) / _NANO if origin else None
 
     return age
 

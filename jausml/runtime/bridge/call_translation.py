@@ -65,7 +65,9 @@ class CallTranslation(Limiting):
         real = uses_ros_classes(self._translate)
         decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
         encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
-        self._transcode = readable(self._translate, decode, encode, self.note_blocking)
+        self._transcode = readable(
+            self._translate, decode, encode, self.note_blocking, ends.loop.stopwatch
+        )
 
     def made(self, data: bytes) -> bytes:
         """Returns the translation of an encoded message.

@@ -259,7 +259,13 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
             self.form = Form.FLAT
             return factory(self._ends, self)
         self.form = self.readable_form()
-        return readable(self._translate, self.decoder(), self.encode, self.note_blocking)
+        return readable(
+            self._translate,
+            self.decoder(),
+            self.encode,
+            self.note_blocking,
+            self._ends.loop.stopwatch,
+        )
 
     def halt(self, reason: StopReason | None) -> bool:
         """Passes nothing on from now on, after the stop; or again, for None.
@@ -298,7 +304,7 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
     def _measure(self) -> None:
         wanted = self._wants_latency or self._all_want_latency
         if wanted is not (self._latency is not None):
-            self._latency = Latency(self.age) if wanted else None
+            self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
             self._measured = None
             if self._latency is not None:
                 self._measured = self._latency.measuring(self._short_way(), self.statistics)

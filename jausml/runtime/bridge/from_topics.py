@@ -93,11 +93,11 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message by the stamp of its publisher."""
-        return age_of_time(origin)
+        return age_of_time(origin, self._ends.loop.wall())
 
     def make_age(self) -> Age:
         """Returns what tells the age of a message by its stamp, or that of its publisher."""
-        return ros_age(self._type, self._ends.ros)
+        return ros_age(self._type, self._ends.ros, self._ends.loop.wall)
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics, those of joins included."""

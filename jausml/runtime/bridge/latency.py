@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -28,13 +27,15 @@ class Latency:
     computers; its handling time is that from when the bridge takes it until the target side has it.
     """
 
-    def __init__(self, age: Age) -> None:
+    def __init__(self, age: Age, clock: Callable[[], float]) -> None:
         """Has measured nothing yet.
 
         Args:
             age: Returns the age in nanoseconds of a message that arrives now, of its bytes and
                 its origin; None when its source states no time.
+            clock: Tells the seconds that something takes.
         """
+        self._clock = clock
         self._age = age
         self._ages: deque[int] = deque(maxlen=WINDOW)
         self._handling: deque[int] = deque(maxlen=WINDOW)
@@ -46,13 +47,13 @@ class Latency:
             take: Takes a message.
             counts: What it counts.
         """
-        clock = time.perf_counter_ns
+        clock = self._clock
         note_age, note_handling, age_of = self._ages.append, self._handling.append, self._age
 
         def measured(data: bytes, origin: Any = None) -> None:
             begun, passed = clock(), counts.passed
             take(data, origin)
-            handling = clock() - begun
+            handling = round((clock() - begun) * 1e9)
             if counts.passed > passed:
                 note_handling(handling)
                 age = age_of(data, origin)
@@ -78,16 +79,16 @@ def _percentiles(name: str, nanoseconds: Sequence[int]) -> list[tuple[str, str]]
     return [(f"{name} {word} (us)", f"{ranked[rank] / 1000:.1f}") for word, rank in shown]
 
 
-def age_of_stamp(message: Message) -> int | None:
+def age_of_stamp(message: Message, now: int) -> int | None:
     """Returns the age of a JAUS message in nanoseconds; None if it has no TimeStamp.
 
     Args:
         message: The message, which arrives now.
+        now: Time of day in nanoseconds since 1970.
     """
     stamp = getattr(message, "time_stamp", None)
     if stamp is None:
         return None
-    now = time.time_ns()
     try:
         sent = timestamp_to_time(stamp, near=Time(*divmod(now, 10**9)))
     except ConversionError:
@@ -95,10 +96,11 @@ def age_of_stamp(message: Message) -> int | None:
     return now - sent.sec * 10**9 - sent.nanosec
 
 
-def age_of_time(nanoseconds: int) -> int | None:
+def age_of_time(nanoseconds: int, now: int) -> int | None:
     """Returns the age of a ROS message in nanoseconds; None if it has no stamp.
 
     Args:
         nanoseconds: When its publisher has sent it, since 1970.
+        now: Time of day in nanoseconds since 1970.
     """
-    return time.time_ns() - nanoseconds if nanoseconds else None
+    return now - nanoseconds if nanoseconds else None

@@ -161,7 +161,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message with a TimeStamp."""
-        return age_of_stamp(self._message.decode(data))
+        return age_of_stamp(self._message.decode(data), self._ends.loop.wall())
 
     def make_age(self) -> Age:
         """Returns what tells the age of a message by its TimeStamp."""

@@ -7,7 +7,6 @@ classes of the bridge package, or on those of ROS if `ros_classes` asks for them
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -72,6 +71,7 @@ def readable(
     decode: Callable[[bytes], Any],
     encode: Callable[[Any], bytes],
     on_blocking: Callable[[float], None],
+    clock: Callable[[], float],
 ) -> Transcode:
     """Returns what runs a translation on objects.
 
@@ -80,8 +80,8 @@ def readable(
         decode: Makes the source object; raises DecodeError.
         encode: Encodes the target object; raises EncodeError.
         on_blocking: Told the seconds of a translation that takes long: nothing else goes on then.
+        clock: Tells the seconds that it takes.
     """
-    clock = time.monotonic
 
     def transcode(data: bytes, **joins: Any) -> bytes | None:
         begun = clock()

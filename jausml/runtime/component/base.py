@@ -95,6 +95,7 @@ class ComponentBase(ComponentHooks):
             transport.counters,
             self.allows,
             lambda: Ordering(transport.arrival, transport.loop.now),
+            transport.loop.stopwatch,
         )
         self._jaus_versions = {
             service.urn.removeprefix(CORE): (service.major, service.minor)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.address import JausAddress
-    from ..base.counters import Counters
+    from ..base.counters import Clock, Counters
     from .ordering import Ordering
 
 LONGEST_CALL = 0.5
@@ -109,6 +108,7 @@ class Router:
         counters: Counters,
         allows: Callable[[Guard, JausAddress], bool],
         ordering: Callable[[], Ordering],
+        stopwatch: Clock,
     ) -> None:
         """Start without routes.
 
@@ -116,10 +116,12 @@ class Router:
             counters: Where ignored messages and failures are counted.
             allows: Decides whether a sender is obeyed under a guard.
             ordering: Makes what tells late messages of one kind.
+            stopwatch: Tells the seconds that user code takes.
         """
         self._counters = counters
         self._allows = allows
         self._ordering = ordering
+        self._stopwatch = stopwatch
         self._routes: dict[int, _Route] = {}
         self._provisions: dict[int, Provision[Any, Any]] = {}
         self.takers: dict[int, tuple[Take, ...]] = {}
@@ -258,7 +260,7 @@ class Router:
 
     def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
         """Return what decodes a message and calls who wants it, as ``call`` does."""
-        wanting, decode, clock = tuple(actions), message_class.decode, time.monotonic
+        wanting, decode, clock = tuple(actions), message_class.decode, self._stopwatch
 
         def take(payload: bytes, sender: JausAddress) -> None:
             try:
@@ -297,7 +299,7 @@ class Router:
             function: Takes an encoded message and its sender.
             on_bad: Told the sender and the error when the function cannot read a message.
         """
-        clock = time.monotonic
+        clock = self._stopwatch
 
         def take(payload: bytes, sender: JausAddress) -> None:
             started = clock()
@@ -321,14 +323,14 @@ class Router:
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
         """Call a function; tell whether it raised no error, and what it returned."""
-        started = time.monotonic()
+        started = self._stopwatch()
         try:
             return True, function(*arguments)
         except Exception as error:
             self._count_failure(function, error)
             return False, None
         finally:
-            elapsed = time.monotonic() - started
+            elapsed = self._stopwatch() - started
             if elapsed > LONGEST_CALL:
                 self._count_blocked(function, elapsed)
 

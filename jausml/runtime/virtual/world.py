@@ -65,7 +65,7 @@ class VirtualWorld:
         self._transports = 0
         self._watchers: list[Watch] = []
         self.random = Random(seed)
-        self.loop = Loop(clock=self.now, wall=self._wall)
+        self.loop = Loop(clock=self.now, wall=self._wall, stopwatch=self.now)
         self._network = Network(self.loop, self.random, self._tell)
         self.ros = RosGraph(self.loop, self.random, self._tell)
 

@@ -388,7 +388,7 @@ def test_latency_of_messages_with_a_time_stamp(world, setting):
 
 
 def test_percentiles_are_of_the_latest_messages():
-    latency = Latency(lambda _data, _origin: None)
+    latency = Latency(lambda _data, _origin: None, time.perf_counter)
     for number in range(3 * WINDOW):
         latency._handling.append(number * 1000)
     assert latency.describe() == [

@@ -162,7 +162,7 @@ def test_age_by_a_stamp_goes_before_that_of_the_publication():
 
     ros = Ros()
     ros.now = lambda: Time(100, 500_000_000)
-    age = ros_age(Stamped, ros)
+    age = ros_age(Stamped, ros, time.time_ns)
     little = b"\0\1\0\0" + struct.pack("<iI", 98, 0)
     big = b"\0\0\0\0" + struct.pack(">iI", 101, 0)
     unfilled = b"\0\1\0\0" + bytes(8)
@@ -170,7 +170,7 @@ def test_age_by_a_stamp_goes_before_that_of_the_publication():
     assert age(big, 1) == -0.5
     assert age(unfilled, time.time_ns() - 60 * 10**9) == pytest.approx(60, abs=30)
     assert age(unfilled, 0) is age(b"\0\1", 0) is None
-    assert ros_age(Number, ros)(little, 0) is None
+    assert ros_age(Number, ros, time.time_ns)(little, 0) is None
 
 
 def test_age_of_jaus_messages():

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import logging
-from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Generic
 
 from ...base.counters import LOGGER
+from ...base.host_clock import HostClock
 from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, ReceivedMessage
 from .carrier import Origin
 from .duplicates import DuplicateWindow
@@ -134,7 +134,7 @@ class Inbox(Generic[Origin]):
         """Tell once, as an error, that somebody else has the address of a component here."""
         known = self._doubles.get(source)
         place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
-        first = datetime.now(timezone.utc) if known is None else known.first_heard
+        first = HostClock(self._loop).utc() if known is None else known.first_heard
         double = self._doubles[source] = Double(source, place, first, self._loop.now())
         if known is None:
             LOGGER.error("%s", double)

@@ -70,7 +70,7 @@ class Outbox:
         self._lanes: dict[JausAddress, Lane] = {}
         self._flights: dict[tuple[int, int], _Flight] = {}  # in the order in which they are due
         self._timer: Timer | None = None
-        self._messages: set[Message] = set()
+        self._messages: dict[Message, None] = {}  # in the order of sending
         self._size = 0
 
     def __len__(self) -> int:
@@ -158,7 +158,7 @@ class Outbox:
         lane = self._lanes.get(destination)
         if lane is None:
             lane = self._add_lane(destination)
-        self._messages.add(message)
+        self._messages[message] = None
         self._size += message.size
         lane.add(message)
         return self._take_off(lane, destination)
@@ -195,11 +195,11 @@ class Outbox:
 
     def _forget(self, message: Message, lane: Lane) -> None:
         lane.remove(message)
-        self._messages.discard(message)
+        self._messages.pop(message, None)
         self._size -= message.size
 
     def _drop(self, message: Message) -> None:
-        self._messages.discard(message)
+        self._messages.pop(message, None)
         self._size -= message.size
 
     def _expire(self) -> None:
