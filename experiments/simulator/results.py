@@ -109,14 +109,14 @@ class Result:
     follows: bool
 
     def write(self, folder: Path) -> None:
-        """Writes the numbers to `run.json`."""
+        """Writes the numbers to `result.json`."""
         text = json.dumps(asdict(self), indent=2, sort_keys=True, allow_nan=False)
-        (folder / "run.json").write_text(text + "\n", encoding="utf-8")
+        (folder / "result.json").write_text(text + "\n", encoding="utf-8")
 
     @classmethod
     def read(cls, folder: Path) -> Result:
         """Reads what `write` has written."""
-        about = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        about = json.loads((folder / "result.json").read_text(encoding="utf-8"))
         segments = [Segment(**each) for each in about.pop("segments")]
         return cls(**about, segments=segments)
 
@@ -193,8 +193,10 @@ def _segment(
 
 def _follows(segment: Segment) -> bool:
     if segment.factor == 0.0:
-        # One that was on its way when the simulation came to rest.
-        return segment.real_rate * (segment.end - segment.begin) <= 1.0
+        # One was on its way when the simulation came to rest, and the driver, which lives in real
+        # time, asks anew after each second of silence and is told the present pose.
+        seconds = segment.end - segment.begin
+        return segment.real_rate * seconds <= 1.0 + seconds
     expected = RATE * segment.pace
     return abs(segment.real_rate - expected) <= TOLERANCE * expected
 

@@ -23,7 +23,7 @@ from . import CATVEHICLE, MODELS
 from .results import PATH_TOLERANCE, RATE, TOLERANCE, Result, arrivals, judge, spread
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from experiments.right_turn.data import Plan
 
@@ -154,18 +154,27 @@ def _told(result: Result) -> str:
 
 
 def _summarize(folder: Path, results: list[Result]) -> None:
-    following = [each for each in results if each.follows_clock]
-    controls = [each for each in results if not each.follows_clock]
-    difference = spread(following)
     summary = {
         "rate": RATE,
         "rate_tolerance": TOLERANCE,
         "path_tolerance_m": PATH_TOLERANCE,
-        "path_difference_m": difference,
-        "events_follow": all(each.follows for each in following),
-        "paths_agree": None if difference is None else difference <= PATH_TOLERANCE,
-        "controls_fail": not any(each.follows for each in controls) if controls else None,
+        "path_difference_m": spread(results),
+        "claims": [{"text": text, "holds": holds} for text, holds in _claims(results)],
         "runs": {each.name: asdict(each) for each in results},
     }
     text = json.dumps(summary, indent=2, sort_keys=True, allow_nan=False)
     (folder / "summary.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _claims(results: list[Result]) -> Iterator[tuple[str, bool]]:
+    """Yields what must hold, and whether it does."""
+    for each in results:
+        if each.follows_clock:
+            yield f"simulator, {each.name}: events keep the pace of the simulation", each.follows
+        else:
+            text = f"simulator, {each.name}: a bridge in real time does not keep the pace"
+            yield text, not each.follows
+    difference = spread(results)
+    if difference is not None:
+        text = f"the path is the same at each pace, within {PATH_TOLERANCE:g} m"
+        yield text, difference <= PATH_TOLERANCE

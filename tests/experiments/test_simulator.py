@@ -14,6 +14,7 @@ pytest.importorskip("rclpy")
 
 from experiments.processes import Processes, wait_until
 from experiments.simulator import MODELS, results
+from experiments.simulator.figure import draw
 from experiments.simulator.stage import Condition, run_conditions
 
 STAND_IN = MODELS / "examples" / "simulator" / "stand_in.py"
@@ -47,7 +48,9 @@ def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
     assert wall_clock.segments[0].simulated_rate > 30
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert summary["runs"]["half"]["name"] == "half"
-    assert summary["controls_fail"] is True
+    claims = {each["text"].split(":")[0]: each["holds"] for each in summary["claims"]}
+    assert claims["simulator, wall_clock"] is True
+    assert draw(tmp_path).axes
     assert results.Result.read(tmp_path / "half") == half
     # The driver has control, and the car drives.
     assert results.states(tmp_path / "half")[-1].x > 0.1
