@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.analysis.formats import words
 
@@ -23,10 +23,11 @@ body { font: 15px/1.45 system-ui, sans-serif; color: var(--ink); background: var
 h1, h2 { font-weight: 600; } h2 { margin-top: 2.5rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: right; padding: .25rem .6rem; border-bottom: 1px solid var(--line); }
-th { font-weight: 600; color: var(--soft); white-space: nowrap; }
+th, td { text-align: right; padding: .3rem .6rem; border-bottom: 1px solid var(--line); }
+th { font-weight: 600; color: var(--soft); vertical-align: bottom; }
+td small { display: block; color: var(--soft); }
 th.text, td.text { text-align: left; }
-td.bar { min-width: 8rem; }
+td.bar { min-width: 6rem; }
 td.bar span { display: block; height: .7rem; background: var(--bar); border-radius: 2px; }
 details { margin: .4rem 0; } summary { cursor: pointer; }
 .alarm { color: var(--alarm); } .soft { color: var(--soft); }
@@ -48,10 +49,7 @@ _SUMS = (
 )
 _LOAD = (
     "connection",
-    "way",
-    "exchange",
-    "message",
-    "type",
+    "JAUS message, ROS type",
     "Hz",
     "bytes",
     "ROS bytes",
@@ -60,6 +58,10 @@ _LOAD = (
     "kB/s out",
     "CPU %",
 )
+
+
+_Cell: TypeAlias = "str | tuple[str, str]"
+"""What stands in a cell; of two lines the second is small."""
 
 
 def render(report: Report) -> str:
@@ -104,7 +106,7 @@ def _bridge(bridge: ComponentReport) -> Iterator[str]:
     share = words.number(bridge.share * 100)
     yield f'<p class="soft">{escape(bridge.address)}, {share} % of a processor</p>'
     heaviest = sorted(bridge.connections, key=lambda each: (-_octets(each), each.name))
-    yield from _table(_LOAD, 5, ((_row(each), _octets(each)) for each in heaviest))
+    yield from _table(_LOAD, 2, ((_row(each), _octets(each)) for each in heaviest))
     for each in heaviest:
         yield from _details(each)
 
@@ -113,14 +115,11 @@ def _octets(connection: ConnectionReport) -> float:
     return connection.load.sent.judp + connection.load.received.judp
 
 
-def _row(connection: ConnectionReport) -> tuple[str, ...]:
+def _row(connection: ConnectionReport) -> tuple[_Cell, ...]:
     load = connection.load
     return (
-        connection.name,
-        words.WAYS[connection.direction],
-        connection.exchange,
-        connection.message,
-        connection.type,
+        (connection.name, f"{words.WAYS[connection.direction]}, {connection.exchange}"),
+        (connection.message, connection.type),
         words.rate(connection),
         words.sizes(connection),
         words.size(connection.ros_size),
@@ -151,7 +150,7 @@ def _alarms(texts: Iterable[str]) -> Iterator[str]:
 
 
 def _table(
-    head: Sequence[str], left: int, rows: Iterable[tuple[Sequence[str], float]]
+    head: Sequence[str], left: int, rows: Iterable[tuple[Sequence[_Cell], float]]
 ) -> Iterator[str]:
     """Yields a table with bars at its right end.
 
@@ -167,11 +166,18 @@ def _table(
     yield f"<tr>{''.join(titles)}<th></th></tr>"
     for cells, length in known:
         row = "".join(
-            f"<td{_kind(index, left)}>{escape(text)}</td>" for index, text in enumerate(cells)
+            f"<td{_kind(index, left)}>{_content(cell)}</td>" for index, cell in enumerate(cells)
         )
         width = 100 * length / longest
         yield f'<tr>{row}<td class="bar"><span style="width: {width:.1f}%"></span></td></tr>'
     yield "</table></div>"
+
+
+def _content(cell: _Cell) -> str:
+    if isinstance(cell, str):
+        return escape(cell)
+    first, second = map(escape, cell)
+    return f"{first}<small>{second}</small>"
 
 
 def _kind(index: int, left: int) -> str:
