@@ -18,6 +18,7 @@ from ..clients.exchanges import Exchanges
 from ..component.component import JausComponent
 from ..conversions import Time
 from ..services.definitions import Guard, Status
+from ..services.management import PASSIVE
 from . import parameters
 from .diagnosing import Diagnosing
 from .list_driver import ListDriver
@@ -111,6 +112,7 @@ class Bridge:
         for each in self.parameters:
             self._read(each)
         with self.loop.lock:
+            self._side.begin_control(active)
             self._open_connections()
             self.is_active = self.component.control_available = active
             self.component.start()
@@ -176,7 +178,7 @@ class Bridge:
             self.is_active = self.component.control_available = wanted
             if not wanted:
                 self._side.withdraw()
-            self.component.permit_control(wanted)
+            self.component.permit_control(self.component.status not in PASSIVE)
             self.follow()
 
     def on_not_ready(self) -> None:
@@ -310,6 +312,10 @@ class _BridgeComponent(JausComponent):
     def withdraw(self) -> None:
         """Goes to Standby, without a controller."""
         self._jaus_core.management.withdraw()
+
+    def begin_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Says, before the first session, whether others may be controlled at the start."""
+        self._jaus_clients.control.permit(permitted)
 
     def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
         super().permit_control(permitted and self._bridge.is_active)

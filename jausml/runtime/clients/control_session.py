@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
 from .controlled_target import ControlledTarget
+from .releases import Releases
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,6 +82,7 @@ class ControlClient:
         self._presence = presence
         self._events = events
         self._is_permitted = True
+        self._releases = Releases(component, self._released)
         self._controls: dict[JausAddress, ControlledTarget] = {}
         component.on_message(ConfirmControl, self._confirmed)
         component.on_message(RejectControl, self._rejected)
@@ -103,7 +105,12 @@ class ControlClient:
         control = self._controls.get(target)
         if control is None:
             control = ControlledTarget(
-                self._component, target, self._presence, self._events, self._forget
+                self._component,
+                target,
+                self._presence,
+                self._events,
+                self._releases,
+                self._forget,
             )
             control.permit(self._is_permitted)
             self._controls[target] = control
@@ -125,6 +132,11 @@ class ControlClient:
     def _forget(self, control: ControlledTarget) -> None:
         """Drop a control without sessions."""
         self._controls.pop(control.target, None)
+
+    def _released(self, target: JausAddress) -> None:
+        control = self._controls.get(target)
+        if control is not None:
+            control.released()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
         control = self._controls.get(sender)

@@ -10,7 +10,6 @@ from ..messages import (
     QueryControl,
     QueryStatus,
     QueryTimeout,
-    ReleaseControl,
     ReportControl,
     ReportStatus,
     RequestControl,
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .event_client import EventClient
     from .presence import Presence
+    from .releases import Releases
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of
@@ -63,6 +63,7 @@ class ControlledTarget:
         target: JausAddress,
         presence: Presence,
         events: EventClient,
+        releases: Releases,
         on_end: Callable[[ControlledTarget], None],
     ) -> None:
         """Begin without sessions.
@@ -72,6 +73,7 @@ class ControlledTarget:
             target: The component to control.
             presence: Knows when the target was last heard.
             events: Events of the component that controls.
+            releases: Gives control back.
             on_end: Called when the last session has left.
         """
         self.component = component
@@ -81,6 +83,7 @@ class ControlledTarget:
         self.controller: JausAddress | None = None
         self._presence = presence
         self._watch = TargetWatch(component, events, target, self.reported)
+        self._releases = releases
         self._on_end = on_end
         self._loop = component.loop
         self._settings = component.settings
@@ -190,6 +193,7 @@ class ControlledTarget:
         self._resumes = 0
         if self._change(ControlState.CONTROLLED):
             self._watch.start()
+            self._watch.verify()
             self._questions.ask(QueryTimeout())
             self._questions.ask(QueryStatus())
             self._check_in(self._settings.retry_min)
@@ -223,6 +227,8 @@ class ControlledTarget:
         obeys = status is Status.READY
         if obeys:
             self._resumes = 0
+        elif self.state is ControlState.READY:
+            self._watch.verify()
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
         if status is Status.STANDBY and any(each.resume for each in self._sessions):
@@ -237,6 +243,10 @@ class ControlledTarget:
         self._authority_in_force = message.authority_code
         self._answered(QueryControl)
         self._try_again()
+
+    def released(self) -> None:
+        """Request control that could not be requested while a release was under way."""
+        self._returned()
 
     # ---- what is sent to the target -----------------------------------------------------------
 
@@ -363,6 +373,8 @@ class ControlledTarget:
             self._answered(QueryStatus)
 
     def _request(self) -> None:
+        if self._releases.are_under_way(self.target):
+            return  # ``released`` comes back to it
         self._awaits_answer = True
         self._requested_at = self._loop.now()
         self._questions.ask(RequestControl(authority_code=self.authority))
@@ -378,7 +390,7 @@ class ControlledTarget:
             self._timer = None
         is_asked = self._requested_at > _LONG_AGO
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
-            self._questions.send(ReleaseControl())
+            self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
 
     @property
     def _interval(self) -> float:

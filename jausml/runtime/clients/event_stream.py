@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..messages import CancelEvent, CreateEvent, UpdateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..wire.message import DecodeError, Message
-from .presence import Pace
+from .presence import SILENCE, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -108,7 +108,7 @@ class EventStream:
         self._presence = presence
         self._pace = Pace(component.settings, presence, provider)
         self._renewals = 0
-        self._asked_at = float("-inf")
+        self._asked_at = self._confirmed_at = float("-inf")
         self._timer: Timer | None = None
         self._silence_timer: Timer | None = None
         self._silence_wait = 0.0
@@ -157,7 +157,7 @@ class EventStream:
         if self._state is not _State.IDLE and self.event_id is not None:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
-        self._presence.forget(self.provider, self.hurry)
+        self._presence.forget(self.provider, self._returned)
         self._listener.forget(self)
         self._state = _State.IDLE
 
@@ -191,6 +191,15 @@ class EventStream:
         ):
             self._create()
 
+    def _returned(self) -> None:
+        """The provider speaks after a silence: it may be a new one, which knows no event.
+
+        Not where it was about this event that it spoke.
+        """
+        if max(self._heard, self._confirmed_at) < self._loop.now() - SILENCE:
+            self.verify()
+        self.hurry()
+
     def reschedule(self) -> None:
         """Renew in time for the event timeout that the provider has reported."""
         if self._state is _State.ACTIVE and not self._renewals:
@@ -212,6 +221,7 @@ class EventStream:
         self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
+        self._confirmed_at = self._loop.now()
         self._pace.answered()
         self._renewals = 0
         self._schedule_renewal()
@@ -252,7 +262,7 @@ class EventStream:
 
     def _start(self) -> None:
         if self._groups and self._state is _State.IDLE:
-            self._presence.watch(self.provider, self.hurry)
+            self._presence.watch(self.provider, self._returned)
             self._create()
 
     def _recreate(self) -> None:

@@ -79,6 +79,10 @@ class Questions:
         The transport repeats commands until they are acknowledged, as long as anyone may be there.
         """
         is_command = not message.NAME.startswith("Query")
+        self._component.send(message, self._target, acknowledge=is_command and self.are_hopeful)
+
+    @property
+    def are_hopeful(self) -> bool:
+        """Whether anybody may be there to acknowledge."""
         is_new = self._tries.get(RequestControl, 0) <= QUICK_TRIES
-        is_hopeful = is_new or self._presence.heard_lately(self._target)
-        self._component.send(message, self._target, acknowledge=is_command and is_hopeful)
+        return is_new or self._presence.heard_lately(self._target)

@@ -64,6 +64,13 @@ class TargetWatch:
         ]
         self._timer = self._component.loop.call_later(PATIENCE, self._give_up)
 
+    def verify(self) -> None:
+        """Have all events of the target renewed.
+
+        One that has lost its controller, or does not obey it any more, may have been restarted.
+        """
+        self._events.suspect(self._target)
+
     def stop(self) -> None:
         """Cancel the events."""
         if self._timer is not None:

@@ -11,10 +11,12 @@ from jausml.runtime.bridge.stops import StopReason
 from jausml.runtime.bridge.to_reports import TopicsToReport
 from jausml.runtime.bridge.topics import Qos, Topic
 from jausml.runtime.messages import (
+    ClearEmergency,
     ConfirmControl,
     QueryStatus,
     QueryTime,
     RejectControl,
+    ReleaseControl,
     ReportEventTimeout,
     ReportStatus,
     ReportTime,
@@ -120,6 +122,33 @@ def test_an_emergency_is_one_while_inactive_too(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.deliver["numbers"](Number(5.0))
     assert minutes(5) not in peer.take()
+
+
+def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world, setting):
+    """It sends no release either, whose repetition would end what it has just been given."""
+    peer = world.probe(str(PEER))
+    bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, services=CORE))
+    bridge.connections = [command(is_command=True, control=Guard.READY)]
+    bridge.open(setting.ros, world, active=False)
+    assert not [each for each in peer.take() if isinstance(each, (RequestControl, ReleaseControl))]
+    bridge.set_active(True)
+    (request,) = [each for each in peer.take() if not isinstance(each, QueryStatus)]
+    assert isinstance(request, RequestControl)
+
+
+def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, setting):
+    setting.open(command(is_command=True, control=Guard.READY), services=CORE)
+    peer = world.probe(str(PEER))
+    setting.bridge.set_active(False)
+    operator = world.probe("5.1.1")
+    operator.send(SetEmergency(emergency_code=1), OWN)
+    world.settle()
+    peer.take()
+    setting.bridge.set_active(True)
+    world.run(1.0)
+    assert not [each for each in peer.take() if isinstance(each, RequestControl)]
+    operator.send(ClearEmergency(emergency_code=1), OWN)
+    assert [each for each in peer.take() if isinstance(each, RequestControl)]
 
 
 def test_reports_are_withdrawn(world, setting):

@@ -98,6 +98,22 @@ def test_two_fifths_lost_are_survived(seed):
         assert network.vehicle.status is Status.READY
 
 
+def test_a_lost_release_does_not_end_the_control_that_follows():
+    """It is repeated until it is acknowledged, and the repetition must not come after a request."""
+    with LossyNetwork(0.0, 1) as network:
+        session = network.operator.control(VEHICLE, authority=127)
+        wait_for_ready(network, session, 1.0)
+        network.lose(1.0)
+        session.release()
+        network.run(0.05)
+        network.lose(0.0)
+        states = []
+        network.operator.control(VEHICLE, authority=127, on_change=states.append)
+        network.run(2.0)
+        assert states == [ControlState.CONTROLLED, ControlState.READY]
+        assert network.vehicle.controller == OPERATOR
+
+
 def test_new_clients_are_ready_within_a_second():
     times = []
     for seed in range(12):

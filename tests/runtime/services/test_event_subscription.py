@@ -413,7 +413,7 @@ class TestRecovery:
         world.run(1.0)
         kill(world, first)
         provider(world)
-        world.run(5.0)
+        world.run(10.0)
         assert len(late) == 2
 
     def test_silent_provider_of_an_every_change_event_is_noticed(self, world, client):
@@ -424,6 +424,45 @@ class TestRecovery:
         world.run(15.0)
         assert not subscription.active
         assert world.counters.snapshot()["event_client.lost"] == 1
+
+    @pytest.mark.parametrize("pause", [0.0, 0.5, 3.0])
+    def test_every_change_event_of_a_controlled_provider(self, world, client, pause):
+        """Who controls it notices soon that it does not know its controller any more."""
+        first = provider(world)
+        inbox = Inbox()
+        statuses(client, inbox)
+        client.control(PROVIDER, authority=127)
+        world.run(5.0)
+        kill(world, first)
+        world.run(pause)
+        inbox.clear()
+        provider(world)
+        world.run(2.0)
+        assert inbox
+
+    def test_every_change_event_of_a_provider_that_speaks_after_a_silence(self, world, client):
+        first = provider(world)
+        inbox = Inbox()
+        subscription = statuses(client, inbox)
+        world.run(5.0)
+        kill(world, first)
+        inbox.clear()
+        second = provider(world)
+        second.send(ReportHeartbeatPulse(), client.address)
+        world.run(1.0)
+        assert inbox
+        assert subscription.active
+
+    def test_reports_after_a_silence_need_no_renewal(self, world, client):
+        tested = provider(world)
+        inbox = Inbox()
+        statuses(client, inbox)
+        world.run(5.0)
+        world.log.clear()
+        tested.fail("a change")
+        world.run(1.0)
+        assert len(inbox) == 2
+        assert world.count(UpdateEvent.CODE) == 0
 
     def test_ids_that_a_restarted_provider_gives_to_other_queries(self, world, client):
         first = provider(world)
