@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from catvehicle.evaluation import counted, driven, latencies, report
+from catvehicle.evaluation import counted, delays, driven, report
 from catvehicle.events import EventLog, read_events
 from catvehicle.metrics import Sample, write_log
 from catvehicle.parameters import VehicleParameters
@@ -39,7 +39,7 @@ def test_counts_are_summed_over_processes() -> None:
     assert counted(lines, "drops:") == {"transport.duplicate": 5, "x.y": 1}
 
 
-def test_latencies_match_stamps_and_commands(tmp_path: Path) -> None:
+def test_delays_match_stamps_and_commands(tmp_path: Path) -> None:
     vehicle = EventLog(tmp_path / "vehicle_events.csv")
     controller = EventLog(tmp_path / "steering_controller.csv")
     for step in range(10):
@@ -51,12 +51,10 @@ def test_latencies_match_stamps_and_commands(tmp_path: Path) -> None:
     controller.write(5000, 0.5, 0.501, 0.25)
     vehicle.close()
     controller.close()
-    result = latencies(tmp_path)
-    assert result.to_ros.count == 10
-    assert result.to_ros.p50 == pytest.approx(0.002)
-    assert result.to_jaus.count == 10
-    assert result.to_jaus.maximum == pytest.approx(0.003)
-    assert result.loop.p99 == pytest.approx(0.006)
+    found = delays(tmp_path)
+    assert found.to_controller == pytest.approx([0.002] * 10)
+    assert found.to_vehicle == pytest.approx([0.003] * 10)
+    assert found.loop == pytest.approx([0.006] * 10)
 
 
 def test_report_of_a_drive_along_the_path(tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from .events import read_events
 from .figure import draw_run
 from .metrics import (
-    LatencySummary,
     Sample,
     Table,
     comfort,
@@ -36,19 +35,23 @@ QUANTUM = 2e-5
 field is 1.6e-5 rad."""
 
 
+LONGEST = 0.5
+"""Seconds that a command may take on its way to be found again."""
+
+
 @dataclass(frozen=True)
-class Latencies:
-    """Seconds that messages took on their ways.
+class Delays:
+    """Seconds that each message took on its way.
 
     Attributes:
-        to_ros: From the vehicle's report to the ROS callback, through the bridge.
-        to_jaus: From the publication of a command to the vehicle's handler, through the bridge.
+        to_controller: From the vehicle's report to the controller; through the bridge, if any.
+        to_vehicle: From the controller's command to the vehicle's handler.
         loop: From the vehicle's report to the command that answers it, controller included.
     """
 
-    to_ros: LatencySummary
-    to_jaus: LatencySummary
-    loop: LatencySummary
+    to_controller: Sequence[float]
+    to_vehicle: Sequence[float]
+    loop: Sequence[float]
 
 
 def driven(samples: Sequence[Sample]) -> list[Sample]:
@@ -63,26 +66,29 @@ def driven(samples: Sequence[Sample]) -> list[Sample]:
     return list(samples[moving[0] : moving[-1] + 1])
 
 
-def latencies(logs: Path) -> Latencies:
+def delays(logs: Path) -> Delays:
     """Matches the events of the vehicle and the steering controller on the machine's clock.
 
-    Reports are matched by their time stamp (ms), commands by their order and value.
+    Reports are matched by their time stamp (ms), commands by their value: the first arrival
+    with the value that was published, which later ones hardly have while the vehicle steers.
     """
     vehicle = read_events(logs / "vehicle_events.csv")
     sent = {int(row[2]): float(row[1]) for row in vehicle if row[0] == "report"}
     arrived = [(float(row[1]), float(row[2])) for row in vehicle if row[0] == "command"]
     times = [time for time, _ in arrived]
-    to_ros, to_jaus, loop = [], [], []
+    to_controller, to_vehicle, loop = [], [], []
     for stamp, received, published, angle in read_events(logs / "steering_controller.csv"):
         report = sent.get(int(stamp))
         if report is not None:
-            to_ros.append(float(received) - report)
-        place = bisect_right(times, float(published))
-        if place < len(arrived) and abs(arrived[place][1] - float(angle)) <= QUANTUM:
-            to_jaus.append(times[place] - float(published))
+            to_controller.append(float(received) - report)
+        begin, end = (bisect_right(times, float(published) + wait) for wait in (0.0, LONGEST))
+        same = (time for time, value in arrived[begin:end] if abs(value - float(angle)) <= QUANTUM)
+        time = next(same, None)
+        if time is not None:
+            to_vehicle.append(time - float(published))
             if report is not None:
-                loop.append(times[place] - report)
-    return Latencies(latency_summary(to_ros), latency_summary(to_jaus), latency_summary(loop))
+                loop.append(time - report)
+    return Delays(to_controller, to_vehicle, loop)
 
 
 def counted(lines: Iterable[str], label: str) -> Counter[str]:
@@ -116,13 +122,14 @@ def report(logs: Path, output: Sequence[str], parameters: VehicleParameters) -> 
     motion.add("safe-region violations", 100 * ride.violation_fraction, "%")
     motion.add("peak lateral acceleration", ride.peak_lateral_acceleration, "m/s^2")
     motion.add("steering activity", total_variation(sample.delta for sample in samples), "rad")
-    ways = latencies(logs)
+    ways = delays(logs)
     delay = Table("latency", "messages", "p50 ms", "p95 ms", "p99 ms", "max ms")
-    for name, summary in (
-        ("vehicle -> bridge -> ROS", ways.to_ros),
-        ("ROS -> bridge -> vehicle", ways.to_jaus),
+    for name, times in (
+        ("vehicle -> bridge -> ROS", ways.to_controller),
+        ("ROS -> bridge -> vehicle", ways.to_vehicle),
         ("whole loop", ways.loop),
     ):
+        summary = latency_summary(times)
         marks = (summary.p50, summary.p95, summary.p99, summary.maximum)
         delay.add(name, summary.count, *(1000 * mark for mark in marks))
     carried = Table("connection", "messages")

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import astuple
-from datetime import datetime, timezone
 
 from catvehicle.events import EventLog
 from catvehicle.metrics import COLUMNS, Sample
@@ -53,7 +51,7 @@ class Vehicle(VehicleBase):
         self._truth.write(*COLUMNS)
         plant = plant_from_environment(self._parameters)
         record = self._write_truth if self._truth.is_open else None
-        self._plant = RealTimePlant(self._parameters, time.monotonic, plant, record)
+        self._plant = RealTimePlant(self._parameters, self.clock.now, plant, record)
         self._events = EventLog.from_environment("vehicle_events")
 
     def _write_truth(self, sample: Sample) -> None:
@@ -76,7 +74,7 @@ class Vehicle(VehicleBase):
         if rotational is not None:
             angle = -rotational / 100 * self._parameters.steering_limit
             self._plant.command_steering(angle)
-            self._events.write("command", time.monotonic(), angle)
+            self._events.write("command", self.clock.now(), angle)
 
     def on_set_local_pose(self, message: SetLocalPose, sender: JausAddress) -> None:
         """Takes the parts of a pose that are present as where the vehicle is."""
@@ -99,8 +97,8 @@ class Vehicle(VehicleBase):
     ) -> ReportVelocityState:
         """Returns the velocity of the rear axle."""
         state = self._plant.state()
-        now = datetime.now(timezone.utc)
-        self._events.write("report", time.monotonic(), int(now.timestamp() * 1000))
+        now = self.clock.utc()
+        self._events.write("report", self.clock.now(), int(now.timestamp() * 1000))
         return ReportVelocityState(
             velocity_x=state.v,
             velocity_y=0.0,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 from catvehicle.events import EventLog
 from catvehicle.logic import SpeedLogic, SpeedReport, SteeringLogic, SteeringStep
@@ -99,9 +98,10 @@ class Controller(ControllerBase):
         """Takes the velocity; one without a time is of no use to the dead reckoning."""
         if report.velocity_x is None or report.time_stamp is None:
             return
-        sensed = timestamp_to_time(report.time_stamp, near=Time(int(time.time()), 0))
+        about_now = Time(int(self.clock.utc().timestamp()), 0)
+        sensed = timestamp_to_time(report.time_stamp, near=about_now)
         milliseconds = sensed.sec * 1000 + sensed.nanosec // 1_000_000
-        speed = SpeedReport(milliseconds, report.velocity_x, time.monotonic())
+        speed = SpeedReport(milliseconds, report.velocity_x, self.clock.now())
         self._answer(self._steering.take_speed(speed))
 
     def _answer(self, step: SteeringStep | None) -> None:
@@ -111,7 +111,7 @@ class Controller(ControllerBase):
         parameters = self._parameters
         self._speed.take_commanded_angle(step.command)
         speed = self._speed.command(step.pose.x, step.pose.y)
-        sent = time.monotonic()
+        sent = self.clock.now()
         command = SetWrenchEffort(
             propulsive_linear_effort_x=100 * speed / parameters.speed_max,
             propulsive_rotational_effort_z=-100 * step.command / parameters.steering_limit,

@@ -1,0 +1,154 @@
+"""Drives systems in real time through the turn, several at once, and collects what they leave."""
+
+from __future__ import annotations
+
+import shutil
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+from catvehicle.evaluation import MOVING, counted, delays
+from catvehicle.events import read_events
+from catvehicle.metrics import Sample, comfort, path_error, read_log, total_variation
+from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
+
+from experiments.right_turn.data import Event, Run, Step
+from experiments.right_turn.systems import OPERATOR, Running, Setting, Workspace, wait_for
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+START_LIMIT = 30.0
+"""Seconds in which the processes of systems must begin to exchange messages."""
+
+DRIVE_LIMIT = 40.0
+"""Seconds in which a drive of some 18 must be over."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive to be made.
+
+    Attributes:
+        workspace: The system.
+        name: Name of the run.
+        setting: Where and how it runs.
+    """
+
+    workspace: Workspace
+    name: str
+    setting: Setting
+
+
+def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
+    """Makes drives at the same time, begun at the same time.
+
+    The operators are started when all else runs, so that no start disturbs a drive.
+
+    Args:
+        drives: Their settings have places of their own.
+        logs: Folder for logs; those of drives that arrived are removed.
+
+    Returns:
+        The runs, in the order of the drives; their times count from the first motion.
+
+    Raises:
+        RuntimeError: A process ended, or controllers and vehicles did not find each other.
+    """
+    with ExitStack() as stack:
+        systems = [
+            stack.enter_context(
+                Running(each.workspace, each.setting, logs / each.workspace.system.name / each.name)
+            )
+            for each in drives
+        ]
+        for system in systems:
+            system.start()
+        if not wait_for(lambda: all(system.steps for system in systems), START_LIMIT, systems):
+            late = [system.workspace.system.name for system in systems if not system.steps]
+            raise RuntimeError(f"no command in {START_LIMIT:.0f} s: {', '.join(late)}; see {logs}")
+        for system in systems:
+            system.start(OPERATOR)
+        wait_for(lambda: all(system.arrived for system in systems), DRIVE_LIMIT, systems)
+        for system in systems:
+            system.stop()
+        runs = [_run(each, system) for each, system in zip(drives, systems, strict=True)]
+    for run, system in zip(runs, systems, strict=True):
+        if run.arrived:
+            shutil.rmtree(system.logs)
+    return runs
+
+
+def _run(made: Drive, system: Running) -> Run:
+    samples = from_first_motion(read_log(system.logs / "vehicle.csv"))
+    steps = read_events(system.logs / "steering_controller.csv")
+    events = read_events(system.logs / "vehicle_events.csv")
+    ways = delays(system.logs)
+    lines = [line for name in made.workspace.processes for line in system.said(name)]
+    return Run(
+        system=made.workspace.system.name,
+        name=made.name,
+        mode="wall",
+        seed=0,
+        arrived=system.arrived,
+        samples=samples,
+        steps=[Step(int(row[0]), *map(float, row[1:])) for row in steps],
+        events=[Event(row[0], float(row[1]), float(row[2])) for row in events],
+        latencies={
+            "to_controller": ways.to_controller,
+            "to_vehicle": ways.to_vehicle,
+            "sense_act": ways.loop,
+        },
+        config={**asdict(made.setting), "port": made.setting.port},
+        metrics=judged(samples),
+        counters=dict(counted(lines, "drops:")),
+    )
+
+
+def from_first_motion(samples: Sequence[Sample]) -> list[Sample]:
+    """Returns a drive with times that count from its first motion.
+
+    The first motion is where the speed crosses `MOVING`, between samples too, so that two drives
+    are compared from the same event on and not from the starts of their processes.
+
+    Returns:
+        The samples from the one before that crossing on; none when there was no motion.
+    """
+    for index, sample in enumerate(samples):
+        if sample.v > MOVING:
+            first = max(index - 1, 0)
+            before = samples[first]
+            share = (MOVING - before.v) / (sample.v - before.v) if sample.v > before.v else 0.0
+            begin = before.t + share * (sample.t - before.t)
+            return [_shifted(each, begin) for each in samples[first:]]
+    return []
+
+
+def _shifted(sample: Sample, begin: float) -> Sample:
+    _, *values = (getattr(sample, name) for name in sample.__dataclass_fields__)
+    return Sample(sample.t - begin, *values)
+
+
+def judged(samples: Sequence[Sample]) -> dict[str, float]:
+    """Returns the numbers that judge one drive by itself; none when there was no motion.
+
+    The drive ends where the vehicle has come to rest.
+    """
+    moving = [sample for sample in samples if sample.v > MOVING]
+    if not moving:
+        return {}
+    parameters = VehicleParameters()
+    path = StraightArcStraight.right_turn(parameters)
+    whole = [sample for sample in samples if sample.t <= moving[-1].t]
+    error, ride = path_error(whole, path), comfort(whole, parameters)
+    return {
+        "duration": whole[-1].t,
+        "path_error_max": error.maximum,
+        "path_error_rms": error.rms,
+        "violation_fraction": ride.violation_fraction,
+        "peak_lateral_acceleration": ride.peak_lateral_acceleration,
+        "least_speed_margin": ride.least_speed_margin,
+        "steering_activity": total_variation(sample.delta for sample in whole),
+    }

@@ -1,0 +1,78 @@
+"""A pair of J and R drives in real time, with real processes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from experiments.right_turn import wall
+from experiments.right_turn.data import HOPS, Plan, Run, read_all
+from experiments.right_turn.drives import Drive, drive
+from experiments.right_turn.systems import (
+    JAUS_ALONE,
+    Running,
+    Setting,
+    System,
+    generate,
+    wait_for,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = [pytest.mark.live, pytest.mark.timeout(150)]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("wall")
+
+
+@pytest.fixture(scope="module")
+def runs(folder: Path) -> list[Run]:
+    return wall.run(folder, Plan(quick=True), lambda _: None)
+
+
+def test_both_systems_drive_the_turn(runs: list[Run]) -> None:
+    assert [(run.system, run.arrived) for run in runs] == [("J", True), ("R", True)]
+    for run in runs:
+        assert run.metrics["path_error_max"] < 1.0
+        assert run.samples[-1].psi == pytest.approx(-1.57, abs=0.1)
+
+
+def test_each_hop_was_measured(runs: list[Run]) -> None:
+    for run in runs:
+        assert {hop: run.latency[hop].count > 300 for hop in HOPS} == dict.fromkeys(HOPS, True)
+        assert len(run.steps) > 300
+
+
+def test_the_runs_are_kept_and_the_logs_are_not(folder: Path, runs: list[Run]) -> None:
+    assert read_all(folder) == runs
+    assert not list((folder / "logs").rglob("*.txt"))
+
+
+def test_a_late_command_on_tyres_that_slip_is_another_drive(folder: Path) -> None:
+    workspace = generate(JAUS_ALONE, folder / "slow")
+    setting = Setting(place=3, plant="dynamic", delay=0.2)
+    (run,) = drive([Drive(workspace, "late", setting)], folder / "logs")
+
+    assert run.config["plant"] == "dynamic"
+    assert run.latency["to_vehicle"].p95 > 0.2
+    assert run.metrics["path_error_max"] > 0.6
+
+
+def test_a_process_that_ends_is_told(folder: Path) -> None:
+    workspace = generate(JAUS_ALONE, folder / "ended")
+    with Running(workspace, Setting(place=4, plant="tank"), folder / "logs") as system:
+        system.start("vehicle")
+        with pytest.raises(RuntimeError, match=r"(?s)vehicle of J has ended:.*'tank' is none of"):
+            wait_for(lambda: False, 30.0, [system])
+
+
+def test_a_model_with_errors_is_told(tmp_path: Path) -> None:
+    model = tmp_path / "broken.xmi"
+    model.write_text("<broken/>", encoding="utf-8")
+
+    with pytest.raises(RuntimeError, match=r"broken\.xmi was not generated"):
+        generate(System("J", model, ()), tmp_path / "ws")
