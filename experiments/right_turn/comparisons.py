@@ -99,7 +99,7 @@ def steering(drives: Mapping[str, Sequence[Sequence[Sample]]]) -> Figure:
     """Returns tyre angles over time, what they sum up to, and that sum for each drive.
 
     Args:
-        drives: Drives by system, each from its first motion on.
+        drives: Drives by system; their times count from the first motion.
     """
     with rc_context(style.SETTINGS):
         figure = style.canvas(2.5)
@@ -113,7 +113,7 @@ def steering(drives: Mapping[str, Sequence[Sequence[Sample]]]) -> Figure:
                 first = index == 0
                 weight = {**look, "linewidth": 1.5 if first else 0.4, "alpha": 1 if first else 0.6}
                 points = style.thinned(drive, _MOST_POINTS)
-                times = [sample.t - drive[0].t for sample in points]
+                times = [sample.t for sample in points]
                 angles = [math.degrees(sample.delta) for sample in points]
                 angle.plot(times, angles, label=system if first else None, **weight)
                 activity.plot(*_summed(drive), label=system if first else None, **weight)
@@ -134,7 +134,7 @@ def _summed(drive: Sequence[Sample]) -> tuple[list[float], list[float]]:
     total, points = 0.0, [(0.0, 0.0)]
     for before, after in pairwise(drive):
         total += abs(math.degrees(after.delta - before.delta))
-        points.append((after.t - drive[0].t, total))
+        points.append((after.t, total))
     kept = style.thinned(points, _MOST_POINTS)
     return [time for time, _ in kept], [value for _, value in kept]
 
@@ -156,7 +156,7 @@ def gaps(
     """Returns how far two drives are apart over time: J from J beside R from J.
 
     Args:
-        first: Drives of J, at least two.
+        first: Drives of J, at least two; times count from the first motion.
         second: Drives of R.
         bounds: Thresholds by quantity (`position`, `speed`, `angle`), in m, m/s and degrees.
     """
@@ -203,14 +203,14 @@ def _difference(
     one: Sequence[Sample], two: Sequence[Sample], take: Callable[[Sample, Sample], float]
 ) -> list[float]:
     """Returns a quantity at every step of time that both drives cover."""
-    count = int(min(one[-1].t - one[0].t, two[-1].t - two[0].t) / _STEP)
+    count = int(min(one[-1].t, two[-1].t) / _STEP)
     pairs = zip(_stepped(one, count), _stepped(two, count), strict=True)
     return [take(here, there) for here, there in pairs]
 
 
 def _stepped(drive: Sequence[Sample], count: int) -> list[Sample]:
     """Returns states at each step of time since the first motion, linear between samples."""
-    times = [sample.t - drive[0].t for sample in drive]
+    times = [sample.t for sample in drive]
     found = []
     for step in range(count):
         place = min(max(bisect_right(times, step * _STEP), 1), len(drive) - 1)

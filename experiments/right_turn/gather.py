@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from catvehicle.metrics import Sample
-
     from experiments.right_turn.data import Plan, Run
 
 SHIFTS = (0.0, 0.1, 0.25)
@@ -121,7 +119,7 @@ def _plain(value: Any) -> Any:
 def _closeness(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
     """Returns for each shift in time how far states of J and R are apart at most."""
     first, second = moved(wall.get("J", [])), moved(wall.get("R", []))
-    pairs = list(zip(map(_from_zero, first), map(_from_zero, second), strict=False))
+    pairs = list(zip(first, second, strict=False))
     if not pairs:
         return []
     rows = []
@@ -140,16 +138,12 @@ _DISTANCES = {
 }
 
 
-def _from_zero(drive: Sequence[Sample]) -> list[Sample]:
-    return list(drive)
-
-
 def _claims(data: Mapping[str, Any]) -> list[dict[str, Any]]:
     claims: list[dict[str, Any]] = []
     for system, found in data["systems"].items():
         text = f"each drive of {system} arrives"
         claims.append({"text": text, "holds": found["arrived"] == found["drives"]})
-        unsafe = found["measures"].get("unsafe")
+        unsafe = found["measures"].get("violation_fraction")
         holds = None if unsafe is None else unsafe["most"] == 0
         claims.append({"text": f"no drive of {system} leaves the safe region", "holds": holds})
     for verdict in data["verdicts"]:

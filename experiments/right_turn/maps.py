@@ -165,7 +165,7 @@ class Polled:
     Attributes:
         name: Name in the legend.
         frequency: Polls a second; None for a bridge that does not poll.
-        drives: Drives from the first motion on; the first one is drawn.
+        drives: Drives, whose times count from the first motion; the first one is drawn.
         delays: Seconds from reports to the commands that answer them.
     """
 
@@ -204,10 +204,9 @@ def polling(
             look = {"color": colours.get(each.name, style.VERMILION)}
             look["linestyle"] = "-" if each.frequency is not None else style.SYSTEM_LINES["R"]
             points = style.thinned(each.drives[0], _MOST_POINTS)
-            start = each.drives[0][0].t
             course.plot([s.x for s in points], [s.y for s in points], label=each.name, **look)
             angles = [math.degrees(s.delta) for s in points]
-            angle.plot([s.t - start for s in points], angles, label=each.name, **look)
+            angle.plot([s.t for s in points], angles, label=each.name, **look)
         course.plot(
             [pose.x for pose in prescribed],
             [pose.y for pose in prescribed],

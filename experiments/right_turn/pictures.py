@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import importlib
+import math
 from typing import TYPE_CHECKING, Any
 
-from catvehicle.evaluation import driven
+from catvehicle.evaluation import MOVING
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 
-from experiments.right_turn import comparisons, style, turns
+from experiments.right_turn import comparisons, maps, style, turns
 from experiments.right_turn.data import HOPS
 from experiments.right_turn.results import by_system, runs_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from catvehicle.metrics import Sample
     from matplotlib.figure import Figure
 
     from experiments.right_turn.data import Run
 
+_DRAWN_ELSEWHERE = {
+    "simulator": "experiments.simulator.figure",
+    "waypoints": "experiments.waypoints.figure",
+}
 _ROWS = {"J": "J, JAUS alone", "R": "R, ROS through the bridge"}
 
 
@@ -35,12 +42,12 @@ def draw(folder: Path, data: dict[str, Any], target: Path) -> None:
         OSError: A figure cannot be written.
     """
     data["figures"] = []
-    for name, figure in _figures(folder):
+    for name, figure in _figures(folder, data):
         style.store(figure, target, name)
         data["figures"].append(name)
 
 
-def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
+def _figures(folder: Path, data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
     parameters = VehicleParameters()
     path = StraightArcStraight.right_turn(parameters)
     wall = {
@@ -65,14 +72,45 @@ def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
     }
     if any(any(systems.values()) for systems in hops.values()):
         yield "latency", comparisons.latencies(hops)
+    yield from _swept(data)
+    yield from _others(folder)
 
 
-def moved(runs: Sequence[Run]) -> list[Sequence[Any]]:
-    """Returns the drives of runs from their first motion on, without those that never moved."""
+def _swept(data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
+    rows = data["summaries"].get("sweep", {}).get("cells", ())
+    cells = {}
+    for row in rows:
+        if row["group"] == "map":
+            margin = row["least_speed_margin"]
+            cell = maps.Cell(math.nan if margin is None else margin, accepted=row["accepted"])
+            cells[row["delay_ms"], row["loss_percent"]] = cell
+    if cells:
+        yield (
+            "map",
+            maps.grid(
+                cells,
+                label="least margin to the boundary (m/s)",
+                horizontal="delay added on each way (ms)",
+                vertical="packets lost on each way (%)",
+            ),
+        )
+
+
+def _others(folder: Path) -> Iterator[tuple[str, Figure]]:
+    """Yields the figures of stages that draw their own."""
+    for stage, module in _DRAWN_ELSEWHERE.items():
+        if (folder / stage / "summary.json").exists():
+            yield stage, importlib.import_module(module).draw(folder / stage)
+
+
+def moved(runs: Sequence[Run]) -> list[Sequence[Sample]]:
+    """Returns the drives of runs, from first to last motion, without those that never moved.
+
+    Times count from the first motion, as in the runs.
+    """
     found = []
     for run in runs:
-        try:
-            found.append(driven(run.samples))
-        except ValueError:
-            continue
+        moving = [index for index, sample in enumerate(run.samples) if sample.v > MOVING]
+        if moving:
+            found.append(run.samples[: moving[-1] + 1])
     return found

@@ -128,7 +128,11 @@ def _incomplete(data: Mapping[str, Any]) -> Iterator[str]:
 def _claims(data: Mapping[str, Any]) -> Iterator[str]:
     yield "## In short\n"
     yield markdown_table(
-        ("claim", "holds"), [(claim["text"], _holds(claim)) for claim in data["claims"]]
+        ("claim", "holds"),
+        [
+            (claim["text"], "**no**" if claim["holds"] is False else _holds(claim))
+            for claim in data["claims"]
+        ],
     )
     yield (
         "`make experiment` fails when one of these does not hold. A claim that something must "
@@ -137,7 +141,7 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _holds(claim: Mapping[str, Any]) -> str:
-    return {True: "yes", False: "**no**", None: "not measured"}[claim["holds"]]
+    return {True: "yes", False: "no", None: "not measured"}[claim["holds"]]
 
 
 def _drives(data: Mapping[str, Any], figures: str) -> Iterator[str]:

@@ -3,78 +3,50 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
-from dataclasses import dataclass
 from statistics import fmean
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from catvehicle.evaluation import driven
-from catvehicle.metrics import comfort, latency_summary, path_error, total_variation
+from catvehicle.metrics import latency_summary
 from catvehicle.parameters import VehicleParameters
-from catvehicle.path import StraightArcStraight
 
 from experiments.right_turn.data import HOPS, Run, read_all
 from experiments.right_turn.stages import STAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
-
-    from catvehicle.metrics import Sample
 
 FORMAT = 1
 """Version of the data."""
 
 
-@dataclass(frozen=True)
-class Measure:
-    """A number that each drive has.
+class Measure(NamedTuple):
+    """A metric of drives that tables show.
 
     Attributes:
-        name: Name in the data.
+        name: Name among the metrics of a run.
         words: Name in tables.
-        unit: Its unit.
-        take: Works it out.
+        unit: Unit in tables.
+        factor: What a metric is multiplied with for it.
     """
 
     name: str
     words: str
     unit: str
-    take: Callable[[Sequence[Sample]], float]
+    factor: float = 1.0
 
-
-_PARAMETERS = VehicleParameters()
-_PATH = StraightArcStraight.right_turn(_PARAMETERS)
 
 MEASURES = (
-    Measure("duration", "duration", "s", lambda drive: drive[-1].t - drive[0].t),
-    Measure("path_max", "path error, largest", "m", lambda drive: path_error(drive, _PATH).maximum),
-    Measure("path_rms", "path error, RMS", "m", lambda drive: path_error(drive, _PATH).rms),
-    Measure(
-        "unsafe",
-        "samples outside the safe region",
-        "%",
-        lambda drive: 100 * comfort(drive, _PARAMETERS).violation_fraction,
-    ),
-    Measure(
-        "sideways",
-        "peak lateral acceleration",
-        "m/s²",
-        lambda drive: comfort(drive, _PARAMETERS).peak_lateral_acceleration,
-    ),
-    Measure(
-        "margin",
-        "least margin to the boundary",
-        "m/s",
-        lambda drive: comfort(drive, _PARAMETERS).least_speed_margin,
-    ),
-    Measure(
-        "activity",
-        "steering activity",
-        "rad",
-        lambda drive: total_variation(sample.delta for sample in drive),
-    ),
+    Measure("duration", "duration", "s"),
+    Measure("path_error_max", "path error, largest", "m"),
+    Measure("path_error_rms", "path error, RMS", "m"),
+    Measure("violation_fraction", "outside the safe region", "% of the samples", 100.0),
+    Measure("peak_lateral_acceleration", "peak lateral acceleration", "m/s²"),
+    Measure("least_speed_margin", "least margin to the boundary", "m/s"),
+    Measure("steering_activity", "steering activity", "°", math.degrees(1.0)),
 )
 
 
@@ -84,10 +56,11 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
     Args:
         runs: At least one.
     """
-    moved = [each for each in map(_driven, runs) if each]
-    measures = {
-        each.name: _spread([each.take(samples) for samples in moved]) for each in MEASURES if moved
-    }
+    measures = {}
+    for each in MEASURES:
+        values = [each.factor * run.metrics[each.name] for run in runs if each.name in run.metrics]
+        if values:
+            measures[each.name] = _spread(values)
     latency = {}
     for hop in HOPS:
         times = [each for run in runs for each in run.latencies.get(hop, ())]
@@ -107,13 +80,6 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
         "measures": measures,
         "latency": latency,
     }
-
-
-def _driven(run: Run) -> list[Sample]:
-    try:
-        return driven(run.samples)
-    except ValueError:
-        return []
 
 
 def _spread(values: Sequence[float]) -> dict[str, float]:

@@ -21,7 +21,7 @@ def number(value: float | str | None) -> str:
         return f"{value:,}"
     if not math.isfinite(value):
         return str(value)
-    digits = 2 - math.floor(math.log10(abs(value))) if value else 0
+    digits = max(2 - math.floor(math.log10(abs(value))), 0) if value else 0
     rounded = round(value, digits)
     return f"{rounded:,.0f}" if abs(rounded) >= 1000 else f"{rounded:g}"
 

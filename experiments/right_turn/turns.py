@@ -36,7 +36,7 @@ class Turns:
 
     Attributes:
         name: Name of the system.
-        drives: All drives, each ordered by time from its first motion on.
+        drives: All drives, each ordered by time, which counts from its first motion.
         chosen: Index of the drive in bold.
     """
 
@@ -70,7 +70,7 @@ def draw(rows: Sequence[Turns], path: StraightArcStraight, parameters: VehiclePa
         grid = figure.subplots(
             len(rows), 2, sharex="col", sharey="col", squeeze=False, width_ratios=(1.0, 1.25)
         )
-        longest = max(drive[-1].t - drive[0].t for row in rows for drive in row.drives)
+        longest = max(drive[-1].t for row in rows for drive in row.drives)
         letters = iter("abcdefgh")
         dots = None
         for (left, right), row in zip(grid, rows, strict=True):
@@ -146,7 +146,7 @@ def _draw_region(
     points = style.thinned(drive, _MOST_DOTS)
     dots = axes.scatter(
         *_angle_speed(points),
-        c=[sample.t - drive[0].t for sample in points],
+        c=[sample.t for sample in points],
         cmap=style.TIME_COLOURS,
         vmin=0.0,
         vmax=longest,

@@ -1,0 +1,123 @@
+"""The page and the table say what the data says, and no more."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from experiments.right_turn import report
+from experiments.right_turn.data import Run
+from experiments.right_turn.results import by_system, of_system, parameters
+from experiments.right_turn.tables import markdown_table, number
+
+METRICS = {
+    "duration": 18.0,
+    "path_error_max": 0.27,
+    "path_error_rms": 0.1,
+    "violation_fraction": 0.0,
+    "peak_lateral_acceleration": 1.95,
+    "least_speed_margin": 0.06,
+    "steering_activity": 0.536,
+}
+CELL = {
+    "name": "sense-50",
+    "system": "R",
+    "group": "way",
+    "drives": 4,
+    "arrived": 4,
+    "accepted": False,
+    "broken": ["gap_position"],
+    "most": {"gap_position": 0.7, "activity_ratio": 1.05},
+    "least_speed_margin": 0.01,
+}
+
+
+def drive(system, **changes):
+    metrics = METRICS | changes.pop("metrics", {})
+    return Run(system, "01", "wall", 0, **{"arrived": True, "metrics": metrics} | changes)
+
+
+def data(**changes):
+    runs = [drive("J"), drive("J", metrics={"duration": 18.2}), drive("R", arrived=False)]
+    row = {"name": "gap", "value": 0.1, "interval": [0.05, 0.15], "bound": 0.2, "passes": True}
+    verdict = {"title": "R against J", "about": "Both.", "must_pass": True, "passes": True}
+    return {
+        "quick": False,
+        "failed": {},
+        "machine": {"python": "3.11.0", "processors": 2},
+        "systems": {name: of_system(found) for name, found in by_system(runs).items()},
+        "verdicts": [{**verdict, "rows": [row]}],
+        "closeness": [{"shift": 0.1, "position": 0.02, "speed": 0.01, "angle": 0.001}],
+        "claims": [{"text": "each drive of R arrives", "holds": False}],
+        "summaries": {},
+        "parameters": parameters(),
+        "figures": ["turn"],
+        **changes,
+    }
+
+
+def row_of(text, begin):
+    return next(line for line in text.splitlines() if line.startswith(f"| {begin}"))
+
+
+def test_measures_are_means_with_their_extremes():
+    text = report.page(data())
+    assert row_of(text, "duration") == "| duration, s | 18.1 (18 to 18.2) | 18 |"
+    assert row_of(text, "arrived") == "| arrived | 2 of 2 | 0 of 1 |"
+    assert row_of(text, "steering activity").endswith("| 30.7 | 30.7 |")
+
+
+def test_a_claim_that_does_not_hold_is_told():
+    assert row_of(report.page(data()), "each drive of R") == "| each drive of R arrives | **no** |"
+    assert re.search(r"each drive of R arrives +no", report.table(data()))
+
+
+def test_only_figures_that_were_drawn_are_shown():
+    text = report.page(data(), "pictures")
+    assert re.findall(r"!\[.*?\]\((.*?)\)", text) == ["pictures/turn.svg"]
+
+
+def test_assumptions_are_marked():
+    text = report.page(data())
+    assert "**assumption**" in row_of(text, "comfort_margin")
+    assert "assumption" not in row_of(text, "wheelbase")
+
+
+def test_stages_that_failed_are_told():
+    text = report.page(data(failed={"sweep": "not done after 200 s"}))
+    assert "- sweep: not done after 200 s" in text
+
+
+def test_a_quick_look_says_so():
+    assert "quick look" in report.page(data(quick=True))
+    assert "quick look" not in report.page(data())
+
+
+def test_a_bound_of_the_sweep_that_was_broken_is_seen():
+    bounds = {"gap_position": 0.15, "activity_ratio": 1.1}
+    summary = {"bounds": bounds, "cells": [CELL], "limits": []}
+    text = report.page(data(summaries={"sweep": summary}))
+    assert row_of(text, "sense 50") == "| sense 50 | R | **0.7** | 1.05 | 0.01 | no |"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.12345, "0.123"), (0.0, "0"), (12345.6, "12,346"), (7, "7"), (None, ""), (-0.5, "-0.5")],
+)
+def test_numbers_have_three_digits(value, text):
+    assert number(value) == text
+
+
+def test_a_bar_in_a_cell_parts_no_cells():
+    assert markdown_table(("a",), [("x|y",)]).splitlines()[-1] == r"| x\|y |"
+
+
+def test_the_page_in_the_documentation_is_made_of_the_data():
+    if not report.DATA.exists():
+        pytest.skip("nobody has run the experiment")
+    text = report.page(json.loads(report.DATA.read_text(encoding="utf-8")))
+    assert report.PAGE.read_text(encoding="utf-8") == text
+    for name in re.findall(r"!\[.*?\]\((experiment/.*?)\)", text):
+        assert (report.PAGE.parent / name).stat().st_size < 300_000
