@@ -7,20 +7,13 @@ from datetime import datetime, timedelta, timezone
 import pytest
 
 from jausml.runtime import JausAddress, JausComponent, ServiceIdentity
-from jausml.runtime.messages import QueryStatus, ReportStatus
-from jausml.runtime.virtual import Link, VirtualWorld
+from jausml.runtime.virtual import VirtualWorld
 
 CORE = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
     for name in ("Transport", "Events", "AccessControl", "Management", "Time")
 )
-FIRST, SECOND = JausAddress(1, 1, 1), JausAddress(1, 1, 2)
-
-
-@pytest.fixture
-def world():
-    with VirtualWorld(seed=7) as made:
-        yield made
+FIRST = JausAddress(1, 1, 1)
 
 
 def component(transport, address, name="tested"):
@@ -83,13 +76,3 @@ class TestTime:
     def test_a_start_without_a_time_zone(self):
         with pytest.raises(ValueError, match="no time zone"):
             VirtualWorld(start=datetime(2030, 1, 1))
-
-
-class TestNetwork:
-    def test_a_question_takes_both_ways(self, world):
-        component(world.transport(out=Link(delay=0.020), into=Link(delay=0.003)), FIRST)
-        asker = component(world.transport(out=Link(delay=0.010)), SECOND)
-        times = []
-        asker.query(FIRST, QueryStatus(), ReportStatus, lambda *_: times.append(world.now()))
-        world.run_until(lambda: times, limit=1)
-        assert times == [pytest.approx(0.010 + 0.003 + 0.020, abs=1e-9)]

@@ -1,0 +1,13 @@
+"""A virtual world for tests of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from jausml.runtime.virtual import VirtualWorld
+
+
+@pytest.fixture
+def world():
+    with VirtualWorld(seed=7) as made:
+        yield made

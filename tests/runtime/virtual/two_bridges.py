@@ -1,0 +1,77 @@
+"""Runs two generated bridges in virtual time and prints what happened, as JSON.
+
+A ROS node drives by the bridge `station`, whose commands the bridge `vehicle` publishes. The ways
+of the vehicle delay and lose.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import logging
+import sys
+
+from jausml_runtime.virtual import Link, VirtualWorld
+from station.ros_types import Twist
+from station.station import Station
+from vehicle.vehicle import Vehicle
+
+STREAM = "velocity_command"
+SCALE = 100.0
+"""What the speed of a command is its time by, which is below the limit of the model then."""
+
+
+def drive(seed: int, link: Link, seconds: float, until: float, cut: float) -> dict[str, object]:
+    """Returns what arrived and when, and a digest of all bytes with their times."""
+    arrived: list[tuple[float, float]] = []
+    digest = hashlib.sha256()
+    with VirtualWorld(seed=seed) as world:
+        world.watch(lambda now, where, data: digest.update(f"{now!r} {where} ".encode() + data))
+        vehicle, station = Vehicle(), Station()
+        transport = world.transport(link, link)
+        vehicle.open(world.ros_node("vehicle"), transport)
+        station.open(world.ros_node("station"), world.transport())
+        world.ros.subscribe(
+            f"/out/{STREAM}",
+            Twist,
+            lambda data: arrived.append((world.now(), Twist.from_cdr(data).linear.x)),
+        )
+
+        def publish() -> None:
+            if world.now() < until:
+                twist = Twist()
+                twist.linear.x = world.now() / SCALE
+                world.ros.publish(f"/in/{STREAM}", Twist, twist.to_cdr())
+                world.call_later(0.05, publish)
+
+        world.call_at(1.0, publish)
+        if cut:
+            world.call_at(cut, transport.cut)
+        world.run_for(seconds)
+        station.close()
+        vehicle.close()
+        return {
+            "arrived": arrived,
+            "digest": digest.hexdigest(),
+            "counters": world.counters.snapshot(),
+        }
+
+
+def main() -> None:
+    """Reads the command line and prints what happened."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--delay", type=float, default=0.0)
+    parser.add_argument("--loss", type=float, default=0.0)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--until", type=float, default=20.0)
+    parser.add_argument("--cut", type=float, default=0.0)
+    asked = parser.parse_args()
+    logging.disable()
+    link = Link(delay=asked.delay, loss=asked.loss)
+    happened = drive(asked.seed, link, asked.seconds, asked.until, asked.cut)
+    sys.stdout.write(json.dumps(happened))
+
+
+main()
