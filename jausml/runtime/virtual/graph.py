@@ -24,6 +24,9 @@ RosType: TypeAlias = "type[Any] | str"
 MOST_KEPT = 5000
 """Messages that a latched publisher with `keep_all` keeps."""
 
+UNDEMANDING = Qos(reliability="best_effort")
+"""What a subscription requests that takes whatever is offered."""
+
 _OUTSIDE = "the world"
 
 
@@ -278,7 +281,7 @@ class RosGraph:
             topic: Full name of the topic.
             ros_type: Type of its messages.
             take: Is given each serialized message.
-            qos: Quality of service; that of a plain subscription by default.
+            qos: Quality of service; by default one that requests nothing, so that all is heard.
             link: What the way to the subscription does; nothing by default.
 
         Returns:
@@ -287,7 +290,7 @@ class RosGraph:
         Raises:
             RosTypeError: The topic has another type.
         """
-        wanted = Topic(topic, Qos() if qos is None else qos)
+        wanted = Topic(topic, UNDEMANDING if qos is None else qos)
 
         def taking(data: bytes, _stamp: int) -> None:
             take(data)

@@ -6,6 +6,7 @@ from datetime import datetime, timedelta, timezone
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from ..base.host_clock import HostClock
 from ..base.loop import Loop
 from ..base.settings import TransportSettings
 from .graph import RosGraph
@@ -142,6 +143,10 @@ class VirtualWorld:
     def now(self) -> float:
         """Return the seconds since the world began."""
         return self._now
+
+    def utc(self) -> datetime:
+        """Return the time of day in UTC."""
+        return HostClock(self.loop).utc()
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
         """Run a callback at a time in seconds."""

@@ -61,6 +61,13 @@ class TestTopics:
         world.run_for(0)
         assert (late, deeper, plain) == ([b"3"], [b"2", b"3"], [])
 
+    def test_by_default_all_is_heard(self, world, node):
+        got = []
+        world.ros.subscribe("/x", KIND, got.append)
+        node.publisher(Float64, Topic("/x", Qos(reliability="best_effort"))).publish(b"x")
+        world.run_for(0)
+        assert got == [b"x"]
+
     def test_a_subscription_that_is_closed(self, world):
         got = []
         ended = world.ros.subscribe("/x", KIND, got.append, link=Link(delay=0.1))
@@ -136,7 +143,7 @@ class TestNode:
         node.publisher(Float64, topic)
         wanting = node.subscribe(Float64, Topic("/y"), pytest.fail)
         assert node.faults(topic, publishes=True) == []
-        world.ros.subscribe("/x", KIND, pytest.fail)
+        world.ros.subscribe("/x", KIND, pytest.fail, Qos(reliability="reliable"))
         world.ros.publish("/y", KIND, b"", Qos(reliability="best_effort"))
         world.run_for(1)
         (fault,) = node.faults(topic, publishes=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from datetime import datetime, timedelta, timezone
 
 import pytest
@@ -71,8 +73,17 @@ class TestTime:
             world.run_for(90.25)
             assert made.clock.now() == 90.25
             assert made.clock.utc() == start + timedelta(seconds=90.25)
-            assert made.current_time == made.clock.utc()
+            assert made.current_time == made.clock.utc() == world.utc()
 
     def test_a_start_without_a_time_zone(self):
         with pytest.raises(ValueError, match="no time zone"):
             VirtualWorld(start=datetime(2030, 1, 1))
+
+
+def test_nothing_of_it_is_loaded_by_what_runs_on_a_robot():
+    script = (
+        "import sys, jausml.runtime\n"
+        "import jausml.runtime.component.process, jausml.runtime.bridge.process\n"
+        "assert not [name for name in sys.modules if 'virtual' in name.split('.')]"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
