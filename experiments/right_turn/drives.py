@@ -131,7 +131,9 @@ def _shifted(sample: Sample, begin: float) -> Sample:
     return Sample(sample.t - begin, *values)
 
 
-def judged(samples: Sequence[Sample]) -> dict[str, float]:
+def judged(
+    samples: Sequence[Sample], parameters: VehicleParameters | None = None
+) -> dict[str, float]:
     """Returns the numbers that judge one drive by itself; none when there was no motion.
 
     The drive ends where the vehicle has come to rest.
@@ -139,7 +141,7 @@ def judged(samples: Sequence[Sample]) -> dict[str, float]:
     moving = [sample for sample in samples if sample.v > MOVING]
     if not moving:
         return {}
-    parameters = VehicleParameters()
+    parameters = parameters or VehicleParameters()
     path = StraightArcStraight.right_turn(parameters)
     whole = [sample for sample in samples if sample.t <= moving[-1].t]
     error, ride = path_error(whole, path), comfort(whole, parameters)

@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import pytest
 from catvehicle import Sample, StraightArcStraight, VehicleParameters
+from catvehicle.closed_loop import Loop
 from catvehicle.metrics import closeness, comfort, gap, path_error
-from simulate import Loop
 
 PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)

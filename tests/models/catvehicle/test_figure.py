@@ -10,7 +10,7 @@ from pathlib import Path
 import catvehicle
 import pytest
 from catvehicle import StraightArcStraight, VehicleParameters
-from simulate import Loop
+from catvehicle.closed_loop import Loop
 
 pytest.importorskip("matplotlib")
 

@@ -1,4 +1,7 @@
-"""Closed loop of plant and controllers in virtual time, with pure delays and quanta."""
+"""Closed loop of plant and laws alone, with pure delays and the quanta of the messages.
+
+It tells what a delay does to a drive, without any middleware.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,17 @@ import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from catvehicle import (
-    BicyclePlant,
-    DeadReckoning,
-    Sample,
-    SteeringController,
-    StraightArcStraight,
-    VehicleParameters,
-    VelocityController,
-)
+from .deadreckoning import DeadReckoning
+from .metrics import Sample
+from .path import StraightArcStraight
+from .plant import BicyclePlant
+from .steering import SteeringController
+from .velocity import VelocityController
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from .parameters import VehicleParameters
 
 EFFORT_QUANTUM = (
     200.0 / 65535
@@ -42,6 +44,7 @@ class Loop:
         plant: Parameters of the vehicle.
         controller: Parameters of the controllers.
         delay: One-way delay of reports and likewise of commands, s.
+        skew: How much later than the speed the tyre angle of a report is sensed, s.
         phase: Time of the first report, s.
         duration: Length of the run, s.
     """
@@ -49,6 +52,7 @@ class Loop:
     plant: VehicleParameters
     controller: VehicleParameters
     delay: float = 0.0002
+    skew: float = 0.0
     phase: float = 0.0
     duration: float = 20.0
 
@@ -111,8 +115,11 @@ class _Run:
 
     def _report(self, time: float) -> None:
         speed = quantised(self._plant.state.v, SPEED_QUANTUM)
+        self._at(time + self._loop.skew, lambda now: self._report_angle(now, time, speed))
+
+    def _report_angle(self, time: float, sensed: float, speed: float) -> None:
         angle = self._angle_through_effort(self._plant.state.delta)
-        self._at(time + self._loop.delay, lambda now: self._control(now, time, speed, angle))
+        self._at(time + self._loop.delay, lambda now: self._control(now, sensed, speed, angle))
 
     def _control(self, now: float, sensed: float, speed: float, angle: float) -> None:
         pose = self._reckoning.update(sensed, speed, angle)

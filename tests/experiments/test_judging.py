@@ -1,0 +1,153 @@
+"""Verdicts on drives whose difference is known: simulated without middleware, with known delays."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+import pytest
+from catvehicle import VehicleParameters
+from catvehicle.closed_loop import Loop
+
+from experiments.right_turn.data import Run
+from experiments.right_turn.judging import TOLERATED_DELAY, judge, thresholds
+
+if TYPE_CHECKING:
+    from experiments.right_turn.judging import Row, Verdict
+
+PARAMETERS = VehicleParameters()
+MILLISECOND = 0.001
+
+
+@cache
+def drives(delay: float, seed: int, count: int, understeer: float = 0.0) -> tuple[Run, ...]:
+    """Drives whose ways take a delay (s), each a little more or less, as processes do."""
+    chance = random.Random(seed)
+    plant = replace(PARAMETERS, understeer_coefficient=understeer)
+    return tuple(
+        run(
+            Loop(
+                plant,
+                PARAMETERS,
+                delay=delay + chance.uniform(0.0, MILLISECOND),
+                skew=chance.uniform(0.0, 2 * MILLISECOND),
+                phase=chance.uniform(0.0, 0.04),
+            )
+        )
+        for _ in range(count)
+    )
+
+
+def run(loop: Loop, **changed: object) -> Run:
+    """A run of a loop with the delays that it was given."""
+    ways = {"to_controller": [loop.delay] * 3, "to_vehicle": [loop.delay] * 3}
+    values = {"arrived": True, "samples": loop.run(), "latencies": ways, **changed}
+    return Run("J", "0", "virtual", 0, **values)  # type: ignore[arg-type]
+
+
+def rows(verdict: Verdict) -> dict[str, Row]:
+    return {row.name: row for row in verdict.rows}
+
+
+def test_the_same_system_twice_is_equivalent() -> None:
+    verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 2, 4), PARAMETERS)
+
+    assert verdict.passes, verdict
+    assert not verdict.differs
+    assert verdict.pairs == 4
+
+
+def test_a_good_bridge_is_equivalent() -> None:
+    verdict = judge(drives(0.0002, 1, 4), drives(0.002, 3, 4), PARAMETERS)
+
+    assert verdict.passes, verdict
+
+
+def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
+    verdict = judge(drives(0.0002, 1, 4), drives(0.1, 4, 3), PARAMETERS)
+
+    assert not verdict.passes
+    assert verdict.pairs == 3
+    found = rows(verdict)
+    assert found["drives that left the safe region"].value == 3
+    for name in (
+        "peak lateral acceleration, m/s²",
+        "steering activity, relative",
+        "distance in time, excess, m",
+        "tyre angle in time, RMS, excess, rad",
+        "median delay that is added on both ways, s",
+    ):
+        assert found[name].differs, name
+
+
+def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
+    # Four times what is tolerated: the test is sharp, not only able to see the absurd.
+    verdict = judge(drives(0.0002, 1, 4), drives(0.02, 5, 4), PARAMETERS)
+
+    assert verdict.differs
+
+
+def test_a_plant_that_understeers_is_shown_to_differ() -> None:
+    verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 6, 3, understeer=0.0015), PARAMETERS)
+
+    assert verdict.differs
+    assert rows(verdict)["largest path error, m"].differs
+
+
+def test_too_few_drives_prove_nothing() -> None:
+    verdict = judge(drives(0.0002, 1, 4)[:1], drives(0.0002, 2, 4)[:1], PARAMETERS)
+
+    assert not verdict.passes
+    assert not verdict.differs
+    assert rows(verdict)["largest path error, m"].interval is None
+
+
+def test_scatter_makes_a_verdict_impossible_and_not_positive() -> None:
+    # Means are equal, but one drive of the second system is 40 ms late and one early.
+    first = drives(0.02, 7, 2)
+    second = [drives(0.0002, 1, 4)[0], drives(0.04, 8, 1)[0]]
+
+    verdict = judge(first, second, PARAMETERS)
+
+    assert not verdict.passes
+    assert not rows(verdict)["steering activity, relative"].passes
+
+
+def test_a_drive_that_did_not_arrive_fails() -> None:
+    good = drives(0.0002, 1, 4)
+    stuck = [replace(good[0], arrived=False), *good[1:]]
+
+    verdict = judge(good, stuck, PARAMETERS)
+
+    assert not verdict.passes
+    assert rows(verdict)["drives that did not arrive"].value == 1
+
+
+def test_a_vehicle_that_never_moved_fails() -> None:
+    standing = Run("R", "0", "wall", 0, arrived=False)
+
+    verdict = judge(drives(0.0002, 1, 4)[:1], [standing], PARAMETERS)
+
+    assert not verdict.passes
+    assert verdict.pairs == 0
+
+
+def test_no_runs_are_no_verdict() -> None:
+    with pytest.raises(ValueError, match="no pair"):
+        judge([], drives(0.0002, 1, 4), PARAMETERS)
+
+
+def test_bounds_are_what_the_tolerated_delay_does() -> None:
+    bounds = thresholds(PARAMETERS)
+
+    # Nothing that a person in the car would feel, and more than the steps of the messages.
+    assert TOLERATED_DELAY == 0.005
+    assert 0.01 < bounds["path_error_max"] < 0.1
+    assert 0.005 < bounds["peak_lateral_acceleration"] < 0.05
+    assert 0.01 < bounds["activity"] < 0.05
+    assert 0.05 < bounds["position"] < 0.2
+    assert 0.005 < bounds["speed_rms"] < 0.05
+    assert 0.0005 < bounds["steering_rms"] < 0.003
+    assert 0.02 < bounds["closeness"] < 0.1
