@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
+
+from experiments.right_turn.data import Plan
 
 from .stage import run
 
-
-@dataclass(frozen=True)
-class _Plan:
-    quick: bool
-    runs: int = 1
-
-
-parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("folder", type=Path)
-parser.add_argument("--quick", action="store_true")
-arguments = parser.parse_args()
-run(arguments.folder.resolve(), _Plan(arguments.quick), print)
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--quick", action="store_true")
+    arguments = parser.parse_args()
+    run(arguments.folder.resolve(), Plan(quick=arguments.quick), print)

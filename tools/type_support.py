@@ -1,4 +1,4 @@
-"""Interface packages that no wheel has, made at test time by the generators of ROS and a compiler.
+"""Interface packages that no wheel has, made by the generators of ROS and a compiler.
 
 The wheels of rclpy bring the generators, the headers and the libraries of other packages; what
 `colcon build` would make of a package is made here: its Python classes, an extension module, and
@@ -20,16 +20,29 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-DEFINITIONS = Path(__file__).resolve().parents[2] / "tools" / "ros_definitions"
-NEEDED = ("action_msgs", "builtin_interfaces", "geometry_msgs", "service_msgs", "std_msgs")
-NEEDED += ("unique_identifier_msgs",)
+DEFINITIONS = Path(__file__).resolve().parent / "ros_definitions"
+NEEDED = (
+    "action_msgs",
+    "builtin_interfaces",
+    "geometry_msgs",
+    "service_msgs",
+    "std_msgs",
+    "unique_identifier_msgs",
+)
 """Packages whose types stand in those that are made, or in every action."""
 _GENERATOR, _DISPATCH = "rosidl_generator_c", "rosidl_typesupport_c"
 _FASTRTPS, _INTROSPECTION = "rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c"
 _PARTS = (_GENERATOR, _DISPATCH, _FASTRTPS, _INTROSPECTION, "rosidl_generator_py")
 _MARKS = ("PUBLIC", "IMPORT", "EXPORT")
-_LIBRARIES = ("rosidl_runtime_c", _DISPATCH, _FASTRTPS, _INTROSPECTION)
-_LIBRARIES += ("rosidl_typesupport_fastrtps_cpp", "fastcdr", "rcutils")
+_LIBRARIES = (
+    "rosidl_runtime_c",
+    _DISPATCH,
+    _FASTRTPS,
+    _INTROSPECTION,
+    "rosidl_typesupport_fastrtps_cpp",
+    "fastcdr",
+    "rcutils",
+)
 
 
 class CannotBuildError(Exception):
@@ -112,7 +125,7 @@ def _build(package: str, types: tuple[str, ...], work: Path) -> None:
 
 
 def _compiled(source: Path, work: Path) -> str:
-    import numpy
+    import numpy  # noqa: PLC0415 - comes with the packages of ROS
 
     prefix = Path(sys.prefix) / "include"
     folders = [
