@@ -1,7 +1,9 @@
 """A bridge ends well whenever a signal comes, once or twice, also while it begins.
 
-Before its first own line Python itself decides what a signal does; a moment counts from when the
-process catches SIGTERM, which is when that line has run.
+Before its first own line Python itself decides what a signal does: SIGTERM ends the process at
+once, and SIGINT too before Python looks for it; then, for some ten milliseconds in which
+Python finds the module to run, SIGINT raises KeyboardInterrupt in Python's own lines. The first own
+line catches SIGTERM, by which it is known to have run.
 """
 
 from __future__ import annotations
@@ -42,6 +44,49 @@ def fast_dds():
     return {each.name for each in SHARED_MEMORY.glob("*fastdds*")} | {
         each.name for each in SHARED_MEMORY.glob("*fastrtps*")
     }
+
+
+def test_no_line_before_the_first_own_one_takes_long(path, tmp_path):
+    """Until signals are caught nothing is imported that is not Python's."""
+    script = (
+        "import runpy, signal, sys\n"
+        "def first(number, handler):\n"
+        "    found = sorted(each for each in sys.modules if each.startswith('jausml_runtime'))\n"
+        "    print(found)\n"
+        "    sys.exit(3)\n"
+        "signal.signal = first\n"
+        "runpy.run_module('loop_bridge.main', run_name='__main__', alter_sys=True)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout, done.returncode) == ("[]\n", 3), done.stderr
+
+
+@pytest.mark.parametrize("rounds", [20])
+def test_sigterm_from_exec_on(path, tmp_path, rounds):
+    """It ends the process plainly or in good order, and nothing is said of it."""
+    chance = random.Random(rounds)
+    for number in range(rounds):
+        log = tmp_path / f"{number}.log"
+        line = [sys.executable, "-m", "loop_bridge.main", "--jaus-port", str(free_port())]
+        with log.open("wb") as output:
+            process = subprocess.Popen(
+                line, env={**os.environ, "PYTHONPATH": path}, stdout=output, stderr=output
+            )
+            try:
+                time.sleep(chance.uniform(0.0, 0.3))
+                process.send_signal(signal.SIGTERM)
+                code = process.wait(PATIENCE)
+            finally:
+                process.kill()
+                process.wait()
+        assert code in (0, -signal.SIGTERM)
+        assert "Traceback" not in log.read_text("utf-8")
 
 
 @pytest.mark.parametrize(

@@ -149,12 +149,12 @@ def test_another_api_is_refused(talk, tmp_path, version, remedy):
     package = next(path for path in talk.iterdir() if (path / path.name / "main.py").is_file())
     messages = next(talk.glob("*_messages"))
     found = os.pathsep.join(map(str, (tmp_path / "jausml_runtime", messages, package)))
-    done = run("-c", f"import {package.name}.main", cwd=tmp_path, PYTHONPATH=found)
+    done = run("-m", f"{package.name}.main", "--help", cwd=tmp_path, PYTHONPATH=found)
     if remedy is None:
         assert done.returncode == 0, done.stderr
         return
     has = version.strip("()").replace(", ", ".")
     assert done.stderr.splitlines()[-1] == (
-        f"jausml_runtime.base.api.ApiVersionError: {package / package.name / '__init__.py'} needs"
+        f"jausml_runtime.base.api.ApiVersionError: {package / package.name / 'main.py'} needs"
         f" API 1.0 of jausml_runtime, and {doctored.parents[1]} has {has}: {remedy}"
     )

@@ -58,9 +58,9 @@ class PackageView:
     has_own_init: bool = False
 
     @property
-    def needs_runtime(self) -> bool:
-        """Whether the package imports the runtime."""
-        return runtime.FACE in self.dependencies
+    def asks_for_api(self) -> bool:
+        """Whether it imports the runtime, and what is run in it does not ask for its API."""
+        return runtime.FACE in self.dependencies and not self.executables
 
     @property
     def runtime_api(self) -> tuple[int, int]:
@@ -134,6 +134,11 @@ class EntryPoint:
     arguments: str
     end: str
     needs_program: bool = False
+
+    @property
+    def runtime_api(self) -> tuple[int, int]:
+        """API of the runtime that the generated code is written for."""
+        return runtime.API_VERSION
 
 
 class ProgramView(Protocol):
