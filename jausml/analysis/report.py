@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.analysis.budgets import Budget, budgets_of
+from jausml.analysis.calls import CallReport, calls_of
 from jausml.analysis.cdr import ros_size
 from jausml.analysis.costs import seconds_of
 from jausml.analysis.datagrams import Wire
@@ -131,6 +132,7 @@ class ComponentReport:
         share: Share of a processor that its connections take.
         warnings: What does not go together.
         connections: The connections of a bridge.
+        calls: Its connections with ROS services and actions.
     """
 
     name: str
@@ -142,6 +144,7 @@ class ComponentReport:
     share: float
     warnings: tuple[str, ...]
     connections: tuple[ConnectionReport, ...] = ()
+    calls: tuple[CallReport, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -230,6 +233,7 @@ def _component(
         sum(each.share for each in connections),
         tuple(asked),
         connections,
+        tuple(calls_of(element)) if isinstance(element, bridge.Bridge) else (),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from jausml.generation.system import system_of
@@ -32,3 +34,10 @@ def system(tmp_path):
         return system_of(report.model)
 
     return made
+
+
+@pytest.fixture
+def live_system():
+    """Returns the system of a model of the live tests."""
+    folder = Path(__file__).resolve().parents[1] / "live"
+    return lambda name: system_of(read_models([folder / name], notations=NOTATIONS).model)

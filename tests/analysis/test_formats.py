@@ -27,6 +27,8 @@ MODELS = [
     ROOT / "models" / "examples" / "winch" / "winch.xmi",
     ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi",
     ROOT / "tests" / "live" / "stops.ros2jaus",
+    ROOT / "tests" / "live" / "services.ros2jaus",
+    ROOT / "tests" / "live" / "waypoint_lists.ros2jaus",
 ]
 SCHEMA = json.loads(
     (Path(analysis.__file__).parent / "formats" / "report.schema.json").read_text("utf-8")

@@ -218,3 +218,17 @@ def test_what_is_shaped_costs_less_and_waits_longer(system):
     assert seen.ros_rate == 10  # two topics
     assert seen.share < of(plain, "station", "seen").share
     assert sent.share < of(plain, "station", "wanted").share
+
+
+def test_services_and_actions_are_told_beside_the_connections(live_system):
+    report = report_of(live_system("waypoint_lists.ros2jaus"), Assumptions())
+    robot, station = report.bridges
+    (follow,), (through,) = robot.calls, station.calls
+    assert (follow.kind, follow.direction, follow.peers) == ("action", "jausToRos", ())
+    assert (through.ros_name, through.type) == ("navigate_through_poses", "NavigateThroughPoses")
+    assert through.messages[0] == "SetLocalWaypoint"
+    assert (through.peers, through.seconds) == (("robot",), 1.0)
+    others = report_of(live_system("services.ros2jaus"), Assumptions()).bridges
+    served = [call for each in others for call in each.calls]
+    assert {each.kind for each in served} == {"service"}
+    assert all(each.messages and each.seconds > 0 for each in served)

@@ -9,6 +9,7 @@ import pytest
 from jausml.live.systems.declared import components_of, declarations_of
 from jausml.live.systems.looking import Looking, reporters_of, topic_of
 from jausml.live.systems.state import ConnectionState
+from jausml.metamodel.classes.bridge import Bridge
 from jausml.model import read_models
 from jausml.text.notation import NOTATIONS
 
@@ -65,6 +66,20 @@ def test_a_report_is_asked_of_peers_or_of_the_bridge_that_runs():
     assert reporters_of(here, declared["estimate"]) == ["11.1.9"]
     assert reporters_of(here, declared["odometry"]) == ["10.1.5"]
     assert reporters_of(ConnectionState("/b", "c"), declared["odometry"]) == ["10.1.1"]
+
+
+@pytest.mark.parametrize("name", ["services", "waypoint_lists"])
+def test_services_and_actions_are_declared_too(name):
+    path = ROOT / "tests" / "live" / f"{name}.ros2jaus"
+    read = read_models([path], notations=NOTATIONS)
+    owners = read.model.instances(Bridge, library=False)
+    called = [each for o in owners for each in (*o.serviceConnections, *o.actionConnections)]
+    found = {each.key: each for each in declarations_of(read.model)}
+    assert called
+    for each in called:
+        (declared,) = [one for key, one in found.items() if key[1] == each.name]
+        assert declared.message
+        assert (declared.topics, declared.rate, declared.is_report) == ((), None, False)
 
 
 def test_without_sources_it_says_so():

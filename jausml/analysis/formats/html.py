@@ -109,6 +109,7 @@ def _bridge(bridge: ComponentReport) -> Iterator[str]:
     yield from _table(_LOAD, 2, ((_row(each), _octets(each)) for each in heaviest))
     for each in heaviest:
         yield from _details(each)
+    yield from (f"<p>{escape(words.call(each))}</p>" for each in bridge.calls)
 
 
 def _octets(connection: ConnectionReport) -> float:

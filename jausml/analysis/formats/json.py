@@ -10,6 +10,7 @@ from jausml.analysis.constants import runtime_constants
 
 if TYPE_CHECKING:
     from jausml.analysis.budgets import Budget
+    from jausml.analysis.calls import CallReport
     from jausml.analysis.datagrams import Wire
     from jausml.analysis.report import (
         ComponentReport,
@@ -78,6 +79,20 @@ def _component(component: ComponentReport) -> dict[str, Any]:
         "processor_share": _number(component.share),
         "warnings": list(component.warnings),
         "connections": [_connection(each) for each in component.connections],
+        "calls": [_call(each) for each in component.calls],
+    }
+
+
+def _call(call: CallReport) -> dict[str, Any]:
+    return {
+        "name": call.name,
+        "direction": call.direction,
+        "kind": call.kind,
+        "ros_name": call.ros_name,
+        "type": call.type,
+        "messages": list(call.messages),
+        "peers": list(call.peers),
+        "timeout_s": _number(call.seconds),
     }
 
 

@@ -93,6 +93,9 @@ def _bridge(bridge: ComponentReport) -> Iterator[str]:
     for each in bridge.connections:
         yield ""
         yield from _details(each)
+    for call in bridge.calls:
+        yield ""
+        yield from _wrapped(words.call(call), "  ")
 
 
 def _row(connection: ConnectionReport) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from jausml.analysis.assumptions import Assumptions
     from jausml.analysis.budgets import Budget
+    from jausml.analysis.calls import CallReport
     from jausml.analysis.report import ConnectionReport
     from jausml.analysis.sizes import Size
 
@@ -43,6 +44,13 @@ def rate(connection: ConnectionReport) -> str:
         return "-"
     fastest = max(flows, key=lambda each: each.hertz)
     return f"{'~' if fastest.basis == 'assumed' else ''}{fastest.hertz:g}"
+
+
+def call(report: CallReport) -> str:
+    """Returns what a connection with a ROS service or action does, in a sentence."""
+    messages, peers = ", ".join(report.messages), ", ".join(report.peers) or "anybody"
+    what = f"{report.kind} {report.ros_name} ({report.type}) {WAYS[report.direction]}"
+    return f"{report.name}: {what}; {messages}; {peers}; an answer within {report.seconds:g} s"
 
 
 def kilobytes(octets: float) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.live.systems.state import Declaration, TopicName
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.semantics import calls
 from jausml.semantics.installed import package_of
 from jausml.semantics.topics import endpoints, resolve_topic
 
@@ -29,6 +30,11 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
             found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
             yield _declaration(owner, connection, tuple(topics.get(connection, ())))
+        for service in owner.serviceConnections:
+            asking = calls.asking(service)
+            yield _called(owner, service, str(asking.name) if asking is not None else "")
+        for action in owner.actionConnections:
+            yield _called(owner, action, str(action.element.message.name))
 
 
 def components_of(model: Model) -> dict[str, str]:
@@ -47,7 +53,7 @@ def _declaration(
     exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
     is_periodic = exchange in ("periodicEvent", "query") and to_ros
     return Declaration(
-        bridge=resolve_topic(str(owner.name), owner.namespace or "", ""),
+        bridge=_node(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),
         rate=(connection.rate or owner.frequency or None) if is_periodic else None,
@@ -57,6 +63,29 @@ def _declaration(
         is_report=exchange != "message",
         peers=tuple(str(each.address) for each in connection.peers),
     )
+
+
+def _called(
+    owner: bridge.Bridge,
+    connection: bridge.RosServiceConnection | bridge.RosActionConnection,
+    message: str,
+) -> Declaration:
+    """Returns a connection with a ROS service or action, which has neither topics nor a rate."""
+    return Declaration(
+        bridge=_node(owner),
+        name=str(connection.name),
+        jaus_id=str(owner.address),
+        rate=None,
+        direction="to ROS" if connection.direction.name == "jausToRos" else "to JAUS",
+        topics=(),
+        message=message,
+        is_report=False,
+        peers=tuple(str(each.address) for each in connection.peers),
+    )
+
+
+def _node(owner: bridge.Bridge) -> str:
+    return resolve_topic(str(owner.name), owner.namespace or "", "")
 
 
 def _full_name(kind: ros.MessageType) -> str:

@@ -26,9 +26,8 @@ def told_of(connection: ConnectionState) -> Text:
     declaration = connection.declaration
     if declaration is not None:
         topics = ", ".join(each.name for each in declaration.topics)
-        text.append(
-            f"{cell(f'{declaration.message} {declaration.direction}: {topics}', _WIDEST)}\n"
-        )
+        carried = f"{declaration.message} {declaration.direction}"
+        text.append(f"{cell(f'{carried}: {topics}' if topics else carried, _WIDEST)}\n")
     bars = sparkline(connection.history, connection.declared_rate, _BARS)
     if bars:
         text.append(f"{bars}\n")

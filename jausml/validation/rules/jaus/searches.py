@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.metamodel.classes import bridge, jaus
 from jausml.model.diagnostics import Severity
@@ -75,7 +75,8 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
     With `choice="all"` each vehicle that appears within reach is controlled and moves by the same
     commands.
 
-    Bad: the commands of a topic or of a ROS service to `<search services="..." choice="all"/>`
+    Bad: the commands of a topic, of a ROS service or of a ROS action to
+    `<search services="..." choice="all"/>`
 
     Good: the same with `choice="nearest"`, or with the subsystem of the vehicle
     """
@@ -87,6 +88,9 @@ def control_of_all(subject: Subject) -> Iterator[Finding]:
         asking = calls.asking(called)
         if asking is not None and is_command(asking) and _controls_all(called):
             yield _control_of_all(called)
+    for action in subject.instances(bridge.RosActionConnection):
+        if _controls_all(action):
+            yield _control_of_all(action)
 
 
 @rule("JML357", Severity.INFO, "subsystem that nobody finds")
@@ -151,13 +155,18 @@ def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:
             yield Finding(search, f"{message} {feature} {number}", feature)
 
 
-def _controls_all(connection: bridge.Connection | bridge.RosServiceConnection) -> bool:
+_Connection: TypeAlias = (
+    "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
+)
+
+
+def _controls_all(connection: _Connection) -> bool:
     search = connection.search
     if search is None or search.choice.name != "all" or search.subsystem:
         return False
     return bool(connection.direction.name == "rosToJaus" and connection.control)
 
 
-def _control_of_all(connection: bridge.Connection | bridge.RosServiceConnection) -> Finding:
+def _control_of_all(connection: _Connection) -> Finding:
     message = f"'{connection.name}' takes control of all that its search finds"
     return Finding(connection, message, "search", "search for one, or in one subsystem")
