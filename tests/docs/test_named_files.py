@@ -33,3 +33,10 @@ def test_places_are_there(page, tree):
     # A page names a module by its path in the folder that it speaks of.
     lost = [each for each in named if f"/{each}" not in tree and not (ROOT / each).is_file()]
     assert lost == []
+
+
+def test_the_index_lists_each_decision():
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    listed = re.findall(r"\]\((adr/[^)]+)\)", index)
+    there = sorted(f"adr/{path.name}" for path in (ROOT / "docs" / "adr").glob("*.md"))
+    assert sorted(listed) == there

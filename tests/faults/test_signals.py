@@ -46,7 +46,7 @@ def fast_dds():
     }
 
 
-def test_no_line_before_the_first_own_one_takes_long(path, tmp_path):
+def test_no_line_before_the_first_own_one_takes_long(path):
     """Until signals are caught nothing is imported that is not Python's."""
     script = (
         "import runpy, signal, sys\n"
