@@ -1,9 +1,7 @@
 """The ROS side of a bridge, on rclpy.
 
-The loop waits for topics as it waits for sockets, see `ros_listener.py`; the executor of rclpy has
-a thread of its own for parameters, services and `/clock`. Publishers and subscriptions are made
-below the classes `Publisher` and `Subscription` of rclpy: the executor would look at each of those
-whenever it wakes up.
+The loop waits for topics as it waits for sockets (`ros_topics.py`, `ros_listener.py`); the executor
+of rclpy has a thread of its own for parameters, services and `/clock`.
 """
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
@@ -13,39 +11,30 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import Counter
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
-from rclpy.type_support import check_is_valid_msg_type
 from rclpy.utilities import try_shutdown
 
 from ..base.counters import LOGGER
 from ..conversions import Time
 from . import parameters
 from .errors import RosLostError
-from .quality import EndpointHealth
-from .ros_codec import Codec, message_class
-from .ros_events import matched_event, publisher_events, subscription_events
-from .ros_internals import internals, require_internals
+from .ros_codec import Codec
+from .ros_internals import require_internals
 from .ros_lifecycle import ManagedNode
-from .ros_listener import Listener, NoListenerError
 from .ros_log import RosLogHandler
-from .ros_parameters import NodeParameters, as_parameter_error, tell_unknown
-from .ros_profiles import OVERRIDABLE, deep_enough, never_waiting, overridden, profile_of, qos_of
-from .ros_publisher import NodePublisher
+from .ros_parameters import NodeParameters, as_parameter_error
 from .ros_services import NodeServices
-from .ros_taking import Subscription
-from .ros_wait_set import WaitSets
+from .ros_topics import NodeTopics
 from .topics import Qos, Topic, TopicCounts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from ..base.loop import Loop
     from .actions import ActionClient, GoalTaker, ListAction
@@ -53,30 +42,13 @@ if TYPE_CHECKING:
     from .quality import TopicFault
     from .ros_actions import NodeActions
     from .ros_lifecycle import Managed
+    from .ros_publisher import NodePublisher
     from .ros_services import NodeClient, TakeRequest
+    from .ros_topics import WaitingName
     from .service_client import RosService
 
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
-
-WaitingName = Literal["automatic", "listener", "wait-set"]
-"""How the bridge waits for ROS; `automatic` takes the listener where there is one."""
-
-
-class Waiting(Protocol):
-    """Waits for topics and events, and runs what takes them with the lock of the loop."""
-
-    def subscription(self, subscription: Subscription) -> None:
-        """Takes the messages of a subscription, what waits already included."""
-
-    def event(self, event: Any, read: Callable[[], object]) -> None:
-        """Runs `read` when an event has something to tell."""
-
-    def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins; `fail` is told why nobody waits any more."""
-
-    def close(self) -> None:
-        """Ends; the handles may be destroyed then."""
 
 
 class RosNode:
@@ -114,15 +86,10 @@ class RosNode:
         self._is_closing = False
         self._log = RosLogHandler(self._node)
         self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
-        self._kin: Counter[tuple[str, bool]] = Counter()  # endpoints that share a topic
-        self._publishers: list[Any] = []
-        self._subscriptions: list[Any] = []
-        self._events: list[Any] = []
         self._waiting_name = waiting
         self._loop: Loop | None = None
         self._actions: NodeActions | None = None
-        self._waiting: Waiting | None = None
+        self._topics: NodeTopics | None = None
         self._services: NodeServices | None = None
         self._parameters = NodeParameters(self._node)
         self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
@@ -197,16 +164,42 @@ class RosNode:
         """
         self._loop = loop
         self._services = NodeServices(self._node, loop)
-        if self._waiting_name == "wait-set":
-            self._waiting = WaitSets(loop, self._context)
-            return
-        try:
-            self._waiting = self._listener(loop)
-        except NoListenerError as error:
-            if self._waiting_name == "listener":
-                raise parameters.ParameterError(f"--ros-waiting listener: {error}") from error
-            LOGGER.warning("waiting for ROS with a wait set, which is slower: %s", error)
-            self._waiting = WaitSets(loop, self._context)
+        self._topics = NodeTopics(
+            self._node, self._context, loop, self._waiting_name, self._parameters, self._age_limit
+        )
+
+    def publisher(
+        self,
+        ros_type: type[Any],
+        topic: Topic,
+        greet: Callable[[], None] | None = None,
+    ) -> NodePublisher:
+        """Makes a publisher; see `RosSide`.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        return self._present_topics.publisher(ros_type, topic, greet)
+
+    def subscribe(
+        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
+    ) -> TopicCounts:
+        """Makes a subscription; see `RosSide`. Messages are taken after `start`.
+
+        Raises:
+            ParameterError: A parameter gives it a name or a policy that ROS refuses.
+        """
+        return self._present_topics.subscribe(ros_type, topic, take)
+
+    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
+        """Returns why a topic does not work as it should; see `RosSide`."""
+        return self._present_topics.faults(topic, publishes=publishes)
+
+    @property
+    def _present_topics(self) -> NodeTopics:
+        if self._topics is None:
+            raise RuntimeError("no loop is attached")
+        return self._topics
 
     def action_client(self, action: ListAction) -> ActionClient:
         """Makes what sends goals of an action.
@@ -236,70 +229,6 @@ class RosNode:
             self._actions = NodeActions(self._node, self._executor, self._loop)
         return self._actions
 
-    def publisher(
-        self,
-        ros_type: type[Any],
-        topic: Topic,
-        greet: Callable[[], None] | None = None,
-    ) -> NodePublisher:
-        """Makes a publisher.
-
-        Args:
-            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-            topic: The topic.
-            greet: Called for each subscriber that is found, on the loop or with its lock.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
-        """
-        found = message_class(ros_type)
-        health = self._watched(topic, topic.qos, publishes=True)
-        health.qos = never_waiting(health.qos)
-        handle = self._made(internals.Publisher, found, topic, health)
-        self._publishers.append(handle)
-        made = NodePublisher(handle, found)
-
-        def matched(state: Any) -> None:
-            made.matched = state.current_count
-            if state.current_count_change > 0 and greet is not None:
-                greet()
-
-        self._wait_for(publisher_events(handle, health, matched))
-        return made
-
-    def subscribe(
-        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
-    ) -> TopicCounts:
-        """Makes a subscription; messages are taken after `start`.
-
-        Args:
-            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-            topic: The topic.
-            take: Is given each serialized message, and the time at which it was published, in
-                nanoseconds by the clock of its publisher; on the loop or with its lock.
-
-        Returns:
-            The counts, which go on.
-
-        Raises:
-            ParameterError: A parameter gives it a name or a policy that ROS refuses.
-        """
-        found, counts = message_class(ros_type), TopicCounts()
-        health = self._watched(topic, deep_enough(topic.qos), publishes=False)
-        handle = self._made(internals.Subscription, found, topic, health)
-        self._subscriptions.append(handle)
-        qos = health.qos
-        # What is latched is as old as it is.
-        age_limit = self._age_limit if qos.durability == "volatile" else 0
-        depth = qos.depth if qos.history == "keep_last" else 0
-        self._wait_for(subscription_events(handle, health))
-        matched = matched_event(handle)
-        self._events.append(matched)
-        self._present_waiting.subscription(
-            Subscription(handle, matched, found, depth, take, age_limit, counts)
-        )
-        return counts
-
     def serve(self, service: RosService, take: TakeRequest) -> None:
         """Serves a service; see `RosSide`."""
         self._present_services.serve(service, take)
@@ -313,68 +242,6 @@ class RosNode:
         if self._services is None:
             raise RuntimeError("no loop is attached")
         return self._services
-
-    def faults(self, topic: Topic, *, publishes: bool) -> list[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does.
-
-        Args:
-            topic: A topic that was subscribed to, or has a publisher.
-            publishes: Whether its publisher is meant.
-        """
-        return self._health[topic, publishes].faults()
-
-    @property
-    def _present_waiting(self) -> Waiting:
-        if self._waiting is None:
-            raise RuntimeError("no loop is attached")
-        return self._waiting
-
-    def _listener(self, loop: Loop) -> Listener:
-        """Returns the listener, tried with a subscription and an event that go at once."""
-        listener = Listener(loop)
-        node = self._node.handle
-        with node:
-            profile = profile_of(Qos()).get_c_qos_profile()
-            trial = internals.Subscription(node, DiagnosticArray, "_trial", profile)
-        matched = matched_event(trial)
-        try:
-            listener.try_out(trial, matched)
-        finally:
-            matched.destroy_when_not_in_use()
-            trial.destroy_when_not_in_use()
-        return listener
-
-    def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
-        """Returns what will know how a publisher or subscription fares, with its final quality."""
-        node = self._node
-        with as_parameter_error(f"topic {topic.name!a}: "):
-            name = node.resolve_topic_name(topic.name)
-        find = (
-            node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
-        )
-        kin = self._kin[name, publishes]
-        self._kin[name, publishes] += 1
-        entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
-
-        def others() -> list[tuple[str, Qos]]:
-            return [(_node_name(each), qos_of(each.qos_profile)) for each in find(name)]
-
-        health = EndpointHealth(publishes, name, qos, entity, others)
-        health.qos = overridden(health, self._parameters.given, self._parameters.declare)
-        self._health[topic, publishes] = health
-        return health
-
-    def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
-        """Returns the handle of a new publisher or subscription."""
-        check_is_valid_msg_type(found)
-        with as_parameter_error(f"topic {topic.name!a}: "), self._node.handle:
-            profile = profile_of(health.qos).get_c_qos_profile()
-            return kind(self._node.handle, found, topic.name, profile)
-
-    def _wait_for(self, events: Iterator[tuple[Any, Callable[[], None]]]) -> None:
-        for event, read in events:
-            self._events.append(event)
-            self._present_waiting.event(event, read)
 
     # ------------------------------------------------------------------ life
 
@@ -398,13 +265,8 @@ class RosNode:
 
     def listen(self) -> None:
         """Begins to take the messages of what was subscribed to; before `start`, that does."""
-        if self._waiting is None or self._fail is None:
-            return
-        possible = (
-            each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
-        )
-        tell_unknown(self._node, possible)
-        self._waiting.start(self._fail)
+        if self._topics is not None and self._fail is not None:
+            self._topics.listen(self._fail)
 
     def release(self) -> None:
         """Gives all topics back, once subscribers have what was published last.
@@ -422,9 +284,8 @@ class RosNode:
         if not self._context.ok():
             return
         deadline = time.monotonic() + LAST_WORDS
-        for publisher in self._publishers:
-            left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
-            publisher.wait_for_all_acked(left.get_c_duration())
+        if self._topics is not None:
+            self._topics.wait(deadline)
         # Goals end on the thread of the executor, which cannot wait for itself.
         if self._actions is not None and threading.current_thread() is not self._thread:
             self._actions.wait(deadline)
@@ -434,18 +295,12 @@ class RosNode:
         if self._actions is not None:
             self._actions.destroy()
             self._actions = None
-        if self._waiting is not None:
-            self._waiting.close()
-            self._waiting = None
-        for handle in (*self._events, *self._subscriptions, *self._publishers):
-            handle.destroy_when_not_in_use()
+        if self._topics is not None:
+            self._topics.destroy()
+            self._topics = None
         if self._services is not None:
             self._services.destroy()
             self._services = None
-        for known in (self._events, self._subscriptions, self._publishers):
-            known.clear()
-        self._health.clear()
-        self._kin.clear()
         self._parameters.release()
 
     # ------------------------------------------------------------------ transitions
@@ -502,7 +357,3 @@ class RosNode:
             reason = error
         if not self._is_closing:
             fail(reason)
-
-
-def _node_name(end: Any) -> str:
-    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
