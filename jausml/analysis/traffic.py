@@ -7,10 +7,10 @@ them, single messages at their sender. Connections at the other end share it.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml import wire
+from jausml.analysis.asks import Ask, asks_of, by_way, peers_of
 from jausml.analysis.constants import runtime_constants
 from jausml.analysis.sizes import Size, jaus_size
 from jausml.analysis.streams import (
@@ -25,9 +25,8 @@ from jausml.analysis.streams import (
 from jausml.metamodel.classes import bridge, jaus
 from jausml.semantics.hosts import host_of
 from jausml.semantics.paths import parse_path, target_paths
-from jausml.semantics.report_joins import joined_reports
 from jausml.semantics.requests import requested_fields
-from jausml.semantics.services import code, find_query, with_inherited
+from jausml.semantics.services import code, with_inherited
 from jausml.semantics.shaping import passed_rate
 from jausml.semantics.standard_services import standard_services
 
@@ -37,8 +36,6 @@ if TYPE_CHECKING:
     from jausml.analysis.assumptions import Assumptions
     from jausml.analysis.streams import Asking
     from jausml.metamodel.classes.system import System
-    from jausml.semantics.report_joins import JoinedReport
-    from jausml.semantics.services import Provider
 
 _PRESENCE_VECTOR = "PresenceVector"
 
@@ -56,47 +53,6 @@ def traffic_of(system: System, assumptions: Assumptions) -> Traffic:
         for connection in stream.connections:
             by_connection[connection].append(stream)
     return Traffic(tuple(streams), dict(by_connection))
-
-
-@dataclass(frozen=True)
-class _Ask:
-    """What a client asks a provider for.
-
-    Attributes:
-        client: Who asks.
-        connection: For which connection.
-        message: The report.
-        exchange: `periodic`, `change` or `query`.
-        hertz: How often; 0 for every change.
-        joined: The join that the report is for; None for what the connection is for.
-    """
-
-    client: jaus.Component
-    connection: Asking
-    message: jaus.MessageDef
-    exchange: str
-    hertz: float
-    joined: JoinedReport | None = None
-
-    @property
-    def named_provider(self) -> Provider | None:
-        """Whoever is asked first; None when the model names nobody."""
-        if self.joined is not None:
-            return next(iter(self.joined.peers), None)
-        if isinstance(self.connection, bridge.Connection):
-            return next(iter(self.connection.peers), self.connection.search)
-        return None
-
-    def query_of(self, provider: Provider | None) -> jaus.MessageDef | None:
-        """Returns what asks a provider; None when that is not known."""
-        if provider is None:
-            return None
-        if self.joined is not None:
-            return self.joined.query_of(provider)
-        return find_query(self.connection, provider)
-
-
-_KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "periodic"}
 
 
 class _Streams:
@@ -124,8 +80,8 @@ class _Streams:
     # ------------------------------------------------------------------ reports
 
     def _reports(self) -> Iterator[Stream]:
-        groups: dict[tuple[object, object, int, bool], list[_Ask]] = defaultdict(list)
-        for provider, ask in self._asks():
+        groups: dict[tuple[object, object, int, bool], list[Ask]] = defaultdict(list)
+        for provider, ask in asks_of(self._system):
             is_query = ask.exchange == "query"
             key = provider or ask.connection, ask.client, code(ask.message), is_query
             groups[key].append(ask)
@@ -134,29 +90,12 @@ class _Streams:
             provider = found if isinstance(found, jaus.Component) else None
             feeding = self._feeding(provider, asks[0].message)
             served.update(feeding)
-            for alike in _by_way(asks):
+            for alike in by_way(asks):
                 yield from self._asked(provider, alike, feeding)
         for owner in self._system.bridges:
             for connection in owner.bridgeConnections:
                 if not (is_to_ros(connection) or is_single(connection) or connection in served):
                     yield from self._unasked(owner, connection)
-
-    def _asks(self) -> Iterator[tuple[jaus.Component | None, _Ask]]:
-        for owner in self._system.bridges:
-            for each in owner.bridgeConnections:
-                if is_to_ros(each) and not is_single(each):
-                    kind = _KINDS[each.exchange.name]
-                    rate = 0.0 if kind == "change" else float(each.rate or owner.frequency)
-                    for peer in _peers(each):
-                        yield peer, _Ask(owner, each, each.map.message, kind, rate)
-                yield from _joined_asks(owner, each)
-        for component in self._components:
-            for wanted in component.connections:
-                if wanted.exchange.name != "oneTime":
-                    is_periodic = wanted.exchange.name == "periodic"
-                    rate = float(wanted.rate) if is_periodic else 0.0
-                    kind = "periodic" if is_periodic else "change"
-                    yield wanted.provider, _Ask(component, wanted, wanted.message, kind, rate)
 
     def _feeding(
         self, provider: jaus.Component | None, message: jaus.MessageDef
@@ -171,7 +110,7 @@ class _Streams:
         ]
 
     def _asked(
-        self, provider: jaus.Component | None, asks: list[_Ask], feeding: list[bridge.Connection]
+        self, provider: jaus.Component | None, asks: list[Ask], feeding: list[bridge.Connection]
     ) -> Iterator[Stream]:
         first = asks[0]
         connections: list[Asking] = [*(each.connection for each in asks), *feeding]
@@ -216,7 +155,7 @@ class _Streams:
         if exchange == "everyChangeEvent":
             rate = self._changes_of(connection)
         if exchange == "query":
-            ask = _Ask(owner, connection, connection.map.message, "query", rate)
+            ask = Ask(owner, connection, connection.map.message, "query", rate)
             query = self._query_size(ask, owner)
             yield self._stream(
                 None, owner, query[0], "query", query[1], rate, ASSUMED, [connection]
@@ -232,7 +171,7 @@ class _Streams:
             return min(hertz, self._constants.highest_event_rate)
         return min(max(hertz, self._constants.event_rate_min), self._constants.highest_event_rate)
 
-    def _report_size(self, ask: _Ask, feeding: list[bridge.Connection], length: int) -> Size:
+    def _report_size(self, ask: Ask, feeding: list[bridge.Connection], length: int) -> Size:
         present: frozenset[str] | None = None
         if feeding:
             present = frozenset().union(*map(_assigned_fields, feeding))
@@ -243,7 +182,7 @@ class _Streams:
                 present = asked if present is None else present & asked
         return jaus_size(wire.resolve(ask.message), length, present)
 
-    def _query_size(self, ask: _Ask, provider: jaus.Component | None) -> tuple[str, Size]:
+    def _query_size(self, ask: Ask, provider: jaus.Component | None) -> tuple[str, Size]:
         search = getattr(ask.connection, "search", None)
         from_ = provider or search
         query = ask.query_of(from_)
@@ -258,7 +197,7 @@ class _Streams:
         for owner in self._system.bridges:
             for each in owner.bridgeConnections:
                 if not is_to_ros(each) and is_single(each):
-                    for peer in _peers(each):
+                    for peer in peers_of(each):
                         sent.append((each, self._sent(owner, peer, each)))
         for receiver in self._system.bridges:
             for each in receiver.bridgeConnections:
@@ -324,7 +263,7 @@ class _Streams:
     # ------------------------------------------------------------------ upkeep
 
     def _renewals(
-        self, provider: jaus.Component | None, ask: _Ask, *, is_periodic: bool
+        self, provider: jaus.Component | None, ask: Ask, *, is_periodic: bool
     ) -> Iterator[Stream]:
         """Yields the renewals of an event (AS5710, Events)."""
         minutes = int(provider.eventTimeout) if provider is not None else 1
@@ -384,20 +323,6 @@ class _Streams:
         )
 
 
-def _joined_asks(
-    owner: bridge.Bridge, connection: bridge.Connection
-) -> Iterator[tuple[jaus.Component | None, _Ask]]:
-    """Yields whom a connection asks for joined reports, and what for."""
-    for report in joined_reports(connection):
-        if report.exchange != "message":
-            kind, message = _KINDS[report.exchange], report.join.message
-            ask = _Ask(owner, connection, message, kind, report.rate, report)
-            named: list[jaus.Component | None] = [
-                each for each in report.peers if isinstance(each, jaus.Component)
-            ]
-            yield from ((peer, ask) for peer in named or [None])
-
-
 def _controlled(owner: jaus.Component) -> Iterator[jaus.Component]:
     """Yields the components whose control a component keeps."""
     yield from owner.controls
@@ -419,19 +344,3 @@ def _assigned_fields(connection: bridge.Connection) -> frozenset[str]:
 
 def _has_presence_vector(query: jaus.MessageDef) -> bool:
     return any(each.name == _PRESENCE_VECTOR for each in wire.resolve(query).members)
-
-
-def _peers(connection: bridge.Connection) -> list[jaus.Component | None]:
-    """Returns who is at the other end; None stands for those that nobody names."""
-    return [*connection.peers] or [None]
-
-
-def _by_way(asks: list[_Ask]) -> Iterator[list[_Ask]]:
-    """Yields those that share an event; beside one of every change, a rate is served by queries."""
-    periodic = [each for each in asks if each.exchange == "periodic"]
-    others = [each for each in asks if each.exchange != "periodic"]
-    if not (periodic and others):
-        yield asks
-        return
-    yield others
-    yield [replace(each, exchange="query") for each in periodic]
