@@ -7,13 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.bridge.connections import (
-    ConnectionView,
-    guard_of,
-    peers_of,
-    priority_of,
-    query_call,
-)
+from jausml.generators.bridge.connections import ConnectionView
+from jausml.generators.bridge.jaus_ends import guard_of, peers_of, priority_of, query_call
 from jausml.generators.common.ros import ros_type
 from jausml.generators.python.guards import condition
 from jausml.generators.python.names import snake_case

@@ -6,89 +6,31 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal, python_string
-from jausml.generators.bridge.report_joins import ReportJoinView, query_of_join
-from jausml.generators.common.components import (
-    address_call,
-    query_for,
-    search_call,
-    with_inherited,
+from jausml.generators.bridge.jaus_ends import (
+    guard_of,
+    peers_of,
+    priority_of,
+    query_call,
+    query_of,
 )
+from jausml.generators.bridge.report_joins import ReportJoinView, query_of_join
+from jausml.generators.bridge.topics import JoinView, list_of, topic_call
 from jausml.generators.common.ros import RosType, ros_type
 from jausml.generators.python.guards import condition
-from jausml.generators.python.names import snake_case
 from jausml.generators.python.statements import call
 from jausml.metamodel.classes import bridge
 from jausml.semantics import stops
-from jausml.semantics.commands import needs_control, needs_ready
 from jausml.semantics.freshness import freshness_of
 from jausml.semantics.report_joins import joined_reports
-from jausml.semantics.services import provided_services, searched_services
-from jausml.semantics.standard_services import standard_services
-from jausml.semantics.topics import reliability
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
     from jausml.generators.bridge.translation import Translated
     from jausml.generators.python.codec.messages import MessageView
-    from jausml.metamodel.classes import jaus, ros
+    from jausml.metamodel.classes import jaus
     from jausml.semantics.report_joins import JoinedReport
-
-PRESENCE_VECTOR = "PresenceVector"
-_QOS = {
-    "reliability": "reliable",
-    "durability": "volatile",
-    "history": "keep_last",
-    "depth": 10,
-    "deadline": 0.0,
-    "lifespan": 0.0,
-    "liveliness": "automatic",
-    "leaseDuration": 0.0,
-}
-
-
-@dataclass(frozen=True)
-class JoinView:
-    """A further topic that a translation takes values from.
-
-    Args:
-        connection: The connection.
-        join: The join.
-        name: Its name in Python.
-        type_name: Name of its ROS message class in the generated modules.
-    """
-
-    connection: bridge.Connection
-    join: bridge.Join
-    name: str
-    type_name: str
-
-    @property
-    def model_name(self) -> str:
-        """Its name in the model."""
-        return str(self.join.name)
-
-    @property
-    def type(self) -> ros.MessageType:
-        """The ROS type in the model."""
-        return self.join.type
-
-    @property
-    def topics(self) -> tuple[bridge.Topic, ...]:
-        """The topics that feed it."""
-        return tuple(each for each in self.connection.topics if each.join is self.join)
-
-    @property
-    def argument(self) -> str:
-        """The join as an argument of the runtime class, as Python text."""
-        topics = _list(_topic(self.connection, topic) for topic in self.topics)
-        found = [python_string(self.model_name), self.type_name, topics]
-        found.append(f"freshness={python_literal(float(self.join.freshness))}")
-        if self.join.whenStale.name == "dropMessage":
-            found.append("drop=True")
-        return call("Join", *found)
 
 
 @dataclass(frozen=True)
@@ -318,7 +260,7 @@ class ConnectionView:
     def topics(self) -> tuple[str, ...]:
         """The topics with their quality of service."""
         topics = self.connection.topics
-        return tuple(_topic(self.connection, topic) for topic in topics if topic.join is None)
+        return tuple(topic_call(self.connection, topic) for topic in topics if topic.join is None)
 
     @property
     def argument_lines(self) -> tuple[str, ...]:
@@ -326,9 +268,9 @@ class ConnectionView:
         lines = [f"{key}={value}" for key, value in self.arguments]
         if self.kind != "TopicsToReport":
             lines.append(f"peers={self.peers}")
-        lines.append(f"topics={_list(self.topics)}")
+        lines.append(f"topics={list_of(self.topics)}")
         if self.joins:
-            lines.append(f"joins={_list(each.argument for each in self.joins)}")
+            lines.append(f"joins={list_of(each.argument for each in self.joins)}")
         return tuple(lines)
 
     @property
@@ -397,108 +339,3 @@ class ConnectionView:
         """Whether the model says what is sent when the source is lost, and it can be lost."""
         can_be_lost = self.is_command or self.silence_timeout > 0
         return can_be_lost and stops.has_stop(self.connection)
-
-
-def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:
-    """Returns a query as it is asked: its presence vector names the fields that are read.
-
-    Args:
-        query: The query.
-        report: The report, if something of it is read.
-        fields: The fields that are read.
-    """
-    presence = query.find(PRESENCE_VECTOR)
-    if not presence or report is None:
-        return call(query.class_name)
-    bits = (m.bit for m in report.body.members if m.jaus_name in fields)
-    return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
-
-
-def guard_of(
-    message: jaus.MessageDef,
-    receivers: Iterable[jaus.Component | None],
-    search: jaus.PeerSearch | None,
-) -> str:
-    """Returns whom the receivers of a message obey, as a member of `Guard`.
-
-    Args:
-        message: The message.
-        receivers: Those that are named.
-        search: How they are found otherwise.
-    """
-    service = message.eContainer()
-    if service is None or not needs_control(message, service):
-        return "ANY"
-    # A command that a service keeps in Standby moves what listens to a topic at once.
-    provided = [provided_services(each) for each in receivers if each is not None]
-    if search is not None:
-        # What is found mostly is as components are that name nothing.
-        provided = [[*searched_services(search), *standard_services()]]
-    is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
-    return "READY" if is_for_ready else "CONTROLLED"
-
-
-def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
-    """Returns the query for the report of a connection; None for single messages.
-
-    Raises:
-        GenerationError: Neither the service of the report nor another of the sender has one.
-    """
-    if connection.exchange.name == "message":
-        return None
-    if connection.query is not None:
-        return connection.query
-    report = connection.map.message
-    to_ros = connection.direction.name == "jausToRos"
-    senders = connection.peers if to_ros else [connection.eContainer()]
-    services = [each for sender in senders if sender is not None for each in sender.provides]
-    if to_ros and connection.search is not None:
-        services += connection.search.services
-    provided = with_inherited(services)
-    own = report.eContainer()
-    query = query_for(report, provided if own is None else [own, *provided])
-    if query is None:
-        raise GenerationError(f"connection '{connection.name}': no query for {report.name}")
-    return query
-
-
-def peers_of(connection: bridge.Connection | bridge.RosServiceConnection) -> str:
-    """Returns the components at the other end of a connection, or how they are found, as Python."""
-    if connection.search is not None:
-        return search_call(connection.search)
-    return _list(map(address_call, connection.peers))
-
-
-def priority_of(
-    connection: bridge.Connection | bridge.RosServiceConnection,
-) -> list[tuple[str, str]]:
-    """Returns the argument of the priority of a connection; none for the usual one."""
-    if connection.priority.name == "standard":
-        return []
-    names = {"low": "LOW", "high": "HIGH", "safetyCritical": "SAFETY_CRITICAL"}
-    return [("priority", f"Priority.{names[connection.priority.name]}")]
-
-
-def _list(items: Iterable[str]) -> str:
-    return f"[{', '.join(items)}]"
-
-
-def _topic(connection: bridge.Connection, topic: bridge.Topic) -> str:
-    policies = {"reliability": reliability(connection, topic), **_further_policies(topic.qos)}
-    stated = [
-        f"{snake_case(feature)}={python_literal(value)}"
-        for feature, value in policies.items()
-        if value != _QOS[feature]
-    ]
-    arguments = [python_string(topic.name)]
-    if stated:
-        arguments.append(call("Qos", *stated))
-    return call("Topic", *arguments)
-
-
-def _further_policies(profile: ros.QoSProfile | None) -> dict[str, object]:
-    """Returns all but the reliability."""
-    if profile is None:
-        return {}
-    values = {each: getattr(profile, each) for each in _QOS if each != "reliability"}
-    return {feature: getattr(value, "name", value) for feature, value in values.items()}

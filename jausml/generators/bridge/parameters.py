@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.generators.bridge.actions import ActionView
-from jausml.generators.bridge.connections import JoinView
+from jausml.generators.bridge.topics import JoinView
 from jausml.generators.bridge.translation import AssignmentError
 from jausml.generators.bridge.translation.ros_fields import PathError
 from jausml.semantics.freshness import freshness_of

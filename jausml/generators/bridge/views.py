@@ -14,8 +14,9 @@ from jausml.generation.system import source_of, system_of
 from jausml.generators.bridge.actions import ActionView, carried, messages_of_driver
 from jausml.generators.bridge.base_module import BaseModule, names_of, stub
 from jausml.generators.bridge.call_views import CallView
-from jausml.generators.bridge.connections import ConnectionView, query_of
+from jausml.generators.bridge.connections import ConnectionView
 from jausml.generators.bridge.flat.transcoders import TranscodersModule
+from jausml.generators.bridge.jaus_ends import query_of
 from jausml.generators.bridge.light.module import LightModule
 from jausml.generators.bridge.report_joins import messages_of_joins
 from jausml.generators.bridge.translation import AssignmentError, Translations, translate

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     from jausml.generators.bridge.checks.filling import Message, Place, Scalar
-    from jausml.generators.bridge.connections import ConnectionView, JoinView
+    from jausml.generators.bridge.connections import ConnectionView
+    from jausml.generators.bridge.topics import JoinView
     from jausml.generators.bridge.translation import Surroundings
 
     AnyJoin: TypeAlias = JoinView | ReportJoinView
