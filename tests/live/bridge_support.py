@@ -21,20 +21,33 @@ from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.messages.target import TARGET as MESSAGES
 from jausml.generators.runtime.target import TARGET as RUNTIME
 from jausml.model import read_models
+from jausml.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
 PATIENCE = 20.0
 
 
-def generate(folder: Path) -> list[str]:
-    """Generates the test bridge; returns the folders for the module path."""
-    result = read_models([MODEL])
+def generate(folder: Path, document: Path = MODEL) -> list[str]:
+    """Generates the bridges of a model, of the test bridge as a rule.
+
+    Returns:
+        The folders for the module path.
+    """
+    result = read_models([document], notations=NOTATIONS, allow_outside=True)
+    assert result.diagnostics == []
     for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
     return packages_of(folder)
+
+
+def generate_text(folder: Path, name: str, text: str) -> list[str]:
+    """Generates the bridges of a model in text, which is written beside them."""
+    document = folder / f"{name}.ros2jaus"
+    document.write_text(text, encoding="utf-8")
+    return generate(folder, document)
 
 
 def free_port() -> int:

@@ -10,16 +10,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from workspaces import packages_of
 
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-
-from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+from .bridge_support import Process, Repeater, RosPeer, free_port, generate_text, wait_for
 
 pytestmark = [
     pytest.mark.live,
@@ -53,24 +45,12 @@ bridge pose_bridge {
 """
 
 
-def generate(folder):
-    model = folder / "pose.ros2jaus"
-    model.write_text(SYSTEM, encoding="utf-8")
-    result = read_models([model], notations=NOTATIONS)
-    assert result.diagnostics == []
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
-    return packages_of(folder)
-
-
 @pytest.fixture
 def system(tmp_path, monkeypatch):
     """Starts the bridge and an observer; yields the observer and a node of the test."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
-    path, port = generate(tmp_path), str(free_port())
+    path, port = generate_text(tmp_path, "pose", SYSTEM), str(free_port())
     processes = []
     ros = RosPeer()
     for number, line in enumerate((["-m", "pose_bridge.main"], [OBSERVER])):

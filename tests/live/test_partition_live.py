@@ -12,14 +12,7 @@ pytest.importorskip("rclpy")
 
 from pathlib import Path
 
-from workspaces import packages_of
-
 from jausml.cli import main
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 
 from .bridge_support import MODEL, Process, Repeater, RosPeer, free_port, generate, wait_for
 
@@ -40,13 +33,7 @@ def packages(tmp_path_factory):
     options = ["--bridges", "2", "-o", str(model), "--allow-outside"]
     done = CliRunner().invoke(main, ["partition", str(MODEL), *options])
     assert done.exit_code == 0, done.output
-    for artifact in render(
-        read_models([model], allow_outside=True).model, [BRIDGE, MESSAGES, RUNTIME]
-    ):
-        path = folder / "src" / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
-    return packages_of(folder / "src")
+    return generate(folder / "src", model)
 
 
 @pytest.fixture(scope="module")

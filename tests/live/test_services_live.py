@@ -11,16 +11,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from workspaces import packages_of
 
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
-from jausml.text.notation import NOTATIONS
-
-from .bridge_support import Process, RosPeer, free_port, wait_for
+from .bridge_support import Process, RosPeer, free_port, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,
@@ -33,13 +25,7 @@ FOLDER = Path(__file__).resolve().parent
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
-    workspace = tmp_path_factory.mktemp("workspace")
-    result = read_models([FOLDER / "services.ros2jaus"], notations=NOTATIONS)
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
-        target = workspace / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
-    return packages_of(workspace)
+    return generate(tmp_path_factory.mktemp("workspace"), FOLDER / "services.ros2jaus")
 
 
 class System:

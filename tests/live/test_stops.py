@@ -17,22 +17,15 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from workspaces import packages_of
 
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Standby
-from jausml.text.notation import NOTATIONS
 
-from .bridge_support import Process, RosPeer, free_port, wait_for
+from .bridge_support import Process, RosPeer, free_port, generate, wait_for
 from .stop_publisher import moving
 
 pytestmark = [
@@ -149,17 +142,12 @@ def moves(message):
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory, request):
-    workspace = tmp_path_factory.mktemp("workspace")
-    result = read_models([FOLDER / "stops.ros2jaus"], notations=NOTATIONS)
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
-        target = workspace / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
+    packages = generate(tmp_path_factory.mktemp("workspace"), FOLDER / "stops.ros2jaus")
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         environment.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
         waiting = getattr(request, "param", "automatic")
-        started = System(packages_of(workspace), tmp_path_factory.mktemp("logs"), waiting)
+        started = System(packages, tmp_path_factory.mktemp("logs"), waiting)
         yield started
         started.close()
 

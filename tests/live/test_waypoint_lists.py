@@ -14,13 +14,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from type_support import CannotBuildError, built
-from workspaces import packages_of
 
-from jausml.generation import render
-from jausml.generators.bridge.target import TARGET as BRIDGE
-from jausml.generators.messages.target import TARGET as MESSAGES
-from jausml.generators.runtime.target import TARGET as RUNTIME
-from jausml.model import read_models
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
@@ -30,9 +24,8 @@ from jausml.runtime.component.process import running_transport
 from jausml.runtime.services.completion import Completion
 from jausml.runtime.services.definitions import Guard, ServiceIdentity, Status
 from jausml.runtime.services.element_list import ListElement, chain
-from jausml.text.notation import NOTATIONS
 
-from .bridge_support import Process, RosPeer, free_port, wait_for
+from .bridge_support import Process, RosPeer, free_port, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,
@@ -63,18 +56,13 @@ def nav2():
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory, nav2):
     """The module path of the generated bridges, of their messages, and of nav2_msgs."""
-    folder = tmp_path_factory.mktemp("lists")
-    model = read_models([FOLDER / "waypoint_lists.ros2jaus"], notations=NOTATIONS).model
-    for artifact in render(model, [BRIDGE, MESSAGES, RUNTIME]):
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
+    made = generate(tmp_path_factory.mktemp("lists"), FOLDER / "waypoint_lists.ros2jaus")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
-        for each in [*packages_of(folder), nav2]:
+        for each in [*made, nav2]:
             patch.syspath_prepend(each)
-        yield [*packages_of(folder), nav2]
+        yield [*made, nav2]
 
 
 class Operator(JausComponent):
