@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    ControlState,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import ControlState, JausAddress, JausComponent
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
+from roles import core, run
 from stamps import say, stamp
 
 BRIDGE = JausAddress(10, 1, 9)
-SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in ("Transport", "Events")]
+SERVICES = core("Transport", "Events")
 PERIOD = 0.05
 
 
@@ -38,14 +31,4 @@ class Operator(JausComponent):
 
 
 if __name__ == "__main__":
-    raise SystemExit(
-        run_component(
-            Operator,
-            ComponentProgram(
-                name="operator",
-                description="Operator of the faults.",
-                address=JausAddress(20, 1, 1),
-                settings=ComponentSettings(register_services=False),
-            ),
-        )
-    )
+    raise SystemExit(run(Operator, "operator", "20.1.1", register_services=False))

@@ -8,15 +8,7 @@ from __future__ import annotations
 import sys
 from datetime import datetime, timedelta, timezone
 
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    Guard,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import Guard, JausComponent
 from loop_bridge.messages import (
     QueryLocalPose,
     QueryVelocityState,
@@ -24,11 +16,11 @@ from loop_bridge.messages import (
     ReportVelocityState,
     SetWrenchEffort,
 )
+from roles import CONTROLLED, core, run
 from stamps import say, stamp
 
 OFFSET = timedelta(0)
-CORE = ("Transport", "Events", "AccessControl", "Management")
-SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE]
+SERVICES = core(*CONTROLLED)
 
 
 class Vehicle(JausComponent):
@@ -63,14 +55,5 @@ class Vehicle(JausComponent):
 if __name__ == "__main__":
     if not sys.argv[1].startswith("--"):
         OFFSET = timedelta(seconds=float(sys.argv.pop(1)))
-    raise SystemExit(
-        run_component(
-            Vehicle,
-            ComponentProgram(
-                name="vehicle",
-                description="Vehicle of the faults.",
-                address=JausAddress(10, 1, 1),
-                settings=ComponentSettings(control_timeout=2, register_services=False),
-            ),
-        )
-    )
+    settings = {"control_timeout": 2, "register_services": False}
+    raise SystemExit(run(Vehicle, "vehicle", "10.1.1", **settings))

@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import sys
-
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    ControlState,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import ControlState, JausAddress, JausComponent
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
+from roles import core, run, say
 
 BRIDGE = JausAddress(10, 1, 9)
-SERVICES = [
-    ServiceIdentity("urn:jaus:jss:core:Transport", 1, 1),
-    ServiceIdentity("urn:jaus:jss:core:Events", 1, 1),
-]
-
-
-def say(**facts: object) -> None:
-    sys.stdout.write(json.dumps(facts) + "\n")
+SERVICES = core("Transport", "Events")
 
 
 class Operator(JausComponent):
@@ -43,21 +26,11 @@ class Operator(JausComponent):
         self.query(BRIDGE, QueryLocalPose(presence_vector=1), ReportLocalPose, self.answered)
 
     def seen(self, report, _sender):
-        say(kind="event", x=report.x, y=report.y, yaw=report.yaw, day=report.time_stamp.day)
+        say("event", x=report.x, y=report.y, yaw=report.yaw, day=report.time_stamp.day)
 
     def answered(self, report, _sender):
-        say(kind="answer", x=report.x)
+        say("answer", x=report.x)
 
 
 if __name__ == "__main__":
-    raise SystemExit(
-        run_component(
-            Operator,
-            ComponentProgram(
-                name="operator",
-                description="Operator of the live tests.",
-                address=JausAddress(20, 1, 1),
-                settings=ComponentSettings(register_services=False),
-            ),
-        )
-    )
+    raise SystemExit(run(Operator, "operator", "20.1.1", register_services=False))

@@ -25,6 +25,7 @@ from jausml.text.notation import NOTATIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
+SUPPORT = str(ROOT / "tests" / "support")
 PATIENCE = 20.0
 
 
@@ -81,7 +82,8 @@ class Process:
     def __init__(
         self, arguments: list[str], path: list[str], log: Path, *, stdin: bool = False
     ) -> None:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "PYTHONUNBUFFERED": "1"}
+        module_path = os.pathsep.join([*path, SUPPORT])
+        environment = {**os.environ, "PYTHONPATH": module_path, "PYTHONUNBUFFERED": "1"}
         self.log = log
         self._log_file = log.open("ab")
         self.popen = subprocess.Popen(

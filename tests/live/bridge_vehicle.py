@@ -6,19 +6,8 @@ One line of JSON for each command obeyed and for each report made.
 from __future__ import annotations
 
 import argparse
-import json
-import sys
-import threading
 
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    Guard,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import Guard, JausComponent
 from loop_bridge.messages import (
     QueryLocalPose,
     QueryVelocityState,
@@ -26,15 +15,9 @@ from loop_bridge.messages import (
     ReportVelocityState,
     SetWrenchEffort,
 )
+from roles import CONTROLLED, core, run, say
 
-CORE = ("Transport", "Events", "AccessControl", "Management")
-SERVICES = [ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE]
-_OUTPUT = threading.Lock()
-
-
-def say(**facts: object) -> None:
-    with _OUTPUT:
-        sys.stdout.write(json.dumps(facts) + "\n")
+SERVICES = core(*CONTROLLED)
 
 
 class Vehicle(JausComponent):
@@ -49,7 +32,7 @@ class Vehicle(JausComponent):
 
     def velocity(self, query, _sender):
         self.reports += 1
-        say(kind="report", presence=query.presence_vector, number=self.reports)
+        say("report", presence=query.presence_vector, number=self.reports)
         return ReportVelocityState(velocity_x=2.0, velocity_y=0.5, yaw_rate=0.25)
 
     def pose(self, _query, _sender):
@@ -57,31 +40,22 @@ class Vehicle(JausComponent):
 
     def on_effort(self, message, sender):
         say(
-            kind="effort",
+            "effort",
             linear=message.propulsive_linear_effort_x,
             rotational=message.propulsive_rotational_effort_z,
             sender=str(sender),
         )
 
     def on_ready(self):
-        say(kind="ready")
+        say("ready")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--address", required=True)
     own, rest = parser.parse_known_args()
-    settings = ComponentSettings(control_timeout=2, register_services=False)
-    return run_component(
-        Vehicle,
-        ComponentProgram(
-            name="vehicle",
-            description="Vehicle of the live tests.",
-            address=JausAddress.parse(own.address),
-            settings=settings,
-        ),
-        rest,
-    )
+    settings = {"control_timeout": 2, "register_services": False}
+    return run(Vehicle, "vehicle", own.address, rest, **settings)
 
 
 if __name__ == "__main__":

@@ -6,24 +6,14 @@ One line of JSON for each command that it obeys.
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from functools import partial
 
 from finder.messages import QueryVelocityState, ReportVelocityState, SetWrenchEffort
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    Guard,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import Guard, JausComponent, ServiceIdentity
+from roles import FOUND, core, run, say
 
-CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
 SERVICES = [
-    *(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE),
+    *core(*FOUND),
     ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0),
     ServiceIdentity("urn:jaus:jss:mobility:PrimitiveDriver", 1, 0),
 ]
@@ -39,20 +29,14 @@ class Vehicle(JausComponent):
         self.handle(SetWrenchEffort, self.on_effort, when=Guard.READY)
 
     def on_effort(self, _message, sender):
-        sys.stdout.write(json.dumps({"kind": "effort", "sender": str(sender)}) + "\n")
+        say("effort", sender=str(sender))
 
 
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--speed", type=float, required=True)
     own, rest = parser.parse_known_args()
-    program = ComponentProgram(
-        name="vehicle",
-        description="Vehicle of the live tests.",
-        address=JausAddress(10, 1, 1),
-        settings=ComponentSettings(control_timeout=2),
-    )
-    return run_component(partial(Vehicle, own.speed), program, rest)
+    return run(partial(Vehicle, own.speed), "vehicle", "10.1.1", rest, control_timeout=2)
 
 
 if __name__ == "__main__":

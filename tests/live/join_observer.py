@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import sys
-
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import JausAddress, JausComponent
 from pose_bridge.messages import (
     QueryGlobalPose,
     QueryTravelSpeed,
     ReportGlobalPose,
     ReportTravelSpeed,
 )
+from roles import core, run, say
 
 BRIDGE = JausAddress(10, 1, 9)
 
@@ -27,7 +18,7 @@ class Observer(JausComponent):
     """Asks ten times a second."""
 
     def __init__(self, transport, address, settings):
-        services = [ServiceIdentity("urn:jaus:jss:core:Transport", 1, 1)]
+        services = core("Transport")
         super().__init__(transport, address, name="observer", services=services, settings=settings)
         self.when_started(self.tick)
 
@@ -39,27 +30,14 @@ class Observer(JausComponent):
             BRIDGE,
             QueryTravelSpeed(),
             ReportTravelSpeed,
-            lambda report, _: self.tell("speed", speed=report.speed),
-            on_failure=lambda: self.tell("no speed"),
+            lambda report, _: say("speed", speed=report.speed),
+            on_failure=lambda: say("no speed"),
             retries=0,
         )
 
     def posed(self, report, _sender):
-        self.tell("pose", latitude=report.latitude, yaw=report.yaw)
-
-    def tell(self, kind, **values):
-        sys.stdout.write(json.dumps({"kind": kind, **values}) + "\n")
+        say("pose", latitude=report.latitude, yaw=report.yaw)
 
 
 if __name__ == "__main__":
-    raise SystemExit(
-        run_component(
-            Observer,
-            ComponentProgram(
-                name="observer",
-                description="Observer of the live test of joined topics.",
-                address=JausAddress(20, 1, 1),
-                settings=ComponentSettings(register_services=False),
-            ),
-        )
-    )
+    raise SystemExit(run(Observer, "observer", "20.1.1", register_services=False))

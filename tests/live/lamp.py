@@ -6,25 +6,15 @@ for each message that it takes.
 
 from __future__ import annotations
 
-import json
 import sys
 import threading
-from functools import partial
 
 from front.messages import ConfirmLamp, QueryLamp, RejectLamp, ReportLamp, SetLamp
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    Guard,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import Guard, JausComponent, ServiceIdentity
+from roles import FOUND, core, run, say
 
-CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
 SERVICES = [
-    *(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE),
+    *core(*FOUND),
     ServiceIdentity("urn:jausml:tests:Lamp", 1, 0),
 ]
 
@@ -32,9 +22,9 @@ SERVICES = [
 class Lamp(JausComponent):
     """Is as bright as it was told."""
 
-    def __init__(self, transport, address, settings, brightness=0):
+    def __init__(self, transport, address, settings):
         super().__init__(transport, address, name="lamp", services=SERVICES, settings=settings)
-        self.brightness = brightness
+        self.brightness = 0
         self.mode = "answer"
         self.handle(QueryLamp, self.on_query)
         self.handle(SetLamp, self.on_set, when=Guard.READY)
@@ -43,15 +33,15 @@ class Lamp(JausComponent):
     def listen(self):
         for line in sys.stdin:
             self.mode = line.strip()
-            tell("mode", mode=self.mode)
+            say("mode", mode=self.mode)
 
     def on_query(self, _message, sender):
-        tell("query", sender=str(sender))
+        say("query", sender=str(sender))
         if self.mode != "silent":
             self.send(ReportLamp(brightness=self.brightness), sender)
 
     def on_set(self, message, sender):
-        tell("set", sender=str(sender), brightness=message.brightness)
+        say("set", sender=str(sender), brightness=message.brightness)
         if self.mode == "refuse":
             self.send(RejectLamp(response_code=7), sender)
         elif self.mode == "answer":
@@ -59,20 +49,5 @@ class Lamp(JausComponent):
             self.send(ConfirmLamp(brightness=self.brightness), sender)
 
 
-def tell(kind, **facts):
-    sys.stdout.write(json.dumps({"kind": kind, **facts}) + "\n")
-    sys.stdout.flush()
-
-
-def main() -> int:
-    program = ComponentProgram(
-        name="lamp",
-        description="Lamp of the live tests.",
-        address=JausAddress(100, 1, 2),
-        settings=ComponentSettings(control_timeout=2),
-    )
-    return run_component(partial(Lamp), program, sys.argv[1:])
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(run(Lamp, "lamp", "100.1.2", control_timeout=2))

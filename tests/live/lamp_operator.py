@@ -6,21 +6,15 @@ each answer.
 
 from __future__ import annotations
 
-import json
 import sys
 import threading
 
 from front.messages import ConfirmLamp, RejectLamp, SetLamp
-from jausml_runtime import (
-    ComponentProgram,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import JausAddress, JausComponent
+from roles import core, run, say
 
 BRIDGE = JausAddress(100, 1, 20)
-SERVICES = [ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)]
+SERVICES = core("Discovery")
 
 
 class Operator(JausComponent):
@@ -29,8 +23,8 @@ class Operator(JausComponent):
     def __init__(self, transport, address, settings):
         super().__init__(transport, address, name="operator", services=SERVICES, settings=settings)
         self.session = None
-        self.on_message(ConfirmLamp, lambda message, _: tell("confirm", value=message.brightness))
-        self.on_message(RejectLamp, lambda *_: tell("reject"))
+        self.on_message(ConfirmLamp, lambda message, _: say("confirm", value=message.brightness))
+        self.on_message(RejectLamp, lambda *_: say("reject"))
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):
@@ -44,28 +38,16 @@ class Operator(JausComponent):
             BRIDGE,
             authority=200,
             resume=True,
-            on_change=lambda state: tell("control", state=state.name),
+            on_change=lambda state: say("control", state=state.name),
         )
 
     def do_release(self):
         self.session.release()
-        tell("released")
+        say("released")
 
     def do_set(self, brightness):
         self.send(SetLamp(brightness=brightness), BRIDGE)
 
 
-def tell(kind, **facts):
-    sys.stdout.write(json.dumps({"kind": kind, **facts}) + "\n")
-    sys.stdout.flush()
-
-
-def main() -> int:
-    program = ComponentProgram(
-        name="operator", description="Operator of the live tests.", address=JausAddress(100, 1, 3)
-    )
-    return run_component(Operator, program, sys.argv[1:])
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(run(Operator, "operator", "100.1.3"))

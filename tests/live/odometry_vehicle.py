@@ -5,23 +5,16 @@ from __future__ import annotations
 import sys
 from functools import partial
 
-from jausml_runtime import (
-    ComponentProgram,
-    ComponentSettings,
-    JausAddress,
-    JausComponent,
-    ServiceIdentity,
-    run_component,
-)
+from jausml_runtime import JausComponent, ServiceIdentity
 from odometry_bridge.messages import (
     QueryLocalPose,
     QueryVelocityState,
     ReportLocalPose,
     ReportVelocityState,
 )
+from roles import FOUND, core, run
 
-CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
-ADDRESSES = {"pose": JausAddress(10, 1, 1), "velocity": JausAddress(10, 1, 2)}
+ADDRESSES = {"pose": "10.1.1", "velocity": "10.1.2"}
 SERVICES = {"pose": "LocalPoseSensor", "velocity": "VelocityStateSensor"}
 
 
@@ -30,7 +23,7 @@ class Sensor(JausComponent):
 
     def __init__(self, kind, transport, address, settings):
         services = [
-            *(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in CORE),
+            *core(*FOUND),
             ServiceIdentity(f"urn:jaus:jss:mobility:{SERVICES[kind]}", 1, 0),
         ]
         super().__init__(transport, address, name=kind, services=services, settings=settings)
@@ -44,15 +37,5 @@ class Sensor(JausComponent):
 
 if __name__ == "__main__":
     kind, *rest = sys.argv[1:]
-    raise SystemExit(
-        run_component(
-            partial(Sensor, kind),
-            ComponentProgram(
-                name=kind,
-                description="Sensor of the live test of joined reports.",
-                address=ADDRESSES[kind],
-                settings=ComponentSettings(register_services=False),
-            ),
-            rest,
-        )
-    )
+    make = partial(Sensor, kind)
+    raise SystemExit(run(make, kind, ADDRESSES[kind], rest, register_services=False))
