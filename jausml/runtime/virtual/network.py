@@ -85,17 +85,18 @@ class Network:
         """Let a datagram leave a process."""
         key = _ends(datagram)
         station.sent[key] += 1
-        if not station.out.carry(partial(self._cross, datagram, station.endpoint, to)):
+        if not station.out.carry(partial(self._cross, datagram, station, to)):
             station.lost[key] += 1
 
-    def _cross(self, datagram: bytes, origin: Endpoint, to: Endpoint) -> None:
-        if to != _GROUP:
-            receiver = self._stations.get(to)
-            receivers = [] if receiver is None else [receiver]
+    def _cross(self, datagram: bytes, station: Station, to: Endpoint) -> None:
+        origin = station.endpoint
+        if to == _GROUP:
+            for receiver in [each for at, each in self._stations.items() if at != origin]:
+                self._enter(datagram, origin, receiver)
+        elif to in self._stations:
+            self._enter(datagram, origin, self._stations[to])
         else:
-            receivers = [each for at, each in self._stations.items() if at != origin]
-        for each in receivers:
-            self._enter(datagram, origin, each)
+            station.lost[_ends(datagram)] += 1
 
     def _enter(self, datagram: bytes, origin: Endpoint, receiver: VirtualTransport) -> None:
         station = receiver.station
@@ -126,7 +127,7 @@ class Station:
         unicast: It itself, while it is open.
         sent: Datagrams that it has sent.
         received: Datagrams that have reached it.
-        lost: Datagrams that got lost on one of its ways.
+        lost: Datagrams that got lost on one of its ways, or went to where nobody is.
     """
 
     group: Endpoint = _GROUP
@@ -241,7 +242,10 @@ class VirtualTransport(DatagramTransport):
 
     @property
     def lost(self) -> Counts:
-        """Datagrams that got lost on the ways of this process, by source and destination."""
+        """Datagrams that got lost on the ways of this process, by source and destination.
+
+        One that went to where nobody is any more is lost too.
+        """
         return self.station.lost
 
 

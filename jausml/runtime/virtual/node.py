@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..bridge.errors import RosTypeError
-from ..bridge.parameters import ParameterError
+from ..bridge.parameters import ParameterError, nearest
 from ..bridge.topics import Topic
 from ..conversions import Time
 from .graph import GraphSubscription, type_name
@@ -68,6 +68,7 @@ class VirtualRosNode:
         """
         if loop is not self._graph.loop:
             raise ValueError(f"{self.name} is of another world than the transport of its bridge")
+        loop.call_soon(self._tell_unknown)
 
     def close(self) -> None:
         """Gives all topics back; the bridge is closed before."""
@@ -119,6 +120,15 @@ class VirtualRosNode:
             raise ParameterError(f"{name} cannot change while the bridge runs")
         self._given[name] = _checked(parameter, value)
         self._followers[name](value)
+
+    def _tell_unknown(self) -> None:
+        """Counts parameters that nobody declared: they are misspelt, or mean nothing here."""
+        for name in self._given:
+            if name not in self._declared:
+                meant = nearest(name, self._declared)
+                hint = f"; did you mean {meant}?" if meant else ""
+                detail = f"{self.name} has no parameter {name}{hint}"
+                self._graph.loop.counters.count("ros.unknown_parameter", detail)
 
     # ------------------------------------------------------------------ topics
 

@@ -175,6 +175,29 @@ class TestNode:
                 refused()
 
 
+class TestClassesOfRos:
+    def test_objects_of_ros_are_published(self, world, node):
+        messages = pytest.importorskip("std_msgs.msg")
+        got = []
+        world.ros.subscribe("/x", KIND, got.append)
+        made = node.publisher(messages.Float64, Topic("/x"))
+        made.publish_message(messages.Float64(data=2.5))
+        world.run_for(0)
+        (data,) = got
+        assert node.codec(messages.Float64).decode(data).data == 2.5
+        with pytest.raises(TypeError, match="Float64 expected, not int"):
+            made.publish_message(2)
+
+    def test_a_type_that_is_not_installed(self, node):
+        class Unknown:
+            TYPE = "no_msgs/msg/Thing"
+
+        with pytest.raises(
+            RosTypeError, match="objects of ROS for no_msgs/msg/Thing need ROS itself"
+        ):
+            node.codec(Unknown)
+
+
 class TestParameters:
     RATE = Parameter("rate", 10.0, "Rate.", (0.1, 100.0))
     NAME = Parameter("name", "x", "Name.")
@@ -207,6 +230,14 @@ class TestParameters:
         node = world.ros_node("bridge", {"count": 4})
         with pytest.raises(ParameterError, match="count: even"):
             node.parameter(Parameter("count", 3, "Count.", check=self.odd))
+
+    def test_a_parameter_that_nobody_declares(self, world, caplog):
+        node = world.ros_node("bridge", {"rat": 2.0, "rate": 2.0})
+        node.attach(world.loop)
+        node.parameter(self.RATE)
+        world.run_for(0)
+        assert world.counters.snapshot()["ros.unknown_parameter"] == 1
+        assert "/bridge has no parameter rat; did you mean rate?" in caplog.text
 
     def test_parameters_that_cannot_be_set(self, world):
         node = world.ros_node("bridge")

@@ -225,6 +225,24 @@ class TestWhoIsReached:
         world.run_for(1)
         assert names[-1] == "later"
 
+    def test_components_find_each_other(self, world):
+        component(world.transport(LOSSY), FIRST, register_services=True)
+        asker = component(world.transport(LOSSY), SECOND)
+        found = []
+        asker.discover("urn:jaus:jss:core:Liveness", lambda each: found.append(each.address))
+        world.run_until(lambda: FIRST in found, limit=60)
+
+    def test_what_goes_to_where_nobody_is(self, world):
+        sender, receiver = world.transport(), world.transport()
+        attached(world, receiver, SECOND)
+        receiver.send(SECOND, EVERYBODY, b"\x01\x00")
+        attached(world, sender, FIRST)
+        world.run_for(1)
+        receiver.close()
+        sender.send(FIRST, SECOND, b"\x01\x00")
+        world.run_for(1)
+        assert sender.lost[FIRST, SECOND] == 1
+
 
 class TestLoss:
     def test_questions(self, world, pair):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from datetime import datetime, timedelta, timezone
 
 import pytest
 
 from jausml.runtime import JausAddress, JausComponent, ServiceIdentity
+from jausml.runtime.base.host_clock import HostClock
+from jausml.runtime.base.loop import Loop
 from jausml.runtime.virtual import VirtualWorld
 
 CORE = tuple(
@@ -74,6 +77,15 @@ class TestTime:
             assert made.clock.now() == 90.25
             assert made.clock.utc() == start + timedelta(seconds=90.25)
             assert made.current_time == made.clock.utc() == world.utc()
+
+    def test_beside_a_real_network_it_is_that_of_the_computer(self):
+        with Loop() as loop:
+            clock = HostClock(loop)
+            before = time.monotonic(), datetime.now(timezone.utc)
+            now, utc = clock.now(), clock.utc()
+            after = time.monotonic(), datetime.now(timezone.utc)
+        assert before[0] <= now <= after[0]
+        assert before[1] - timedelta(microseconds=1) <= utc <= after[1]
 
     def test_a_start_without_a_time_zone(self):
         with pytest.raises(ValueError, match="no time zone"):
