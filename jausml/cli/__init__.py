@@ -25,6 +25,7 @@ VERBS = {
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",
     "report": "Tell what load and which worst-case times a system has.",
+    "diagram": "Draw a system, a map, a service or a state machine.",
     "partition": "Propose how to split bridges over several.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",

@@ -1,0 +1,72 @@
+"""`jausml diagram`: draws views of a model."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.common import PROBLEMS, EnvironmentFault, find_models, reading_options, write_report
+
+if TYPE_CHECKING:
+    from jausml.cli.common import Reading
+    from jausml.diagrams.graph import Graph
+
+SUFFIXES = (".mmd", ".dot")
+
+
+@click.command("diagram")
+@click.argument("model", metavar="MODEL")
+@click.option(
+    "--view",
+    default="system",
+    show_default=True,
+    metavar="VIEW",
+    help="What to draw: system, map:NAME, service:NAME or machine:NAME.",
+)
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="FILE",
+    help=f"The file to write; its ending says what: {', '.join(SUFFIXES)}.",
+)
+@reading_options
+def command(model: str, view: str, output: str, reading: Reading) -> None:
+    """Draw a view of MODEL.
+
+    The system shows components, bridges with their connections, and ROS nodes; a map the members of
+    both ends and its assignments; a service its messages and what it inherits; a machine its states
+    and transitions. Of a model with errors is drawn what can be read, and what is wrong with it.
+
+    Exit status: 0 done, 1 drawn, with errors in the model, 2 usage (an unknown view) or
+    environment, 3 internal error.
+    """
+    from jausml.diagrams.views import UnknownViewError, graph_of
+    from jausml.model.reading.reader import read_models
+    from jausml.text.notation import NOTATIONS
+    from jausml.validation.engine import check
+    from jausml.validation.formats import text
+
+    suffix = PurePath(output).suffix
+    if suffix not in SUFFIXES:
+        raise click.UsageError(f"-o {output!a} ends in none of {', '.join(SUFFIXES)}")
+    report = check(read_models(find_models([model]), notations=NOTATIONS, **reading))
+    try:
+        graph = graph_of(report.model, view, report.diagnostics)
+    except UnknownViewError as error:
+        if report.has_errors:
+            click.echo(text.render(report), nl=False, err=True)
+        raise EnvironmentFault(str(error)) from error
+    write_report(_rendered(graph, suffix), output)
+    if report.has_errors:
+        click.echo(text.render(report), nl=False, err=True)
+        click.echo(text.summary(report), err=True)
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _rendered(graph: Graph, suffix: str) -> str:
+    from jausml.diagrams.writers import dot, mermaid
+
+    return {".mmd": mermaid.render, ".dot": dot.render}[suffix](graph)

@@ -1,0 +1,89 @@
+"""What all views need of a model: ids, findings and texts of its elements."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from jausml.diagrams.graph import Finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.diagrams.graph import Details
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.model.model import Model
+
+
+class Context:
+    """A model as views see it.
+
+    Args:
+        model: The model.
+        view: Name of the view.
+        diagnostics: What was found about the model.
+    """
+
+    def __init__(self, model: Model, view: str, diagnostics: Iterable[Diagnostic]) -> None:
+        self.model = model
+        self.view = view
+        self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
+        for each in sorted(diagnostics):
+            found = Finding(each.severity.value, each.rule, each.message)
+            key = (each.location.path, each.fragment) if each.fragment else ("", "")
+            self._findings[key].append(found)
+
+    def id_of(self, element: EObject) -> str:
+        """Returns the id of an element: its fragment, behind its file unless that is the first."""
+        document = self.model.document_of(element)
+        fragment = self.model.fragment(element)
+        if document is None or document is self.model.documents[0]:
+            return fragment
+        return f"{document.path.name}#{fragment}"
+
+    def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
+        """Returns what was found about elements.
+
+        Args:
+            elements: The elements; None is passed over.
+            deep: Whether what they own counts too.
+        """
+        if not self._findings:
+            return ()
+        found: dict[Finding, None] = {}
+        pending = [each for each in reversed(elements) if each is not None]
+        while pending:
+            element = pending.pop()
+            document = self.model.document_of(element)
+            path = document.display if document is not None else ""
+            for each in self._findings.get((path, self.model.fragment(element)), ()):
+                found[each] = None
+            if deep:
+                pending += reversed(self.model.owned(element))
+        return tuple(found)
+
+    def of_files(self) -> tuple[Finding, ...]:
+        """Returns what was found about files and not about an element."""
+        return tuple(dict.fromkeys(self._findings.get(("", ""), ())))
+
+
+def details(element: EObject, **more: object) -> Details:
+    """Returns what is told of an element on request: its documentation, then more.
+
+    Args:
+        element: The element.
+        more: Names and values; empty values are left out.
+    """
+    texts = {"documentation": getattr(element, "documentation", None), **more}
+    return tuple((name, str(value)) for name, value in texts.items() if value not in (None, ""))
+
+
+def name_of(element: EObject | None) -> str:
+    """Returns the name of an element, or what stands for a name that is not there."""
+    return str(getattr(element, "name", None) or "?")
+
+
+def number(value: float) -> str:
+    """Returns a number as people write it: no more digits than it needs."""
+    return f"{value:.10g}"

@@ -1,0 +1,1 @@
+"""Writers of graphs; those of pictures take a layout too."""

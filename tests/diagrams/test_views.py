@@ -1,0 +1,173 @@
+"""Views: what the graphs of models hold, whatever the model."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import mutants
+import pytest
+from diagram_support import CAR, MODELS, graphs, look_at, read
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from jausml.diagrams.graph import severity
+from jausml.diagrams.views import UnknownViewError, graph_of, view_names
+from jausml.diagrams.writers import dot, mermaid
+
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
+SHIPPED = sorted(
+    each
+    for each in MODELS.rglob("*")
+    if each.suffix in (".xmi", ".ros2jaus") and "library" not in each.parts
+)
+WINCH = MODELS / "examples" / "winch" / "service.xmi"
+
+
+def car(view):
+    report = read(CAR)
+    return graph_of(report.model, view, report.diagnostics)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_view_of_what_is_shipped(path):
+    found = list(graphs(read(path)))
+    assert found
+    for each in found:
+        look_at(each)
+        assert each.nodes
+        assert not severity(each.findings)
+
+
+def test_every_view_of_the_library_that_is_used():
+    for each in graphs(read(CAR), library=True):
+        look_at(each)
+
+
+@settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_whatever_the_model_edges_end_at_ports(data):
+    def choose(things):
+        return data.draw(st.sampled_from(things))
+
+    text = mutants.mutant(choose, mutants.seed_texts())
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / "model.xmi"
+        path.write_text(text, encoding="utf-8")
+        for each in graphs(read(path)):
+            look_at(each)
+            mermaid.render(each)
+            dot.render(each)
+
+
+def test_the_system_has_what_the_model_says():
+    graph = car("system")
+    kinds = {each.title: each.kind for each in graph.nodes}
+    assert kinds["vehicle"] == "component"
+    assert kinds["bridge"] == "bridge"
+    assert kinds["logger"] == "node"
+    assert [each.title for each in graph.groups] == ["host onboard (judp)"]
+    bridge = next(each for each in graph.nodes if each.title == "bridge")
+    row = next(each for each in bridge.ports if each.label == "odometry")
+    assert row.note == "ReportVelocityState → Odometry"
+    (edge,) = (e for e in graph.edges if e.target.port == row.id and e.kind == "message")
+    assert edge.source.node == "vehicle"
+    assert edge.labels == ("event, 25 Hz",)
+    # From ROS to JAUS the arrow points the other way.
+    (command,) = (
+        e for e in graph.edges if e.title == "SetWrenchEffort" and "Connections.4" in e.source.port
+    )
+    assert command.target.node == "vehicle"
+
+
+def test_services_and_actions_are_connections_too():
+    graph = next(graphs(read(MODELS / "examples" / "nav2" / "nav2.ros2jaus")))
+    assert {each.mark for node in graph.nodes for each in node.ports} >= {"action"}
+    assert any(each.kind == "call" for each in graph.edges)
+
+
+def test_a_map_has_a_line_for_each_assignment():
+    graph = car("map:velocity_state")
+    assert [each.labels for each in graph.edges] == [
+        ("timestamp_to_time",),
+        (),
+        ("negate",),
+        ("negate",),
+    ]
+    jaus, ros = graph.nodes
+    marks = {each.id: each.mark for each in ros.ports}
+    assert marks["header.frame_id"] == "= odom"
+    assert marks["pose"] == "unmapped"
+    rows = {each.id: each.note for each in jaus.ports}
+    assert (
+        rows["Velocity_X"] == "scaled uint32  meter per second  -327.68..327.67  forwardRightDown"
+    )
+    ignored = [each.mark for node in car("map:cruise_speed").nodes for each in node.ports]
+    assert "ignored" in ignored
+    assert "= clock" in ignored
+
+
+def test_a_service_has_its_messages_and_what_it_inherits():
+    graph = car("service:PrimitiveDriver")
+    titles = [each.title for each in graph.nodes if each.kind == "service"]
+    assert titles == ["PrimitiveDriver", "Management", "AccessControl", "Events", "Transport"]
+    assert sum(each.kind == "inherits" for each in graph.edges) == len(titles) - 1
+    answers = [each for each in graph.edges if each.kind == "answers"]
+    assert answers
+    assert any(each.mark == "command" for node in graph.nodes for each in node.ports)
+
+
+def test_a_machine_has_states_in_states_and_transitions():
+    report = read(WINCH)
+    graph = graph_of(report.model, "machine:ReceiveFSM", report.diagnostics)
+    assert graph.downwards
+    titles = {each.title for each in graph.nodes}
+    assert {"Idle", "Locked", "PayingOut", "PayingIn"} <= titles
+    labels = [each.labels for each in graph.edges]
+    assert ("SetWinchCommand", "[isControllingClient && paysOut]", "/ setSpeed") in labels
+    assert [each.title for each in graph.groups][:2] == ["Receiving", "Ready"]
+
+
+def test_of_a_broken_model_the_rest_is_drawn_with_what_is_wrong(tmp_path):
+    text = CAR.read_text(encoding="utf-8").replace("../library/", "http://www.jausml.org/library/")
+    broken = text.replace('source="YawRate"', 'source="YawRat"').replace('rate="10.0"', 'rate="x"')
+    path = tmp_path / "broken.xmi"
+    path.write_text(broken, encoding="utf-8")
+    report = read(path)
+    assert report.has_errors
+    system, velocity, *_ = graphs(report)
+    look_at(system)
+    rows = [each for node in system.nodes for each in node.ports if each.label == "pose"]
+    assert [severity(each.findings) for each in rows] == ["error"]
+    look_at(velocity)
+    unknown = [each for node in velocity.nodes for each in node.ports if each.mark == "unknown"]
+    assert [each.label for each in unknown] == ["YawRat"]
+
+
+@pytest.mark.parametrize(
+    ("view", "hint"),
+    [
+        ("map:velocity_stat", "did you mean map:velocity_state?"),
+        ("sytem", "did you mean system?"),
+        ("machine:x", "there are: system, map:velocity_state"),
+    ],
+)
+def test_an_unknown_view_names_the_nearest(view, hint):
+    with pytest.raises(UnknownViewError, match="no view") as caught:
+        car(view)
+    assert hint in str(caught.value)
+
+
+def test_ids_are_those_of_the_model():
+    model = read(CAR).model
+    graph = graph_of(model, "system")
+    known = {model.fragment(each) for each in model.elements(library=False)}
+    own = [each.id for each in graph.nodes if "!" not in each.id]
+    assert own
+    assert set(own) <= known
+
+
+def test_the_same_model_makes_the_same_graph():
+    assert car("system") == car("system")
+    assert view_names(read(CAR).model) == view_names(read(CAR).model)
