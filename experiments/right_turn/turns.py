@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MOST_POINTS = 70
-_MOST_DOTS = 140
+_MOST_DOTS = 260
 _STATION_SPACING = 0.5
 _AIR = 3.0
 _CURVE_POINTS = 200
@@ -144,6 +144,7 @@ def _draw_region(
             axes.plot(*_angle_speed(points), color=_THIN, linewidth=0.6)
     drive = row.drives[row.chosen]
     points = style.thinned(drive, _MOST_DOTS)
+    axes.plot(*_angle_speed(points), color="0.35", linewidth=1.0)
     dots = axes.scatter(
         *_angle_speed(points),
         c=[sample.t for sample in points],
