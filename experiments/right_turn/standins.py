@@ -97,7 +97,7 @@ class SteeringNode(StandIn):
         self._answer(self._logic.take_speed(report))
 
     def _angle(self, message: Any) -> None:
-        self._answer(self._logic.take_angle(message.data))
+        self._answer(self._logic.take_angle(message.data, self._ros.world.now()))
 
     def _answer(self, step: SteeringStep | None) -> None:
         if step is None:

@@ -9,33 +9,69 @@ from catvehicle.logic import SpeedLogic, SpeedReport, SteeringLogic
 PARAMETERS = VehicleParameters()
 
 
-def steps(*messages: tuple[str, float]) -> list[tuple[int, float]]:
-    """Feed reports; return time stamp and tyre angle of each step."""
+def steps(*messages: tuple[str, float, float]) -> list[tuple[int, float]]:
+    """Feed reports, each with the time at which it comes; return time stamp and angle of steps."""
     logic = SteeringLogic(PARAMETERS)
     made = [
-        logic.take_angle(value)
+        logic.take_angle(value, received)
         if kind == "angle"
-        else logic.take_speed(SpeedReport(int(value), 1.0))
-        for kind, value in messages
+        else logic.take_speed(SpeedReport(int(value), 1.0, received))
+        for kind, value, received in messages
     ]
     return [(step.report.stamp_ms, step.measured_angle) for step in made if step is not None]
 
 
 @pytest.mark.parametrize("first", ["speed", "angle"])
 def test_a_speed_goes_with_the_angle_of_its_own_period(first: str) -> None:
-    halves = [[("speed", 1), ("angle", 0.1)], [("speed", 2), ("angle", 0.2)]]
+    halves = [
+        [("speed", 1, 0.0), ("angle", 0.1, 0.001)],
+        [("speed", 2, 0.04), ("angle", 0.2, 0.041)],
+    ]
     if first == "angle":
-        halves = [half[::-1] for half in halves]
+        halves = [
+            [("angle", 0.1, 0.0), ("speed", 1, 0.001)],
+            [("angle", 0.2, 0.04), ("speed", 2, 0.041)],
+        ]
 
     assert steps(*halves[0], *halves[1]) == [(1, 0.1), (2, 0.2)]
 
 
+def test_an_angle_that_came_before_the_first_speed_is_not_taken_for_ever_a_period_late() -> None:
+    ahead = ("angle", 0.0, 0.008)
+    periods = [
+        [("speed", each, 0.04 * each), ("angle", 0.1 * each, 0.04 * each + 0.008)]
+        for each in (1, 2, 3)
+    ]
+
+    made = steps(ahead, *(message for period in periods for message in period))
+
+    assert made == [(1, 0.1), (2, 0.2), (3, pytest.approx(0.3))]
+
+
 def test_a_lost_angle_holds_nothing_up() -> None:
-    assert steps(("speed", 1), ("angle", 0.1), ("speed", 2), ("speed", 3)) == [(1, 0.1), (2, 0.1)]
+    received = [
+        ("speed", 1, 0.0),
+        ("angle", 0.1, 0.001),
+        ("speed", 2, 0.04),
+        ("speed", 3, 0.08),
+        ("angle", 0.3, 0.081),
+    ]
+    assert steps(*received) == [(1, 0.1), (2, 0.1), (3, 0.3)]
+
+
+def test_the_angle_of_the_next_period_does_not_stand_for_one_that_was_lost() -> None:
+    received = [
+        ("angle", 0.1, 0.0),
+        ("speed", 1, 0.001),
+        ("speed", 2, 0.041),
+        ("angle", 0.3, 0.08),
+        ("speed", 3, 0.081),
+    ]
+    assert steps(*received) == [(1, 0.1), (2, 0.1), (3, 0.3)]
 
 
 def test_a_lost_speed_makes_no_step() -> None:
-    assert steps(("angle", 0.1), ("angle", 0.2), ("speed", 2)) == [(2, 0.2)]
+    assert steps(("angle", 0.1, 0.0), ("angle", 0.2, 0.04), ("speed", 2, 0.041)) == [(2, 0.2)]
 
 
 def test_a_step_integrates_the_pose_and_commands_by_the_law() -> None:
@@ -44,7 +80,7 @@ def test_a_step_integrates_the_pose_and_commands_by_the_law() -> None:
     step = None
     for index in range(200):
         assert logic.take_speed(SpeedReport(index * 40, 6.0, index * 0.04)) is None
-        step = logic.take_angle(-0.05)
+        step = logic.take_angle(-0.05, index * 0.04 + 0.001)
 
     assert step is not None
     assert step.report.received == 199 * 0.04

@@ -26,7 +26,7 @@ class SpeedReport:
     Attributes:
         stamp_ms: When the vehicle sensed it, ms.
         speed: Speed, m/s.
-        received: When it came, s on the controller's clock; handed on with the step.
+        received: When it came, s on the controller's clock.
     """
 
     stamp_ms: int
@@ -55,7 +55,9 @@ class SteeringLogic:
     """Follows the path by dead reckoning: a tyre angle for each state that the vehicle reports.
 
     Speed and tyre angle come in messages of their own at the same rate. A step waits for both,
-    since an angle of the period before would make the dead reckoning drift.
+    since an angle of the period before would make the dead reckoning drift. Which angle is of the
+    same period, only the times tell at which both came: in order, each angle is before one speed
+    and behind another.
     """
 
     def __init__(self, parameters: VehicleParameters) -> None:
@@ -65,13 +67,30 @@ class SteeringLogic:
         self._dead_reckoning = DeadReckoning(parameters)
         self._angle = 0.0
         self._angle_is_new = False
+        self._angle_received = 0.0
+        self._same_period = 0.5 / parameters.report_rate
         self._waiting: SpeedReport | None = None
 
-    def take_angle(self, angle: float) -> SteeringStep | None:
-        """Take a tyre angle (rad); return the step of the speed report that waited for it."""
+    def take_angle(self, angle: float, received: float) -> SteeringStep | None:
+        """Take a tyre angle (rad); return the step of the speed report that waited for it.
+
+        Args:
+            angle: The angle, rad.
+            received: When it came, s on the clock of the speed reports.
+        """
+        waiting = self._waiting
+        if waiting is not None and received - waiting.received > self._same_period:
+            # Its own angle was lost; this one is that of the next speed.
+            step = self._step(waiting)
+            self._keep(angle, received)
+            return step
+        self._keep(angle, received)
+        return None if waiting is None else self._step(waiting)
+
+    def _keep(self, angle: float, received: float) -> None:
         self._angle = angle
+        self._angle_received = received
         self._angle_is_new = True
-        return None if self._waiting is None else self._step(self._waiting)
 
     def take_speed(self, report: SpeedReport) -> SteeringStep | None:
         """Take a speed report; return the step that it makes possible.
@@ -82,7 +101,7 @@ class SteeringLogic:
             step = self._step(self._waiting)
             self._waiting = report
             return step
-        if self._angle_is_new:
+        if self._angle_is_new and report.received - self._angle_received <= self._same_period:
             return self._step(report)
         self._waiting = report
         return None

@@ -24,7 +24,7 @@ class SteeringController(SteeringControllerBase):
 
     def on_steering_angle(self, message: Float64) -> None:
         """Takes the tyre angle that the vehicle reports, rad."""
-        self._answer(self._logic.take_angle(message.data))
+        self._answer(self._logic.take_angle(message.data, time.monotonic()))
 
     def on_odometry(self, message: Odometry) -> None:
         """Takes the velocity that the vehicle reports."""

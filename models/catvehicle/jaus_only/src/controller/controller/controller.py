@@ -92,7 +92,7 @@ class Controller(ControllerBase):
         if effort is not None:
             angle = -effort / 100 * self._parameters.steering_limit
             self._speed.take_measured_angle(angle)
-            self._answer(self._steering.take_angle(angle))
+            self._answer(self._steering.take_angle(angle, self.clock.now()))
 
     def on_velocity(self, report: ReportVelocityState, provider: JausAddress) -> None:
         """Takes the velocity; one without a time is of no use to the dead reckoning."""
