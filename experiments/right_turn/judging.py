@@ -8,17 +8,19 @@ smallest eps of (0.1 s, eps)-closeness, the conformance of hybrid systems).
 **By how much they may differ.** All bounds follow from one choice, `TOLERATED_DELAY`: a bridge may
 make each way 5 ms longer. That is an eighth of the report period (40 ms), which a change of the
 vehicle's state waits for anyway, and there and back a twenty-fifth of its fastest time constant
-(steering, 0.25 s). Speed and tyre angle are reported by two events, whose phase comes from the
-messages that created them: by a way and an answer of the tolerated delay the angle may be sensed
-later than the speed, 10 ms. `thresholds` works out what both together do to the same plant,
-laws and codec without any middleware (`catvehicle.closed_loop`), with two floors below which no
-experiment could tell a difference:
+(steering, 0.25 s). `thresholds` works out what this delay does to the same plant, laws and codec
+without any middleware (`catvehicle.closed_loop`), at the worst of four phases of the two reports:
+speed and tyre angle come by events, and have the phase of the messages that created them. Floors
+are what no experiment can tell apart:
 
 - where the reports fall on the path: the vehicle moves v_ref T = 0.24 m between two, and nobody
   synchronises its clock with the path. The largest effect of a quarter, half and three quarters of
-  that is a floor of the bounds of single drives (path error: some centimetres);
-- the quantum of the codec: the effort field has 200 % / 65535, which is 1.6e-5 rad of tyre angle;
-  the sum over the steps of a drive is a floor for steering activity.
+  that counts for numbers of single drives;
+- the quanta of the codec: time stamps name milliseconds, so that nobody knows better than
+  v_ref 1 ms = 6 mm where the vehicle was; the effort field has 200 % / 65535, 1.6e-5 rad of tyre
+  angle, whose sum over the steps of a drive counts for steering activity;
+- path errors of two drives cannot differ more than the drives are apart in space, so that their
+  bound is that of closeness. Delay hardly changes them: they are no sharp measure of a bridge.
 
 **J against J.** Even J differs from J: the reports of one drive fall elsewhere, and processes are
 scheduled as it happens. Distances in time are never negative, so they would count this noise as a
@@ -67,6 +69,9 @@ SHIFT = 0.1
 
 LEAST_DELAY = 0.0002
 """Seconds of each way without a bridge, in the loop that bounds are derived from."""
+
+STAMP_QUANTUM = 0.001
+"""Seconds that a time stamp of a report can tell apart."""
 
 REST = 0.02
 """A part of the vehicle's last metre that is left to drive takes long and moves it little: what
@@ -204,26 +209,27 @@ def differences(
 @lru_cache
 def thresholds(parameters: VehicleParameters) -> Mapping[str, float]:
     """Returns the bound of each measure, as the description of this module derives it."""
-    reference = _loop(parameters)
-    late = _loop(parameters, LEAST_DELAY + TOLERATED_DELAY, skew=2 * TOLERATED_DELAY)
-    bounds = {key: abs(values[0]) for key, values in differences([(reference, late)]).items()}
-    period = parameters.reference_speed / parameters.report_rate
+    reference, period = _loop(parameters), 1.0 / parameters.report_rate
+    pairs = [
+        (reference, _loop(parameters, LEAST_DELAY + TOLERATED_DELAY, part * period))
+        for part in (0.0, 0.25, 0.5, 0.75)
+    ]
+    found = [differences([pair]) for pair in pairs]
+    bounds = {key: max(abs(each[key][0]) for each in found) for key in found[0]}
+    alone = judged(reference, parameters)
     for part in (0.25, 0.5, 0.75):
-        straight = parameters.straight_length + part * period
-        elsewhere = _loop(replace(parameters, straight_length=straight))
-        moved = _single(elsewhere, replace(parameters, straight_length=straight))
-        for key, value in _single(reference, parameters).items():
-            bounds[key] = max(bounds[key], abs(moved[key] - value))
-    quantum = EFFORT_QUANTUM / 100 * parameters.steering_limit
-    activity = judged(reference)["steering_activity"]
-    steps = judged(reference)["duration"] * parameters.report_rate
-    bounds["activity"] = max(bounds["activity"], steps * quantum / activity)
+        straight = parameters.straight_length + part * period * parameters.reference_speed
+        moved = replace(parameters, straight_length=straight)
+        peak = judged(_loop(moved), moved)["peak_lateral_acceleration"]
+        bounds["peak_lateral_acceleration"] = max(
+            bounds["peak_lateral_acceleration"], abs(peak - alone["peak_lateral_acceleration"])
+        )
+    placed = STAMP_QUANTUM * parameters.reference_speed
+    bounds |= {key: max(bounds[key], placed) for key in ("position", "closeness")}
+    bounds["path_error_max"] = bounds["closeness"]
+    summed = EFFORT_QUANTUM / 100 * parameters.steering_limit * alone["duration"] / period
+    bounds["activity"] = max(bounds["activity"], summed / alone["steering_activity"])
     return bounds
-
-
-def _single(drive: Sequence[Sample], parameters: VehicleParameters) -> dict[str, float]:
-    found = judged(drive, parameters)
-    return {key: found[key] for key in ("path_error_max", "peak_lateral_acceleration")}
 
 
 def _loop(

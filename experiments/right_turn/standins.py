@@ -97,11 +97,9 @@ class SteeringNode(StandIn):
         self._answer(self._logic.take_speed(report))
 
     def _angle(self, message: Any) -> None:
-        self._answer(self._logic.take_angle(message.data, self._ros.world.now()))
+        self._logic.take_angle(message.data, self._ros.world.now())
 
-    def _answer(self, step: SteeringStep | None) -> None:
-        if step is None:
-            return
+    def _answer(self, step: SteeringStep) -> None:
         report, now = step.report, self._ros.world.now()
         self._note(Step(report.stamp_ms, report.received, now, step.command))
         self._say("/steering_command", self._types.Float64(step.command))

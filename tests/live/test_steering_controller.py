@@ -73,4 +73,4 @@ def test_steps(packages: list[str]) -> None:
         timeout=60,
     )
     assert result.returncode == 0, result.stderr
-    assert json.loads(result.stdout) == [[1, 0.1], [2, 0.2]]
+    assert json.loads(result.stdout) == [[1, 0.1], [2, 0.2], [3, 0.3]]

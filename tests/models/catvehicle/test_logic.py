@@ -1,77 +1,63 @@
-"""The controllers step on whole states, in whatever order halves come, and obey the operator."""
+"""The controllers know the angle at the time of each speed, and obey the operator."""
 
 from __future__ import annotations
 
 import pytest
 from catvehicle import SteeringController, StraightArcStraight, VehicleParameters
-from catvehicle.logic import SpeedLogic, SpeedReport, SteeringLogic
+from catvehicle.logic import AngleSignal, SpeedLogic, SpeedReport, SteeringLogic
 
 PARAMETERS = VehicleParameters()
 
 
-def steps(*messages: tuple[str, float, float]) -> list[tuple[int, float]]:
-    """Feed reports, each with the time at which it comes; return time stamp and angle of steps."""
+@pytest.mark.parametrize("late", [0.0, 0.001, 0.02, 0.039])
+def test_an_angle_is_carried_on_to_the_time_of_the_speed(late: float) -> None:
     logic = SteeringLogic(PARAMETERS)
-    made = [
-        logic.take_angle(value, received)
-        if kind == "angle"
-        else logic.take_speed(SpeedReport(int(value), 1.0, received))
-        for kind, value, received in messages
-    ]
-    return [(step.report.stamp_ms, step.measured_angle) for step in made if step is not None]
+    for index in range(10):
+        now = 0.04 * index
+        logic.take_angle(-0.3 * now, now)
+    step = logic.take_speed(SpeedReport(0, 1.0, now + late))
+
+    assert step.measured_angle == pytest.approx(-0.3 * (now + late))
 
 
-@pytest.mark.parametrize("first", ["speed", "angle"])
-def test_a_speed_goes_with_the_angle_of_its_own_period(first: str) -> None:
-    halves = [
-        [("speed", 1, 0.0), ("angle", 0.1, 0.001)],
-        [("speed", 2, 0.04), ("angle", 0.2, 0.041)],
-    ]
-    if first == "angle":
-        halves = [
-            [("angle", 0.1, 0.0), ("speed", 1, 0.001)],
-            [("angle", 0.2, 0.04), ("speed", 2, 0.041)],
-        ]
+def test_the_phase_of_the_angle_does_not_matter() -> None:
+    found = []
+    for phase in (0.0, 0.01, 0.03):
+        logic = SteeringLogic(PARAMETERS)
+        for index in range(75):
+            now = 0.04 * index
+            logic.take_angle(-0.1 * (now - phase), now - phase)
+            step = logic.take_speed(SpeedReport(40 * index, 5.0, now))
+        found.append(step.pose)
 
-    assert steps(*halves[0], *halves[1]) == [(1, 0.1), (2, 0.2)]
-
-
-def test_an_angle_that_came_before_the_first_speed_is_not_taken_for_ever_a_period_late() -> None:
-    ahead = ("angle", 0.0, 0.008)
-    periods = [
-        [("speed", each, 0.04 * each), ("angle", 0.1 * each, 0.04 * each + 0.008)]
-        for each in (1, 2, 3)
-    ]
-
-    made = steps(ahead, *(message for period in periods for message in period))
-
-    assert made == [(1, 0.1), (2, 0.2), (3, pytest.approx(0.3))]
+    for pose in found[1:]:
+        assert (pose.x, pose.y) == pytest.approx((found[0].x, found[0].y), abs=0.005)
 
 
-def test_a_lost_angle_holds_nothing_up() -> None:
-    received = [
-        ("speed", 1, 0.0),
-        ("angle", 0.1, 0.001),
-        ("speed", 2, 0.04),
-        ("speed", 3, 0.08),
-        ("angle", 0.3, 0.081),
-    ]
-    assert steps(*received) == [(1, 0.1), (2, 0.1), (3, 0.3)]
+def test_an_angle_that_no_report_renews_goes_on_for_a_period_only() -> None:
+    signal = AngleSignal(PARAMETERS)
+    signal.take(0.0, 0.0)
+    signal.take(0.01, 0.04)
+
+    assert signal.at(0.08) == signal.at(5.0) == pytest.approx(0.02)
+    assert signal.at(0.03) == 0.01
 
 
-def test_the_angle_of_the_next_period_does_not_stand_for_one_that_was_lost() -> None:
-    received = [
-        ("angle", 0.1, 0.0),
-        ("speed", 1, 0.001),
-        ("speed", 2, 0.041),
-        ("angle", 0.3, 0.08),
-        ("speed", 3, 0.081),
-    ]
-    assert steps(*received) == [(1, 0.1), (2, 0.1), (3, 0.3)]
+@pytest.mark.parametrize("passed", [0.0, 0.001, 0.2])
+def test_reports_in_a_burst_or_after_a_silence_say_no_rate(passed: float) -> None:
+    signal = AngleSignal(PARAMETERS)
+    signal.take(0.0, 1.0)
+    signal.take(0.1, 1.0 + passed)
+
+    assert signal.at(1.0 + passed + 0.03) == 0.1
 
 
-def test_a_lost_speed_makes_no_step() -> None:
-    assert steps(("angle", 0.1, 0.0), ("angle", 0.2, 0.04), ("speed", 2, 0.041)) == [(2, 0.2)]
+def test_the_tyres_cannot_turn_faster_than_they_can() -> None:
+    signal = AngleSignal(PARAMETERS)
+    signal.take(0.0, 0.0)
+    signal.take(0.3, 0.04)
+
+    assert signal.at(0.05) == pytest.approx(0.3 + 0.01 * PARAMETERS.steering_rate_limit)
 
 
 def test_a_step_integrates_the_pose_and_commands_by_the_law() -> None:
@@ -79,8 +65,8 @@ def test_a_step_integrates_the_pose_and_commands_by_the_law() -> None:
     law = SteeringController(PARAMETERS, StraightArcStraight.right_turn(PARAMETERS))
     step = None
     for index in range(200):
-        assert logic.take_speed(SpeedReport(index * 40, 6.0, index * 0.04)) is None
-        step = logic.take_angle(-0.05, index * 0.04 + 0.001)
+        logic.take_angle(-0.05, index * 0.04)
+        step = logic.take_speed(SpeedReport(index * 40, 6.0, index * 0.04))
 
     assert step is not None
     assert step.report.received == 199 * 0.04

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .deadreckoning import DeadReckoning
+from .logic import SpeedLogic, SpeedReport, SteeringLogic
 from .metrics import Sample
-from .path import StraightArcStraight
 from .plant import BicyclePlant
-from .steering import SteeringController
-from .velocity import VelocityController
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +42,7 @@ class Loop:
         plant: Parameters of the vehicle.
         controller: Parameters of the controllers.
         delay: One-way delay of reports and likewise of commands, s.
-        skew: How much later than the speed the tyre angle of a report is sensed, s.
+        skew: How much later than the speed the tyre angle is reported, s, within a period.
         phase: Time of the first report, s.
         duration: Length of the run, s.
     """
@@ -68,11 +66,9 @@ class _Run:
         self.samples: list[Sample] = []
         self._loop = loop
         self._plant = BicyclePlant(loop.plant)
-        path = StraightArcStraight.right_turn(loop.controller)
-        self._path = path
-        self._reckoning = DeadReckoning(loop.controller)
-        self._steering = SteeringController(loop.controller, path)
-        self._velocity = VelocityController(loop.controller)
+        self._steering = SteeringLogic(loop.controller)
+        self._speed = SpeedLogic(loop.controller)
+        self._speed.take_cruise_speed(loop.controller.reference_speed)
         self._order = itertools.count()
         self._events: list[tuple[float, int, Callable[[float], None]]] = []
         self._fill()
@@ -84,7 +80,9 @@ class _Run:
     def _fill(self) -> None:
         loop = self._loop
         for index in range(round(loop.duration * loop.plant.report_rate)):
-            self._at(loop.phase + index / loop.plant.report_rate, self._report)
+            time = loop.phase + index / loop.plant.report_rate
+            self._at(time + loop.skew, self._report_angle)
+            self._at(time, self._report_speed)
         for index in range(round(loop.duration / LOG_PERIOD) + 1):
             self._at(index * LOG_PERIOD, self._log)
 
@@ -113,21 +111,24 @@ class _Run:
             )
         )
 
-    def _report(self, time: float) -> None:
-        speed = quantised(self._plant.state.v, SPEED_QUANTUM)
-        self._at(time + self._loop.skew, lambda now: self._report_angle(now, time, speed))
-
-    def _report_angle(self, time: float, sensed: float, speed: float) -> None:
+    def _report_angle(self, time: float) -> None:
         angle = self._angle_through_effort(self._plant.state.delta)
-        self._at(time + self._loop.delay, lambda now: self._control(now, sensed, speed, angle))
+        self._at(time + self._loop.delay, lambda now: self._take_angle(now, angle))
 
-    def _control(self, now: float, sensed: float, speed: float, angle: float) -> None:
-        pose = self._reckoning.update(sensed, speed, angle)
-        wanted_angle = self._steering.command(pose, speed)
-        remaining = self._path.remaining(pose.x, pose.y)
-        wanted_speed = self._velocity.command(angle, wanted_angle, remaining)
-        sent_angle = self._angle_through_effort(wanted_angle)
-        sent_speed = self._speed_through_effort(wanted_speed)
+    def _take_angle(self, now: float, angle: float) -> None:
+        self._speed.take_measured_angle(angle)
+        self._steering.take_angle(angle, now)
+
+    def _report_speed(self, time: float) -> None:
+        speed = quantised(self._plant.state.v, SPEED_QUANTUM)
+        self._at(time + self._loop.delay, lambda now: self._control(now, time, speed))
+
+    def _control(self, now: float, sensed: float, speed: float) -> None:
+        step = self._steering.take_speed(SpeedReport(math.floor(sensed * 1000), speed, now))
+        self._speed.take_commanded_angle(step.command)
+        wanted = self._speed.command(step.pose.x, step.pose.y)
+        sent_angle = self._angle_through_effort(step.command)
+        sent_speed = self._speed_through_effort(wanted)
         self._at(now + self._loop.delay, lambda _: self._plant.command(sent_speed, sent_angle))
 
     def _angle_through_effort(self, angle: float) -> float:

@@ -7,6 +7,7 @@ seconds and radians in ROS convention; time stamps are milliseconds of the vehic
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,7 @@ class SpeedReport:
 
     stamp_ms: int
     speed: float
-    received: float = 0.0
+    received: float
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class SteeringStep:
 
     Attributes:
         report: The speed report that the step is of.
-        measured_angle: Tyre angle that went with it, rad.
+        measured_angle: Tyre angle at that time, rad.
         pose: Dead-reckoned pose of the rear axle.
         command: Tyre angle to ask for, rad.
     """
@@ -51,13 +52,38 @@ class SteeringStep:
     command: float
 
 
-class SteeringLogic:
-    """Follows the path by dead reckoning: a tyre angle for each state that the vehicle reports.
+class AngleSignal:
+    """The tyre angle between its reports, which name no time and come at their own phase."""
 
-    Speed and tyre angle come in messages of their own at the same rate. A step waits for both,
-    since an angle of the period before would make the dead reckoning drift. Which angle is of the
-    same period, only the times tell at which both came: in order, each angle is before one speed
-    and behind another.
+    def __init__(self, parameters: VehicleParameters) -> None:
+        """Begin with straight tyres."""
+        self._period = 1.0 / parameters.report_rate
+        self._rate_limit = parameters.steering_rate_limit
+        self._time = -math.inf
+        self._angle = self._rate = 0.0
+
+    def take(self, angle: float, received: float) -> None:
+        """Take a report: the angle (rad) and when it came (s); what came late says no rate."""
+        passed = received - self._time
+        if 0.5 * self._period <= passed <= 2.0 * self._period:
+            rate = (angle - self._angle) / passed
+            self._rate = min(max(rate, -self._rate_limit), self._rate_limit)
+        else:
+            self._rate = 0.0
+        self._time, self._angle = received, angle
+
+    def at(self, time: float) -> float:
+        """Return the angle (rad) at a time (s): it goes on as it changed, for a period at most."""
+        return self._angle + self._rate * min(max(time - self._time, 0.0), self._period)
+
+
+class SteeringLogic:
+    """Follows the path by dead reckoning: a tyre angle for each speed that the vehicle reports.
+
+    The tyre angle comes in messages of its own at the same rate, but at another phase: up to a
+    period before the speed. Taken as it came, it would make the dead reckoning turn too late by
+    that much, 0.2 m in a turn; waiting for the next would delay the command. So it is carried on to
+    the time of the speed.
     """
 
     def __init__(self, parameters: VehicleParameters) -> None:
@@ -65,53 +91,18 @@ class SteeringLogic:
         path = StraightArcStraight.right_turn(parameters)
         self._controller = SteeringController(parameters, path)
         self._dead_reckoning = DeadReckoning(parameters)
-        self._angle = 0.0
-        self._angle_is_new = False
-        self._angle_received = 0.0
-        self._same_period = 0.5 / parameters.report_rate
-        self._waiting: SpeedReport | None = None
+        self._angle = AngleSignal(parameters)
 
-    def take_angle(self, angle: float, received: float) -> SteeringStep | None:
-        """Take a tyre angle (rad); return the step of the speed report that waited for it.
+    def take_angle(self, angle: float, received: float) -> None:
+        """Keep a tyre angle (rad) that came at a time (s on the controller's clock)."""
+        self._angle.take(angle, received)
 
-        Args:
-            angle: The angle, rad.
-            received: When it came, s on the clock of the speed reports.
-        """
-        waiting = self._waiting
-        if waiting is not None and received - waiting.received > self._same_period:
-            # Its own angle was lost; this one is that of the next speed.
-            step = self._step(waiting)
-            self._keep(angle, received)
-            return step
-        self._keep(angle, received)
-        return None if waiting is None else self._step(waiting)
-
-    def _keep(self, angle: float, received: float) -> None:
-        self._angle = angle
-        self._angle_received = received
-        self._angle_is_new = True
-
-    def take_speed(self, report: SpeedReport) -> SteeringStep | None:
-        """Take a speed report; return the step that it makes possible.
-
-        It waits for its angle. One that got none before the next report came is used without.
-        """
-        if self._waiting is not None:
-            step = self._step(self._waiting)
-            self._waiting = report
-            return step
-        if self._angle_is_new and report.received - self._angle_received <= self._same_period:
-            return self._step(report)
-        self._waiting = report
-        return None
-
-    def _step(self, report: SpeedReport) -> SteeringStep:
-        self._waiting = None
-        self._angle_is_new = False
-        pose = self._dead_reckoning.update(report.stamp_ms / 1000, report.speed, self._angle)
+    def take_speed(self, report: SpeedReport) -> SteeringStep:
+        """Take a speed report; return the step that answers it."""
+        angle = self._angle.at(report.received)
+        pose = self._dead_reckoning.update(report.stamp_ms / 1000, report.speed, angle)
         command = self._controller.command(pose, report.speed)
-        return SteeringStep(report, self._angle, pose, command)
+        return SteeringStep(report, angle, pose, command)
 
 
 class SpeedLogic:

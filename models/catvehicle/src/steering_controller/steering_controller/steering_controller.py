@@ -24,7 +24,7 @@ class SteeringController(SteeringControllerBase):
 
     def on_steering_angle(self, message: Float64) -> None:
         """Takes the tyre angle that the vehicle reports, rad."""
-        self._answer(self._logic.take_angle(message.data, time.monotonic()))
+        self._logic.take_angle(message.data, time.monotonic())
 
     def on_odometry(self, message: Odometry) -> None:
         """Takes the velocity that the vehicle reports."""
@@ -33,10 +33,8 @@ class SteeringController(SteeringControllerBase):
         report = SpeedReport(milliseconds, message.twist.twist.linear.x, time.monotonic())
         self._answer(self._logic.take_speed(report))
 
-    def _answer(self, step: SteeringStep | None) -> None:
+    def _answer(self, step: SteeringStep) -> None:
         """Publishes command and pose of a step."""
-        if step is None:
-            return
         sent = time.monotonic()
         self.publish_steering_command(Float64(data=step.command))
         report = step.report

@@ -92,7 +92,7 @@ class Controller(ControllerBase):
         if effort is not None:
             angle = -effort / 100 * self._parameters.steering_limit
             self._speed.take_measured_angle(angle)
-            self._answer(self._steering.take_angle(angle, self.clock.now()))
+            self._steering.take_angle(angle, self.clock.now())
 
     def on_velocity(self, report: ReportVelocityState, provider: JausAddress) -> None:
         """Takes the velocity; one without a time is of no use to the dead reckoning."""
@@ -104,10 +104,8 @@ class Controller(ControllerBase):
         speed = SpeedReport(milliseconds, report.velocity_x, self.clock.now())
         self._answer(self._steering.take_speed(speed))
 
-    def _answer(self, step: SteeringStep | None) -> None:
+    def _answer(self, step: SteeringStep) -> None:
         """Commands both efforts of a step, and tells the estimated pose."""
-        if step is None:
-            return
         parameters = self._parameters
         self._speed.take_commanded_angle(step.command)
         speed = self._speed.command(step.pose.x, step.pose.y)
