@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-START_LIMIT = 30.0
+START_LIMIT = 60.0
 """Seconds in which the processes of systems must begin to exchange messages."""
 
 DRIVE_LIMIT = 40.0
