@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     Row = Mapping[str, Any]
 
-SEEDS = 3
+SEEDS = 2
 """Drives of each step of a search."""
 
 RESOLUTION = 1.0

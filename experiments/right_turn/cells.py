@@ -23,7 +23,7 @@ BURST = 5.0
 """Mean number of packets that get lost in a row, where losses are bursty."""
 WAYS = ("sense", "act", "both")
 """Which way is worse: that of the reports, that of the commands, or both."""
-MOST_SEEDS = 4
+MOST_SEEDS = 3
 """Seeds of a cell; nominal conditions and controls have as many as the plan says."""
 
 
@@ -74,6 +74,7 @@ class Cell:
         about: Where it stands in tables and maps.
         seeds: How many seeds it is driven with.
         other_seed: Whether J drives with another seed than what is compared with it.
+        is_kept: Whether every drive is written, and not the first alone.
     """
 
     name: str
@@ -81,6 +82,13 @@ class Cell:
     about: Mapping[str, Any]
     seeds: int
     other_seed: bool = False
+    is_kept: bool = False
+
+    @property
+    def system(self) -> str:
+        """Name of the system in the results."""
+        conditions = self.conditions
+        return f"P{conditions.polling:g}" if conditions.polling else conditions.system
 
     @property
     def drives(self) -> range:

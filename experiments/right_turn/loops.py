@@ -7,29 +7,24 @@ control laws (`standins.py`). Equal conditions give equal runs, to the last bit.
 
 from __future__ import annotations
 
-import math
 import random
 from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime, timezone
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from catvehicle.metrics import (
-    Sample,
-    latency_summary,
-)
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 from catvehicle.plants import plant_of
 from catvehicle.realtime import RealTimePlant
 
-from experiments.right_turn.data import HOPS, Event, Run, Step
+from experiments.right_turn.data import Run
 from experiments.right_turn.drives import judged
 from experiments.right_turn.polling_ros import PollingRos
+from experiments.right_turn.record import ControllerLog, Record, VehicleLog, hops, percentiles
 from experiments.right_turn.standins import Ros, SpeedNode, SteeringNode
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping
 
     from catvehicle.plant import BicyclePlant
 
@@ -45,13 +40,7 @@ runs in wall time show. It is the same for J and R, and what conditions ask for 
 ROS_HOP = 0.0003
 """Way of a ROS message between two processes of one computer, s; an assumption likewise."""
 
-PERIOD = 0.01
-"""Seconds between two samples of the truth."""
 
-STANDSTILL = 0.02
-"""Speed in m/s below which the vehicle stands."""
-REST = 1.0
-"""Seconds of standing after which a drive is over."""
 NEAR_END = 2.0
 """Metres from the end of the path within which a vehicle has arrived."""
 LIMIT = 60.0
@@ -60,12 +49,8 @@ START_SPREAD = 0.1
 """Processes start at random within so many seconds: the phases between them differ by seed."""
 FAILURES = ("loop.callback_failed", "component.handler_failed")
 """Counters of code that raised what it should not."""
-LONGEST = 1.0
-"""Longest way of a command (s) that is matched; a straight drive repeats its angles."""
 PATH = StraightArcStraight.right_turn(VehicleParameters())
 """The path that the controllers follow."""
-QUANTUM = 2e-5
-"""Tolerance (rad) when commands are matched; one step of the effort field is 1.6e-5 rad."""
 
 
 @dataclass(frozen=True)
@@ -92,69 +77,6 @@ class Conditions:
     polling: float = 0.0
     plant: str = "kinematic"
     patience: float = 0.0
-
-
-class Record:
-    """What is seen of a drive.
-
-    Attributes:
-        samples: True states from the first motion on.
-        events: Reports that the vehicle sent and commands that it took.
-        steps: Steps of the steering controller.
-        begun: When the first motion was, s of the world.
-        is_over: Whether the vehicle came to rest after it had moved.
-    """
-
-    def __init__(self, world: Any) -> None:
-        """Begin empty."""
-        self.samples: list[Sample] = []
-        self.events: list[Event] = []
-        self.steps: list[Step] = []
-        self.is_over = False
-        self.begun = math.inf
-        self._world = world
-        self._stood = 0
-
-    def watch(self, sample: Callable[[], Sample]) -> None:
-        """Sample from now on; `sample` returns the state of the present."""
-        start = self.begun = self._world.now()
-
-        def take(number: int) -> None:
-            self._take(replace(sample(), t=number * PERIOD))
-            # From the first one, so that no rounding adds up.
-            self._world.call_at(start + (number + 1) * PERIOD, partial(take, number + 1))
-
-        take(0)
-
-    def _take(self, sample: Sample) -> None:
-        self.samples.append(sample)
-        stands = sample.v < STANDSTILL and math.hypot(sample.x, sample.y) > 1.0
-        self._stood = self._stood + 1 if stands else 0
-        self.is_over = self.is_over or self._stood * PERIOD >= REST
-
-
-class VehicleLog:
-    """Stands for the event log of the vehicle."""
-
-    def __init__(self, record: Record) -> None:
-        """Note what is written in a record."""
-        self._events = record.events
-
-    def write(self, kind: str, time: float, value: float) -> None:
-        """Note a report or a command."""
-        self._events.append(Event(kind, time, float(value)))
-
-
-class ControllerLog:
-    """Stands for the log of the JAUS controller."""
-
-    def __init__(self, record: Record) -> None:
-        """Note what is written in a record."""
-        self._steps = record.steps
-
-    def write(self, *cells: Any) -> None:
-        """Note a step."""
-        self._steps.append(Step(*cells))
 
 
 def _observed_vehicle(
@@ -225,6 +147,7 @@ class Drive:
         )
         self.controlling_transport = self.world.transport()
         self.nodes: list[SteeringNode | SpeedNode] = []
+        self._poller: PollingRos | None = None
         self._ros_link = virtual.Link(delay=ROS_HOP)
         self._workspace = workspace
 
@@ -276,7 +199,7 @@ class Drive:
         ros: Any = self.world.ros_node("bridge", given, link=self._ros_link)
         if conditions.polling:
             phase = random.Random(f"polls of {conditions.seed}").random() / conditions.polling
-            ros = PollingRos(ros, conditions.polling, phase)
+            ros = self._poller = PollingRos(ros, conditions.polling, phase)
         self.bridge = self._workspace.module("bridge.bridge").Bridge()
         self.bridge.open(ros, self.controlling_transport)
 
@@ -330,7 +253,7 @@ class Drive:
             events=self.record.events,
             latencies=latencies,
             config=asdict(conditions),
-            metrics=judged(samples) | _percentiles(latencies),
+            metrics=judged(samples) | percentiles(latencies),
             counters=counted | self._packets(),
         )
 
@@ -341,12 +264,14 @@ class Drive:
         return abs(PATH.remaining(last.x, last.y)) < NEAR_END
 
     def _packets(self) -> dict[str, int]:
-        """Returns how many packets went between vehicle and control, and how many got lost."""
+        """Returns how many packets went, got lost, or were overwritten before a look at them."""
         vehicle, control = self.vehicle_transport, self.controlling_transport
+        held = self._poller.held if self._poller else ()
         return {
             "packets.from_vehicle": vehicle.sent.total(),
             "packets.to_vehicle": vehicle.received.total(),
             "packets.lost": vehicle.lost.total() + control.lost.total(),
+            "polling.overwritten": sum(each.overwritten for each in held),
         }
 
 
@@ -362,39 +287,3 @@ def drive(conditions: Conditions, workspace: Workspace, name: str) -> Run:
     made.start()
     made.run()
     return made.finish(name)
-
-
-def hops(steps: Sequence[Step], events: Sequence[Event]) -> dict[str, list[float]]:
-    """Returns the seconds that messages took, for each of `data.HOPS`.
-
-    Reports are matched by their time stamp, commands by their order and value: a command of the
-    vehicle is that of the earliest step before it that asked for its angle.
-    """
-    sensed = {int(event.value): event.time for event in events if event.kind == "report"}
-    commands = [event for event in events if event.kind == "command"]
-    found: dict[str, list[float]] = {hop: [] for hop in HOPS}
-    place = 0
-    for step in steps:
-        report = sensed.get(step.stamp_ms)
-        if report is not None:
-            found["to_controller"].append(step.received - report)
-        while place < len(commands) and commands[place].time < step.sent:
-            place += 1
-        reached = place
-        while reached < len(commands) and commands[reached].time - step.sent < LONGEST:
-            if abs(commands[reached].value - step.delta_cmd) <= QUANTUM:
-                found["to_vehicle"].append(commands[reached].time - step.sent)
-                if report is not None:
-                    found["sense_act"].append(commands[reached].time - report)
-                break
-            reached += 1
-    return found
-
-
-def _percentiles(latencies: Mapping[str, Sequence[float]]) -> dict[str, float]:
-    found = {}
-    for hop, times in latencies.items():
-        if times:
-            summary = latency_summary(times)
-            found |= {f"{hop}_p50": summary.p50, f"{hop}_p99": summary.p99}
-    return found

@@ -13,7 +13,8 @@ from catvehicle.metrics import closeness, gap
 
 from experiments.right_turn.data import Run
 from experiments.right_turn.generated import Workspace
-from experiments.right_turn.loops import PERIOD, Conditions, drive
+from experiments.right_turn.loops import Conditions, drive
+from experiments.right_turn.record import PERIOD
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

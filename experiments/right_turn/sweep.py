@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
@@ -53,7 +54,7 @@ class Sweep:
     """
 
     def __init__(self, folder: Path, pool: Pool, tell: Callable[[str], None]) -> None:
-        """Generate the workspaces.
+        """Generate the workspaces, and remove what an earlier sweep has left.
 
         Args:
             folder: Folder of the stage.
@@ -66,6 +67,9 @@ class Sweep:
         self._tell = tell
         tell("generating both systems")
         self._workspaces = workspaces(folder)
+        for former in folder.iterdir():
+            if former.is_dir():
+                shutil.rmtree(former)
         self._driven = 0
         self._references: set[tuple[float, int]] = set()
 
@@ -103,13 +107,14 @@ class Sweep:
         conditions = replace(cell.conditions, seed=seed)
         name = f"{cell.name}-{seed:02}"
         # Of all the drives that differ by their seed only, the first can be looked at.
-        is_kept = seed == 1 and cell.about["group"] != "search"
+        is_kept = cell.is_kept or (seed == 1 and cell.about["group"] != "search")
         return Task(
             name,
             conditions,
             self._workspaces[conditions.system],
-            reference=self._place_of_reference(conditions.rate, seed + cell.other_seed),
-            folder=self._folder / conditions.system / name if is_kept else None,
+            cell.system,
+            self._place_of_reference(conditions.rate, seed + cell.other_seed),
+            self._folder / cell.system / name if is_kept else None,
         )
 
 
@@ -123,7 +128,7 @@ def _row(cell: Cell, runs: Sequence[Run]) -> dict[str, Any]:
         broken.append("arrived")
     return {
         "name": cell.name,
-        "system": cell.conditions.system,
+        "system": cell.system,
         **cell.about,
         "drives": len(runs),
         "arrived": sum(run.arrived for run in runs),
@@ -137,6 +142,12 @@ def _row(cell: Cell, runs: Sequence[Run]) -> dict[str, Any]:
 def rounded(value: float) -> float | None:
     """Returns a value with four digits, as JSON has it: None for what is not finite."""
     return float(f"{value:.4g}") if math.isfinite(value) else None
+
+
+def store(folder: Path, summary: Mapping[str, Any]) -> None:
+    """Writes the summary of a stage."""
+    text = json.dumps(summary, indent=1, sort_keys=True, allow_nan=False)
+    (folder / "summary.json").write_text(text + "\n", encoding="utf-8")
 
 
 def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
@@ -162,8 +173,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         "limits": limits,
         "claims": claims(rows),
     }
-    text = json.dumps(summary, indent=1, sort_keys=True, allow_nan=False)
-    (folder / "summary.json").write_text(text + "\n", encoding="utf-8")
+    store(folder, summary)
     return sweep.kept
 
 
