@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from datetime import datetime, timedelta, timezone
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,7 +16,7 @@ from .network import Network
 from .node import VirtualRosNode
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from types import TracebackType
 
     from ..base.counters import Counters
@@ -61,6 +62,7 @@ class VirtualWorld:
         if start.tzinfo is None:
             raise ValueError(f"start {start} has no time zone")
         self._now = 0.0
+        self._is_running = False
         self._start = (start - _EPOCH) // timedelta(microseconds=1) * 1000
         self._seed = seed
         self._transports = 0
@@ -159,14 +161,19 @@ class VirtualWorld:
     def run_for(self, seconds: float) -> None:
         """Let so much time pass, with all that happens in it.
 
+        Args:
+            seconds: How much, at least 0.
+
         Raises:
-            RuntimeError: Something goes round in circles, and time does not go on.
+            ValueError: Time would go back.
+            RuntimeError: Something goes round in circles, and time does not go on; or the world
+                runs already, and a callback wants it to.
         """
-        end = self._now + seconds
-        turns = _Turns()
-        while self._step(end, turns):
-            pass
-        self._now = end
+        with self._running(seconds) as turns:
+            end = self._now + seconds
+            while self._step(end, turns):
+                pass
+            self._now = end
 
     def run_until(self, condition: Callable[[], object], limit: float) -> None:
         """Let time pass until a condition holds; it is asked after each turn of the loop.
@@ -177,17 +184,30 @@ class VirtualWorld:
 
         Raises:
             TimeoutError: It does not hold by then.
-            RuntimeError: Something goes round in circles, and time does not go on.
+            ValueError: The limit is below 0.
+            RuntimeError: As with ``run_for``.
         """
-        begun = self._now
-        turns = _Turns()
-        while not condition():
-            if not self._step(begun + limit, turns):
-                self._now = begun + limit
-                raise TimeoutError(
-                    f"what was waited for did not happen in {limit:g} s of virtual time"
-                    f" (from {begun:g} s to {self._now:g} s)"
-                )
+        with self._running(limit) as turns:
+            begun = self._now
+            while not condition():
+                if not self._step(begun + limit, turns):
+                    self._now = begun + limit
+                    raise TimeoutError(
+                        f"what was waited for did not happen in {limit:g} s of virtual time"
+                        f" (from {begun:g} s to {self._now:g} s)"
+                    )
+
+    @contextmanager
+    def _running(self, seconds: float) -> Iterator[_Turns]:
+        if not seconds >= 0:
+            raise ValueError(f"time goes on, by 0 s or more; {seconds} is asked for")
+        if self._is_running:
+            raise RuntimeError("a callback cannot let time pass: use call_later or call_at")
+        self._is_running = True
+        try:
+            yield _Turns()
+        finally:
+            self._is_running = False
 
     def _step(self, end: float, turns: _Turns) -> bool:
         """Go to what happens next and let it happen; return False if it is after the end."""

@@ -61,6 +61,27 @@ class TestTime:
         with pytest.raises(RuntimeError, match="time stands still at 0 s"):
             world.run_for(1)
 
+    @pytest.mark.parametrize("seconds", [-1.0, float("nan")])
+    def test_time_does_not_go_back(self, world, seconds):
+        with pytest.raises(ValueError, match="time goes on, by 0 s or more"):
+            world.run_for(seconds)
+        with pytest.raises(ValueError, match="time goes on, by 0 s or more"):
+            world.run_until(lambda: False, limit=seconds)
+
+    def test_a_callback_cannot_let_time_pass(self, world):
+        said = []
+
+        def wait():
+            with pytest.raises(RuntimeError, match="use call_later or call_at") as caught:
+                world.run_for(1)
+            said.append(caught)
+
+        world.call_later(0.5, wait)
+        world.run_for(1)
+        assert said
+        world.run_for(1)
+        assert world.now() == 2
+
     def test_a_callback_that_fails_is_counted(self, world):
         def fail():
             raise ValueError("no")
