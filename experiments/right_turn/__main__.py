@@ -3,8 +3,9 @@
 Usage: python -m experiments.right_turn [--quick] [--stage NAME]... [--again] [--out FOLDER]
 
 Each stage keeps its data in the folder, and is not repeated while neither the sources nor the plan
-change. A full run in the usual folder writes docs/experiment.md and its figures; any other leaves
-them beside its data. The exit status is 1 when a stage failed or a claim does not hold.
+change. When all stages of the full experiment are done in the usual folder, docs/experiment.md and
+its figures are written; else they are left beside the data. The exit status is 1 when a stage
+failed or a claim does not hold.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 from experiments.right_turn import ROOT
 from experiments.right_turn.data import Plan
 from experiments.right_turn.progress import Progress, clock
-from experiments.right_turn.stages import STAGES, digest, is_done, perform
+from experiments.right_turn.stages import DONE, STAGES, digest, is_done, perform
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,7 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (folder / "results.json").write_text(text, encoding="utf-8")
     (folder / "experiment.md").write_text(report.page(found, "figures"), encoding="utf-8")
     page = folder / "experiment.md"
-    if not plan.quick and options.out == OUT and not options.stage:
+    whole = all((folder / stage.name / DONE).exists() for stage in STAGES)
+    if not plan.quick and options.out == OUT and whole:
         _publish(folder, text, report.page(found))
         page = PAGE
     print(f"\n{report.table(found)}\n\n{page} was written; it took {clock(progress.elapsed)}.")

@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 SHIFTS = (0.0, 0.1, 0.25)
 """Seconds by which states of two drives may be apart when they are looked for in each other."""
 
+_ENOUGH_PAIRS = 4
+"""Pairs of drives from which on a test of equivalence has the power to say yes."""
+
 
 def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any]:
     """Returns the data of the page.
@@ -99,6 +102,8 @@ def _verdict(
         "about": about,
         "must_pass": must_pass,
         "passes": verdict.passes,
+        "differs": verdict.differs,
+        "pairs": verdict.pairs,
         "rows": [_row(row) for row in verdict.rows],
     }
 
@@ -146,9 +151,15 @@ def _claims(data: Mapping[str, Any]) -> list[dict[str, Any]]:
         unsafe = found["measures"].get("violation_fraction")
         holds = None if unsafe is None else unsafe["most"] == 0
         claims.append({"text": f"no drive of {system} leaves the safe region", "holds": holds})
-    for verdict in data["verdicts"]:
-        text = f"{verdict['title']}: {'equivalent' if verdict['must_pass'] else 'not equivalent'}"
-        claims.append({"text": text, "holds": verdict["passes"] == verdict["must_pass"]})
+    claims += map(_claim, data["verdicts"])
     for summary in data["summaries"].values():
         claims += [dict(claim) for claim in summary.get("claims", ())]
     return claims
+
+
+def _claim(verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the claim of a verdict; with few drives neither it nor its contrary is shown."""
+    if verdict["must_pass"]:
+        holds = verdict["passes"] or (None if verdict["pairs"] < _ENOUGH_PAIRS else False)
+        return {"text": f"{verdict['title']}: equivalent", "holds": holds}
+    return {"text": f"{verdict['title']}: shown to be different", "holds": verdict["differs"]}

@@ -105,8 +105,8 @@ def table(data: Mapping[str, Any]) -> str:
     for verdict in data["verdicts"]:
         shown = Table(verdict["title"], "value", "interval", "bound", "")
         for row in verdict["rows"]:
-            kept = "kept" if row["passes"] else "broken"
-            shown.add(row["name"], number(row["value"]), _interval(row), number(row["bound"]), kept)
+            value, bound = number(row["value"]), number(row["bound"])
+            shown.add(row["name"], value, _interval(row), bound, _kept(row))
         texts.append(shown.render())
     claims = Table("claim", "holds")
     for claim in data["claims"]:
@@ -169,26 +169,38 @@ def _verdicts(data: Mapping[str, Any]) -> Iterator[str]:
     yield (
         "That no difference was found would prove little: too few drives never find one. So the "
         "test is one of *equivalence*: the whole confidence interval of a difference must lie "
-        "within the bound, which was derived before from the plant, the rates and the steps of "
-        "the messages (`experiments/right_turn/judging.py` has the reasons).\n"
+        "within the bound. All bounds follow from one delay that is tolerated, and from what "
+        "plant, laws and codec make of it; `experiments/right_turn/judging.py` has the derivation. An "
+        "*excess* is how much farther apart R and J are than one J from another.\n"
     )
     for verdict in data["verdicts"]:
         yield f"### {verdict['title']}\n"
         expected = "" if verdict["must_pass"] else "This one must fail. "
-        outcome = "It passes" if verdict["passes"] else "It fails"
-        yield f"{verdict['about']} {expected}{outcome}.\n"
+        yield f"{verdict['about']} {expected}{verdict['pairs']} pairs: {_outcome(verdict)}.\n"
         rows = [
             (
                 row["name"],
                 number(row["value"]),
                 _interval(row),
                 number(row["bound"]),
-                "kept" if row["passes"] else "**broken**",
+                "**broken**" if row["differs"] else _kept(row),
             )
             for row in verdict["rows"]
         ]
         yield markdown_table(("measure", "value", "interval", "bound", ""), rows)
     yield from report_others.closeness(data)
+
+
+def _kept(row: Mapping[str, Any]) -> str:
+    if row["passes"]:
+        return "kept"
+    return "broken" if row["differs"] else "open"
+
+
+def _outcome(verdict: Mapping[str, Any]) -> str:
+    if verdict["passes"]:
+        return "shown to be equivalent"
+    return "shown to be different" if verdict["differs"] else "neither the same nor different"
 
 
 def _interval(row: Mapping[str, Any]) -> str:
