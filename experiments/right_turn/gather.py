@@ -60,10 +60,29 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "parameters": parameters(),
         "figures": [],
     }
+    found["baselines"] = {name: of_system(runs) for name, runs in _baselines(folder).items()}
     found["verdicts"] = _verdicts(wall)
     found["closeness"] = _closeness(wall)
     found["claims"] = _claims(found)
     return found
+
+
+def _baselines(folder: Path) -> dict[str, list[Run]]:
+    """Returns drives in virtual time by what they are: J, R, polls, and what must be refused."""
+    swept, polled = runs_of(folder, "sweep"), runs_of(folder, "polling")
+    polled = [run for run in polled if "impatient" not in run.name]
+    polls = sorted({run.config["polling"] for run in polled} - {0.0})
+    found = {
+        "J, virtual": [run for run in polled if run.system == "J"],
+        "R, virtual": [run for run in polled if run.system == "R"],
+        **{
+            f"P{frequency:g}": [run for run in polled if run.config["polling"] == frequency]
+            for frequency in polls
+        },
+        "R, 100 ms late": [run for run in swept if run.name.startswith("late-")],
+        "R, understeer": [run for run in swept if run.name.startswith("understeer-")],
+    }
+    return {name: runs for name, runs in found.items() if runs}
 
 
 def _verdicts(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:

@@ -73,6 +73,7 @@ def _figures(folder: Path, data: Mapping[str, Any]) -> Iterator[tuple[str, Figur
     if any(any(systems.values()) for systems in hops.values()):
         yield "latency", comparisons.latencies(hops)
     yield from _swept(data)
+    yield from _polled(runs_of(folder, "polling"), path)
     yield from _others(folder)
 
 
@@ -94,6 +95,26 @@ def _swept(data: Mapping[str, Any]) -> Iterator[tuple[str, Figure]]:
                 vertical="packets lost on each way (%)",
             ),
         )
+
+
+def _polled(runs: Sequence[Run], path: StraightArcStraight) -> Iterator[tuple[str, Figure]]:
+    bridges: dict[float, list[Run]] = {}
+    for run in runs:
+        if run.system != "J" and "impatient" not in run.name:
+            bridges.setdefault(run.config["polling"], []).append(run)
+    shown = [
+        maps.Polled(
+            f"polls at {frequency:g} Hz" if frequency else "generated",
+            frequency or None,
+            moved(found),
+            [each for run in found for each in run.latencies.get("sense_act", ())],
+        )
+        for frequency, found in sorted(bridges.items())
+        if moved(found)
+    ]
+    if any(each.frequency for each in shown):
+        alone = moved([run for run in runs if run.system == "J"])
+        yield "polling", maps.polling(shown, alone, path)
 
 
 def _others(folder: Path) -> Iterator[tuple[str, Figure]]:

@@ -10,7 +10,7 @@ from catvehicle.metrics import Table
 from experiments.right_turn import ROOT, report_others
 from experiments.right_turn.comparisons import HOP_NAMES
 from experiments.right_turn.results import MEASURES
-from experiments.right_turn.tables import figure, markdown_table, number
+from experiments.right_turn.tables import answer, figure, markdown_table, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -71,6 +71,7 @@ def page(data: Mapping[str, Any], figures: str = "experiment") -> str:
         _INTRODUCTION.format(**data["machine"]),
         *_incomplete(data),
         *_claims(data),
+        *_all_systems(data),
         *_drives(data, figures),
         *_verdicts(data),
         *_latency(data, figures),
@@ -101,7 +102,11 @@ def table(data: Mapping[str, Any]) -> str:
     drives = Table(*head)
     for row in rows:
         drives.add(*row)
-    texts = [drives.render()]
+    others = Table("system", *(f"{each.words}, {each.unit}" for each in MEASURES))
+    for name, found in data["baselines"].items():
+        spreads = (found["measures"].get(each.name, {}) for each in MEASURES)
+        others.add(name, *(number(spread.get("mean")) for spread in spreads))
+    texts = [drives.render(), others.render()]
     for verdict in data["verdicts"]:
         shown = Table(verdict["title"], "value", "interval", "bound", "")
         for row in verdict["rows"]:
@@ -110,7 +115,7 @@ def table(data: Mapping[str, Any]) -> str:
         texts.append(shown.render())
     claims = Table("claim", "holds")
     for claim in data["claims"]:
-        claims.add(claim["text"], _holds(claim))
+        claims.add(claim["text"], answer(claim).strip("*"))
     return "\n\n".join([*texts, claims.render()])
 
 
@@ -129,10 +134,7 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
     yield "## In short\n"
     yield markdown_table(
         ("claim", "holds"),
-        [
-            (claim["text"], "**no**" if claim["holds"] is False else _holds(claim))
-            for claim in data["claims"]
-        ],
+        [(claim["text"], answer(claim)) for claim in data["claims"]],
     )
     yield (
         "`make experiment` fails when one of these does not hold. A claim that something must "
@@ -140,8 +142,20 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def _holds(claim: Mapping[str, Any]) -> str:
-    return {True: "yes", False: "no", None: "not measured"}[claim["holds"]]
+def _all_systems(data: Mapping[str, Any]) -> Iterator[str]:
+    yield "## All systems in numbers\n"
+    head = ("system", "clock", "arrived", *(f"{each.words}, {each.unit}" for each in MEASURES))
+    rows = []
+    for name, found in {**data["systems"], **data["baselines"]}.items():
+        arrived = f"{found['arrived']} of {found['drives']}"
+        cells = (found["measures"].get(each.name, {}).get("mean") for each in MEASURES)
+        rows.append((name, found["clock"], arrived, *map(number, cells)))
+    yield markdown_table(head, rows)
+    yield (
+        "Means. P5 is a bridge that polls five times a second, and so on. The last two must be "
+        "refused: R with 100 ms on each way, and R with a car that understeers, which the "
+        "controllers do not know.\n"
+    )
 
 
 def _drives(data: Mapping[str, Any], figures: str) -> Iterator[str]:
@@ -170,7 +184,7 @@ def _verdicts(data: Mapping[str, Any]) -> Iterator[str]:
         "That no difference was found would prove little: too few drives never find one. So the "
         "test is one of *equivalence*: the whole confidence interval of a difference must lie "
         "within the bound. All bounds follow from one delay that is tolerated, and from what "
-        "plant, laws and codec make of it; `experiments/right_turn/judging.py` has the derivation. An "
+        "plant, laws and codec make of it (`experiments/right_turn/judging.py` derives them). An "
         "*excess* is how much farther apart R and J are than one J from another.\n"
     )
     for verdict in data["verdicts"]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
-from experiments.right_turn.tables import figure, markdown_table, number
+from experiments.right_turn.tables import answer, figure, markdown_table, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -116,13 +117,63 @@ def _polling(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     if not found:
         return
     yield "## A bridge that polls\n"
+    yield (
+        "The text of the paper has a bridge that runs at a frequency given when it is started. "
+        "This is such a bridge, as far as the text tells it: the same models and translations, "
+        "but what arrives on either side waits for the next poll, and only the newest is carried. "
+        "It is driven in virtual time beside the generated one, which passes messages as they "
+        "come. A vehicle that stops when it hears nothing for 0.2 s hardly moves behind slow "
+        "polls, so there it is driven with more patience too, to see the delay alone.\n"
+    )
     yield figure("polling", figures, "Path, steering and delay of bridges that poll", data)
+    head = (
+        *("bridge", "patience, s", "arrived", "report to answer, median ms", "99 %, ms"),
+        *("path error, m", "steering, °", "margin, m/s"),
+    )
+    yield markdown_table(head, [_polled(cell) for cell in found["cells"]])
+
+
+def _polled(cell: Mapping[str, Any]) -> tuple[object, ...]:
+    most = cell["most"]
+    delays = (most.get(name) for name in ("sense_act_p50", "sense_act_p99"))
+    activity = most.get("steering_activity")
+    return (
+        f"polls at {cell['frequency']} Hz" if "frequency" in cell else "generated",
+        number(cell.get("patience")),
+        f"{cell['arrived']} of {cell['drives']}",
+        *("" if each is None else number(1000 * each) for each in delays),
+        number(most.get("path_error_max")),
+        "" if activity is None else number(math.degrees(activity)),
+        number(cell["least_speed_margin"]),
+    )
 
 
 def _faults(data: Mapping[str, Any]) -> Iterator[str]:
-    found = {name: data["summaries"].get(name) for name in ("stress", "stress_virtual")}
-    if any(found.values()):
-        yield "## When something fails\n"
+    found = {
+        words: data["summaries"][name]
+        for name, words in (("stress", "real time"), ("stress_virtual", "virtual time"))
+        if name in data["summaries"]
+    }
+    if not found:
+        return
+    yield "## When something fails\n"
+    for words, summary in found.items():
+        yield f"In {words}:\n"
+        rows = [(claim["text"], answer(claim)) for claim in summary.get("claims", ())]
+        yield markdown_table(("what must hold", "holds"), rows)
+        values = list(_values({name: each for name, each in summary.items() if name != "claims"}))
+        if values:
+            yield markdown_table(("measured", ""), values)
+
+
+def _values(found: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
+    """Yields the numbers of a summary, however deep they stand, with their place in words."""
+    for name, value in found.items():
+        words = f"{before}{name.replace('_', ' ')}"
+        if isinstance(value, dict):
+            yield from _values(value, f"{words}, ")
+        elif not isinstance(value, list):
+            yield words, number(value)
 
 
 def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
@@ -130,7 +181,25 @@ def _waypoints(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     if not found:
         return
     yield "## A robot along waypoints\n"
+    yield (
+        "Another robot and other services: an operator unit gives a list of waypoints to a robot "
+        "with differential drive, whose controller is a ROS node behind ready maps. Each waypoint "
+        f"must be passed within {number(found['tolerance_m'])} m.\n"
+    )
     yield figure("waypoints", figures, "Path along waypoints, and the active element", data)
+    rows = [
+        (
+            name.replace("_", " "),
+            len(run["waypoints"]),
+            number(run["duration"]),
+            number(run["stop_time"]),
+            number(run["drift"]),
+            "yes" if all(run["claims"].values()) else "**no**",
+        )
+        for name, run in found["runs"].items()
+    ]
+    head = ("drive", "waypoints", "duration, s", "stopped after, s", "moved then, m", "as it must")
+    yield markdown_table(head, rows)
 
 
 def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:

@@ -40,3 +40,8 @@ def _cell(value: object) -> str:
 def figure(name: str, folder: str, words: str, data: Mapping[str, Any]) -> str:
     """Returns a figure, or nothing when it was not drawn."""
     return f"![{words}]({folder}/{name}.svg)\n" if name in data["figures"] else ""
+
+
+def answer(claim: Mapping[str, Any]) -> str:
+    """Returns whether a claim holds, in words; that it does not is meant to be seen."""
+    return {True: "yes", False: "**no**", None: "not measured"}[claim["holds"]]
