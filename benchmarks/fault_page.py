@@ -31,8 +31,8 @@ _INTRODUCTION = """\
 # What happens when something fails
 
 Made by `make faults` from `benchmarks/faults.json`; do not edit. Measured with CPython {python}
-on {processors} processors whose load was {load:g}; one run, so that times are examples and no
-promises.
+on {processors} processors with other work beside, whose load was {load:g} in the last
+run; each line is of one run, so that times are examples and no promises.
 
 One generated bridge (`tests/cases/bridge_loop`) stands between a JAUS vehicle, a JAUS operator and
 a ROS node, each a process of its own. Twenty messages a second flow by each connection, and each
@@ -98,7 +98,10 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
     yield (
         "A bridge takes what comes to its one socket in turn, and the kernel drops what there is "
         "no room for, of whomever: a network that may be flooded needs a filter before the "
-        "bridge. `reports` come in the name of the vehicle, from elsewhere.\n"
+        "bridge. `reports` come in the name of the vehicle, from elsewhere. With AS5669A they take "
+        "its traffic over, unless the bridge says `fixedSources` or `allowedHosts` "
+        "([how to secure](../how-to/secure.md)); what is refused by these costs less than what is "
+        "taken.\n"
     )
 
 

@@ -24,7 +24,7 @@ Value = TypeVar("Value")
 _LARGEST_COMPONENT = 254
 _COPIED = (
     *("namespace", "frequency", "type", "authority", "defaultAuthority", "controlTimeout"),
-    *("eventTimeout", "coreServices"),
+    *("eventTimeout", "coreServices", "fixedSources"),
 )
 
 
@@ -84,6 +84,8 @@ class _Splitter:
             value = getattr(origin, feature)
             if value != getattr(made, feature):
                 setattr(made, feature, value)
+        for allowed in origin.allowedHosts:
+            _changed(made.allowedHosts).append(allowed)
         _changed(self._whole.bridges).append(made)
         self._place(made, part.host)
         for group in part.groups:
@@ -176,21 +178,28 @@ class _Splitter:
                 if wanted.provider is self._origin:
                     wanted.provider = _partner(made, wanted.message)
             for carrier in carriers_of(owner) if isinstance(owner, bridge.Bridge) else ():
-                if self._origin in carrier.peers:
-                    self._redirect_peer(carrier, made)
+                self._redirect_carrier(carrier, made)
 
-    def _redirect_peer(self, carrier: Carrier, made: Sequence[bridge.Bridge]) -> None:
+    def _redirect_carrier(self, carrier: Carrier, made: Sequence[bridge.Bridge]) -> None:
         if not isinstance(carrier, bridge.Connection):
             return
-        partner = _partner(made, carrier.map.message)
-        if partner is not self._origin:
-            position = list(carrier.peers).index(self._origin)
-            peers = [each for each in carrier.peers if each is not self._origin]
-            peers.insert(position, partner)
-            for each in list(carrier.peers):
-                _changed(carrier.peers).remove(each)
+        self._redirect_peers(carrier, carrier.map.message, made)
+        for source in carrier.sources:
+            self._redirect_peers(source, source.join.message, made)
+
+    def _redirect_peers(
+        self,
+        asking: bridge.Connection | bridge.ReportSource,
+        message: jaus.MessageDef,
+        made: Sequence[bridge.Bridge],
+    ) -> None:
+        partner = _partner(made, message)
+        if self._origin in asking.peers and partner is not self._origin:
+            peers = [partner if each is self._origin else each for each in asking.peers]
+            for each in list(asking.peers):
+                _changed(asking.peers).remove(each)
             for each in peers:
-                _changed(carrier.peers).append(each)
+                _changed(asking.peers).append(each)
 
 
 def _changed(values: Sequence[Value]) -> list[Value]:

@@ -10,6 +10,8 @@ from jausml.analysis.partition import LARGEST_SHARE, UnsplittableError, is_heavy
 from jausml.analysis.splitting import AddressesExhaustedError, split
 from jausml.semantics.hosts import host_of
 
+from .conftest import HEAD
+
 VEHICLE = """
 component vehicle {
     address: 10.1.1
@@ -97,6 +99,42 @@ def test_others_follow_to_the_part_that_answers(system):
     _, second = split(propose(whole, GRIDS, None), whole)
     (wanted,) = whole.components[1].connections
     assert wanted.provider is second
+
+
+def test_joined_reports_follow_to_the_part_that_sends_them(system):
+    """The main report comes from a component, the joined one from the bridge that is split."""
+    text = STATION.replace("provides: CostMap2D", "provides: CostMap2D, VelocityStateSensor")
+    text = text.replace("map: velocity_state ", "map: velocity_state  direction: jausToRos ")
+    text = text.replace(
+        "    connection costs {",
+        "    connection told { map: velocity_state  direction: rosToJaus  topic told }\n"
+        "    connection costs {",
+    )
+    text += """
+bridge watcher {
+    address: 10.1.20
+    uses: LocalPoseSensor, VelocityStateSensor
+    connection seen {
+        map: odometry  peers: vehicle  rate: 20  topic seen
+        sources: { join: velocity  peers: station  rate: 20 }
+    }
+}
+"""
+    whole = system(text, head=HEAD + "import mappings.odometry\n")
+    often = Assumptions(rates={"told": 900.0})
+    made = split(propose(whole, often, 4), whole)
+    (wanted,) = (each for each in whole.bridges if each.name == "watcher")
+    (peer,) = wanted.bridgeConnections[0].sources[0].peers
+    assert "told" in [each.name for each in peer.bridgeConnections]
+    assert peer in made[1:]
+
+
+def test_each_part_guards_itself_as_the_whole_did(system):
+    hosts = 'allowedHosts: "10.0.0.0/24", "10.0.1.7"\n    fixedSources: true\n    '
+    whole = system(STATION.replace("authority: 7", hosts + "authority: 7"))
+    for part in split(propose(whole, Assumptions(), 3), whole):
+        assert part.fixedSources
+        assert list(part.allowedHosts) == ["10.0.0.0/24", "10.0.1.7"]
 
 
 def test_private_topics_keep_their_full_names(system):

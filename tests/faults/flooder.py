@@ -1,9 +1,9 @@
 """Sends datagrams to a port as fast as it is told, and says how many it sent.
 
-Usage: flooder.py KIND PORT RATE SECONDS
+Usage: flooder.py KIND PORT RATE SECONDS [HOST]
 
 Kinds: `commands` of somebody who has no control, `garbage`, and `reports` in the name of a vehicle
-that is elsewhere.
+that is elsewhere. HOST is the address that they come from.
 """
 
 from __future__ import annotations
@@ -37,11 +37,12 @@ def datagrams(kind: str) -> list[bytes]:
     return [Packet(BRIDGE, source, message.encode(), n).encode() for n in range(VARIETY)]
 
 
-def flood(kind: str, port: int, rate: float, seconds: float) -> int:
+def flood(kind: str, port: int, rate: float, seconds: float, host: str) -> int:
     """Sends for some seconds; returns how many."""
     different = datagrams(kind)
     sent = 0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind((host, 0))
         sock.connect(("127.0.0.1", port))
         start = time.monotonic()
         while (elapsed := time.monotonic() - start) < seconds:
@@ -54,4 +55,6 @@ def flood(kind: str, port: int, rate: float, seconds: float) -> int:
 
 
 if __name__ == "__main__":
-    say("sent", flood(sys.argv[1], int(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])))
+    kind, port, rate, seconds, *host = sys.argv[1:]
+    sent = flood(kind, int(port), float(rate), float(seconds), *(host or ["127.0.0.1"]))
+    say("sent", sent)

@@ -113,9 +113,7 @@ class AddressBook:
                 self._counters.count(SOURCE_REFUSED, f"{address} at {endpoint}: too many others")
                 return False
             entry = self.learnt[address] = Entry(self.find(address) or endpoint, now)
-        elif entry.endpoint != endpoint and self._stands(entry, now):
-            detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
-            self._counters.count(SOURCE_REFUSED, detail)
+        elif self.refuses(address, entry, endpoint, now):
             return False
         else:
             self.learnt.move_to_end(address)
@@ -125,6 +123,21 @@ class AddressBook:
                 "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
             )
             entry.endpoint = endpoint
+        return True
+
+    def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
+        """Return whether a component may not be heard from an endpoint; it is counted then.
+
+        Args:
+            address: The component.
+            entry: Its entry.
+            endpoint: Where something came from.
+            now: Time in seconds.
+        """
+        if entry.endpoint == endpoint or not self._stands(entry, now):
+            return False
+        detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
+        self._counters.count(SOURCE_REFUSED, detail)
         return True
 
     def _stands(self, entry: Entry, now: float) -> bool:

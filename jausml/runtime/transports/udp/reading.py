@@ -152,6 +152,13 @@ def reader(  # noqa: C901 - a call costs more than what it does, see below
                 or data[0] | data[1] << 8 != JUDP_VERSION
                 or way.entry.endpoint != origin
             ):
+                # What is refused in a flood must cost less than what is taken.
+                if (
+                    way is not None
+                    and data[2] | data[3] << 8 == size
+                    and book.refuses(way.source, way.entry, origin, now)
+                ):
+                    continue
                 if size != EMPTY_MESSAGE_SIZE or not acknowledged(data, origin, now):
                     otherwise(data, origin)
                     prepare(data, origin)
