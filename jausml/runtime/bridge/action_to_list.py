@@ -5,27 +5,24 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..clients.control_state import ControlState
-from ..clients.peer_binding import PeerBinding
+from ..services.definitions import Guard
 from . import parameters
 from .actions import LONGEST_GOAL, Outcome
-from .connection import FILTERED, NO_PEER, NOT_READY, Connection
-from .light_message import is_light
+from .connection import NO_PEER, NOT_READY
+from .controlled_peers import ControlledPeers
+from .list_connection import ListConnection
 from .list_run import ListRun
-from .transcoding import Form, ros_decoder, uses_ros_classes
+from .transcoding import ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..base.address import JausAddress
-    from ..clients.control_session import ControlSession
     from ..clients.peer_search import PeerSearch
     from ..wire.message import Message
     from .actions import ListAction, ServedGoal
-    from .connection import Take
     from .ends import Ends
     from .list_driver import ListMessages
-    from .stopping import Switch
     from .stops import Standing, StopReason
 
 SourceT = TypeVar("SourceT")
@@ -39,7 +36,7 @@ _UIDS = 60000
 """UIDs that are used before they begin anew."""
 
 
-class ActionToList(Connection[SourceT, TargetT]):
+class ActionToList(ListConnection[SourceT, TargetT]):
     """Has the goals of a ROS action executed by the list driver of a JAUS peer.
 
     A goal that comes while another one is executed takes its place, as it does at the servers of
@@ -76,15 +73,12 @@ class ActionToList(Connection[SourceT, TargetT]):
             control: Whether control of the peers is acquired and kept, and they are resumed.
             timeout: Seconds in which the peer must answer.
         """
-        super().__init__(name, translate, is_command=True)
+        super().__init__(name, translate, action=action)
         self.speed = speed
         self.timeout = timeout
-        self._action = action
         self._messages = driver
-        self._peers = PeerBinding(peers)
+        self._peers = ControlledPeers(peers, Guard.READY if control else Guard.ANY)
         self._speed_of = speed_of
-        self._wants_control = control
-        self._sessions: dict[JausAddress, ControlSession] = {}
         self._run: ListRun | None = None
         self._goal: ServedGoal | None = None
         self._next: tuple[JausAddress, list[bytes], float] | None = None  # what was accepted
@@ -99,23 +93,17 @@ class ActionToList(Connection[SourceT, TargetT]):
         super().open(ends)
         self._run = self._goal = self._next = None  # of an earlier life
         self._action = parameters.action(ends.ros, self.name, self._action)
-        self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self.speed = ends.ros.parameter(
             parameters.speed(self.name, self.speed), partial(setattr, self, "speed")
         )
-        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+        self._peers.open(
+            ends,
+            self.name,
+            join=lambda _: None,
+            leave=self._leave,
+            changed=self._control_changed,
+        )
         ends.ros.serve_action(self._action, self)
-
-    def watch(self) -> None:
-        """Nothing is to be stopped before there is a goal."""
-
-    def make_take(self, switch: Switch) -> Take:  # noqa: ARG002 - lists have one way
-        """Returns what takes an element by itself; goals come by `accepts`."""
-        return self.take
-
-    def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
-        """Elements alone go nowhere."""
-        return False
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes objects of serialized elements."""
@@ -126,11 +114,6 @@ class ActionToList(Connection[SourceT, TargetT]):
         """Encodes the message of an element."""
         return target.encode()
 
-    def readable_form(self) -> Form:
-        """Returns which classes the translation is given objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._action.element)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
-
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
         """Ends the goal while the bridge may not command."""
         return self.halt(standing.halt)
@@ -139,9 +122,7 @@ class ActionToList(Connection[SourceT, TargetT]):
         """Ends the goal that is executed; whether there was one."""
         if self._run is None:
             return False
-        self.stopped = reason
-        counts = self.statistics.stops
-        counts[reason] = counts.get(reason, 0) + 1
+        self.note_stop(reason)
         run = self._run
         run.stop(Outcome.ABORTED, reason.value)
         # The result must not wait for the answer of a peer that may be gone.
@@ -155,51 +136,27 @@ class ActionToList(Connection[SourceT, TargetT]):
 
     def lacks_peers(self) -> str:
         """What is searched for and not found."""
-        return str(self._peers.search) if self._peers.is_lacking else ""
+        return self._peers.lacking()
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components, the state of their control, and how the last goal ended."""
-        states = {peer: session.state.name.lower() for peer, session in self._sessions.items()}
-        named = [(f"peer {each}", states.get(each, "addressed")) for each in self._peers.present]
         under_way = "none" if self._run is None else f"executed by {self._run.peer}"
         return [
             *self._peers.describe(),
-            *named,
             ("goal", under_way),
             ("last goal", self._result),
         ]
 
     # ------------------------------------------------------------------ peers
 
-    def _join(self, peer: JausAddress) -> None:
-        if self._wants_control:
-            self._sessions[peer] = self._ends.component.control(
-                peer,
-                authority=self._ends.settings.authority,
-                on_change=partial(self._control_changed, peer),
-            )
-
     def _leave(self, peer: JausAddress) -> None:
-        session = self._sessions.pop(peer, None)
-        if session is not None:
-            session.release()
         if self._run is not None and self._run.peer == peer:
             self._run.leave(Outcome.ABORTED, f"{peer} is gone")
 
-    def _control_changed(self, peer: JausAddress, state: ControlState) -> None:
+    def _control_changed(self, peer: JausAddress) -> None:
         run = self._run
-        if run is not None and run.peer == peer and state is not ControlState.READY:
-            session = self._sessions.get(peer)
-            reason = "" if session is None else session.reason
-            run.leave(Outcome.ABORTED, f"{peer} does not obey: {reason or state.value}")
-
-    def _obeying(self) -> JausAddress | None:
-        """Returns the first peer that obeys; any is taken to do so that is not controlled."""
-        for peer in self._peers.present:
-            session = self._sessions.get(peer)
-            if session is None or session.state is ControlState.READY:
-                return peer
-        return None
+        if run is not None and run.peer == peer and not self._peers.obeys(peer):
+            run.leave(Outcome.ABORTED, f"{peer} does not obey: {self._peers.reason(peer)}")
 
     # ------------------------------------------------------------------ GoalTaker
 
@@ -209,7 +166,7 @@ class ActionToList(Connection[SourceT, TargetT]):
         counts.arrivals += 1
         counts.last_arrival = self._ends.loop.now()
         self._next = None
-        peer = self._obeying()
+        peer = next(filter(self._peers.obeys, self._peers.present), None)
         if self._halt is not None:
             self.refuse_halted(self._halt)
         elif not elements:
@@ -257,17 +214,13 @@ class ActionToList(Connection[SourceT, TargetT]):
         self, peer: JausAddress, elements: Sequence[bytes], request: Any
     ) -> tuple[JausAddress, list[bytes], float] | None:
         """Returns what is sent to a peer; None, counted, when the goal cannot be translated."""
-        made: list[bytes] = []
         try:
             speed = self.speed if self._speed_of is None else self._speed_of(request)
-            for each in elements:
-                payload = self._transcode(each)
-                if payload is None:
-                    self.drop(FILTERED)
-                    return None
-                made.append(payload)
-        except Exception as error:
+        except Exception as error:  # of what the user has written
             self.fail(error)
+            return None
+        made = self.all_transcoded(elements)
+        if made is None:
             return None
         if "speed" in getattr(self._messages.execute, "__dataclass_fields__", ()) and not (
             0 < speed <= parameters.GREATEST_SPEED

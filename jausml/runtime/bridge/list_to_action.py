@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..clients.peer_binding import PeerBinding
 from . import parameters
 from .actions import LONGEST_GOAL, Outcome
-from .connection import FILTERED, NOT_READY, Connection
-from .light_message import is_light
-from .transcoding import Form, ros_encoder, uses_ros_classes
+from .connection import NOT_READY
+from .list_connection import ListConnection
+from .transcoding import ros_encoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,11 +25,9 @@ if TYPE_CHECKING:
     from ..services.element_list import ListElement
     from ..wire.message import Message
     from .actions import ActionClient, ListAction, SentGoal
-    from .connection import Take
     from .ends import Ends
     from .list_driver import ListDriver, ListMessages
     from .quality import TopicFault
-    from .stopping import Switch
     from .stops import Standing, StopReason
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -47,7 +45,7 @@ SHORTEST_ROUND = 1.0
 """Seconds that one round of a circular list takes at least: a server may succeed at once."""
 
 
-class ListToAction(Connection[SourceT, TargetT]):
+class ListToAction(ListConnection[SourceT, TargetT]):
     """Has the list of the bridge's controller executed by a ROS action.
 
     Attributes:
@@ -79,10 +77,9 @@ class ListToAction(Connection[SourceT, TargetT]):
                 of whoever controls the bridge.
             timeout: Seconds in which a goal must be accepted.
         """
-        super().__init__(name, translate, is_command=True)
+        super().__init__(name, translate, action=action)
         self.timeout = timeout
         self._message = message
-        self._action = action
         self._messages = driver
         self._fill = fill
         self._peers = PeerBinding(peers)
@@ -112,17 +109,6 @@ class ListToAction(Connection[SourceT, TargetT]):
         self._driver = ends.list_driver(self._messages)
         self._driver.add(self)
 
-    def watch(self) -> None:
-        """Nothing is to be stopped before there is a list."""
-
-    def make_take(self, switch: Switch) -> Take:  # noqa: ARG002 - lists have one way
-        """Returns what takes an element by itself; lists come by `begin`."""
-        return self.take
-
-    def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
-        """Elements alone go nowhere."""
-        return False
-
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what decodes the message of an element."""
         return self._message.decode
@@ -130,11 +116,6 @@ class ListToAction(Connection[SourceT, TargetT]):
     def encode(self, target: TargetT) -> bytes:
         """Serializes an element of the goal."""
         return self._encode(target)
-
-    def readable_form(self) -> Form:
-        """Returns which classes the translation makes objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._action.element)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
         """Ends the list of a controller that counts no more."""
@@ -144,9 +125,7 @@ class ListToAction(Connection[SourceT, TargetT]):
         """Ends the list that is executed; whether there was one."""
         if not self._driver.is_executed_by(self):
             return False
-        self.stopped = reason
-        counts = self.statistics.stops
-        counts[reason] = counts.get(reason, 0) + 1
+        self.note_stop(reason)
         self._finish(succeeded=False)
         return True
 
@@ -253,18 +232,7 @@ class ListToAction(Connection[SourceT, TargetT]):
         if self._halt is not None:
             self.drop(NOT_READY, self._halt.value)
             return None
-        made: list[bytes] = []
-        try:
-            for each in elements:
-                payload = self._transcode(each.data)
-                if payload is None:
-                    self.drop(FILTERED)
-                    return None
-                made.append(payload)
-        except Exception as error:
-            self.fail(error)
-            return None
-        return made
+        return self.all_transcoded(each.data for each in elements)
 
     def _cancel(self) -> None:
         if self._goal is not None:
