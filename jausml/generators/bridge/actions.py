@@ -91,11 +91,6 @@ class ActionView(ConnectionView):
         )
 
     @property
-    def message_names(self) -> tuple[str, ...]:
-        """The classes of the JAUS messages that the connection uses."""
-        return (self.message_name, *(each.class_name for each in self.driver))
-
-    @property
     def query_element(self) -> jaus.MessageDef | None:
         """No report is asked for by itself."""
         return None

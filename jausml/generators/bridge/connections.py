@@ -151,13 +151,6 @@ class ConnectionView:
         """The query for the report; None when the connection needs none."""
         return None if self.query_element is None else self.view_of(self.query_element)
 
-    @property
-    def message_names(self) -> tuple[str, ...]:
-        """The classes of the JAUS messages that the connection uses."""
-        if self.query is None:
-            return (self.message_name,)
-        return (self.message_name, self.query.class_name)
-
     # ------------------------------------------------------------------ construction
 
     @property

@@ -12,9 +12,6 @@ from typing import Any
 
 from ..wire import DecodeError
 
-MISFITS = (struct.error, TypeError, AttributeError, OverflowError, UnicodeEncodeError)
-"""What values raise that do not fit their place in a layout."""
-
 # Peers choose what they send: no more layouts than these are kept.
 _KEPT = 256
 # Of a text the size that counts is that of the number before it.

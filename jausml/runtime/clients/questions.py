@@ -32,11 +32,6 @@ class Questions:
         self._tries: dict[type[Message], int] = {}
 
     @property
-    def are_open(self) -> bool:
-        """Whether any question waits for an answer."""
-        return bool(self._open)
-
-    @property
     def urgent(self) -> list[type[Message]]:
         """The open questions that were not asked in vain too often."""
         return [kind for kind in self._open if self.are_worth(kind)]
