@@ -58,9 +58,9 @@ class Event(NamedTuple):
     """What the vehicle sent or took.
 
     Attributes:
-        kind: `report` or `command`.
+        kind: `start` (time 0 of the samples), `report`, `command` (of the tyre angle) or `speed`.
         time: When, s.
-        value: Time stamp (ms) of a report, tyre angle (rad) of a command.
+        value: Time stamp (ms) of a report, tyre angle (rad) of a command, speed (m/s) of another.
     """
 
     kind: str

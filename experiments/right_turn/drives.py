@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
@@ -25,6 +26,13 @@ START_LIMIT = 60.0
 
 DRIVE_LIMIT = 40.0
 """Seconds in which a drive of some 18 must be over."""
+
+
+STANDSTILL = 0.05
+"""Speed in m/s below which the vehicle has stopped; what is left are millimetres."""
+
+AT_END = 1.0
+"""Metres from the end of the path within which a vehicle that stands has arrived."""
 
 
 @dataclass(frozen=True)
@@ -74,14 +82,15 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
         wait_for(lambda: all(system.arrived for system in systems), DRIVE_LIMIT, systems)
         for system in systems:
             system.stop()
-        runs = [_run(each, system) for each, system in zip(drives, systems, strict=True)]
+        runs = [collect(each, system) for each, system in zip(drives, systems, strict=True)]
     for run, system in zip(runs, systems, strict=True):
         if run.arrived:
             shutil.rmtree(system.logs)
     return runs
 
 
-def _run(made: Drive, system: Running) -> Run:
+def collect(made: Drive, system: Running) -> Run:
+    """Returns what a drive has left, whether or not it arrived; times are from the first motion."""
     samples = from_first_motion(read_log(system.logs / "vehicle.csv"))
     steps = read_events(system.logs / "steering_controller.csv")
     events = read_events(system.logs / "vehicle_events.csv")
@@ -92,7 +101,7 @@ def _run(made: Drive, system: Running) -> Run:
         name=made.name,
         mode="wall",
         seed=0,
-        arrived=system.arrived,
+        arrived=bool(samples) and is_at_end(samples[-1]),
         samples=samples,
         steps=[Step(int(row[0]), *map(float, row[1:])) for row in steps],
         events=[Event(row[0], float(row[1]), float(row[2])) for row in events],
@@ -105,6 +114,13 @@ def _run(made: Drive, system: Running) -> Run:
         metrics=judged(samples),
         counters=dict(counted(lines, "drops:")),
     )
+
+
+def is_at_end(sample: Sample) -> bool:
+    """Returns whether the vehicle stands at the end of the path."""
+    path = StraightArcStraight.right_turn(VehicleParameters())
+    end = path.at(path.length)
+    return sample.v < STANDSTILL and math.dist((sample.x, sample.y), (end.x, end.y)) < AT_END
 
 
 def from_first_motion(samples: Sequence[Sample]) -> list[Sample]:

@@ -193,6 +193,13 @@ class Running:
             names: Processes.
             variables: Environment for them, beside that of the setting.
         """
+        for name in names or [each for each in self.workspace.processes if each != OPERATOR]:
+            line = [word.format(port=self.setting.port) for word in self.workspace.processes[name]]
+            self._processes[name] = self._spawn(line, name, variables)
+
+    def _spawn(
+        self, line: Sequence[str], name: str, variables: Mapping[str, str]
+    ) -> subprocess.Popen[bytes]:
         folder = self.workspace.folder
         packages = (path for path in sorted(folder.iterdir()) if (path / path.name).is_dir())
         environment = {
@@ -202,13 +209,24 @@ class Running:
             "PYTHONPATH": os.pathsep.join(map(str, packages)),
             **variables,
         }
-        for name in names or [each for each in self.workspace.processes if each != OPERATOR]:
-            line = [word.format(port=self.setting.port) for word in self.workspace.processes[name]]
-            # The file stays open for the process until the system ends.
-            output = self._files.enter_context((self.logs / f"{name}.txt").open("ab"))
-            self._processes[name] = subprocess.Popen(
-                [sys.executable, *line], env=environment, stdout=output, stderr=output
-            )
+        # The file stays open for the process until the system ends.
+        output = self._files.enter_context((self.logs / f"{name}.txt").open("ab"))
+        return subprocess.Popen(
+            [sys.executable, *line], env=environment, stdout=output, stderr=output
+        )
+
+    def start_another(self, name: str, number: int) -> Path:
+        """Start one more process of a ROS node, with a name and a folder of logs of its own.
+
+        Returns:
+            Its folder.
+        """
+        another = f"{name}_{number}"
+        folder = self.logs / another
+        folder.mkdir()
+        line = [*self.workspace.processes[name], "--ros-args", "-r", f"__node:={another}"]
+        self._processes[another] = self._spawn(line, another, {"CATVEHICLE_LOG": str(folder)})
+        return folder
 
     def kill(self, name: str) -> float:
         """Kill a process without a warning; returns when, on the machine's monotonic clock."""

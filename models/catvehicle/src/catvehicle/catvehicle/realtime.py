@@ -61,6 +61,11 @@ class RealTimePlant:
         return self._plant.state
 
     @property
+    def started(self) -> float:
+        """When the plant was made, s on its clock: time 0 of its samples."""
+        return self._start
+
+    @property
     def yaw_rate(self) -> float:
         """Yaw rate at the last state, rad/s, counter-clockwise."""
         return self._plant.yaw_rate

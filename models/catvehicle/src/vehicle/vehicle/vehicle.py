@@ -53,6 +53,7 @@ class Vehicle(VehicleBase):
         record = self._write_truth if self._truth.is_open else None
         self._plant = RealTimePlant(self._parameters, self.clock.now, plant, record)
         self._events = EventLog.from_environment("vehicle_events")
+        self._events.write("start", self._plant.started, 0)
 
     def _write_truth(self, sample: Sample) -> None:
         self._truth.write(*astuple(sample))
@@ -70,7 +71,9 @@ class Vehicle(VehicleBase):
             message.propulsive_rotational_effort_z,
         )
         if linear is not None:
-            self._plant.command_speed(linear / 100 * self._parameters.speed_max)
+            speed = linear / 100 * self._parameters.speed_max
+            self._plant.command_speed(speed)
+            self._events.write("speed", self.clock.now(), speed)
         if rotational is not None:
             angle = -rotational / 100 * self._parameters.steering_limit
             self._plant.command_steering(angle)
