@@ -51,7 +51,7 @@ class Link:
         for name in ("loss", "duplicate", "reorder"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f"{name} is {getattr(self, name)}; it must lie in 0..1")
-        if self.burst and self.burst < 1:
+        if self.burst and not self.burst >= 1:
             raise ValueError(f"burst is {self.burst}; it is a number of packets, at least 1")
         if self.burst and self.loss < 1 and self.loss > self.burst * (1 - self.loss):
             least = self.loss / (1 - self.loss)

@@ -134,6 +134,7 @@ class TestOrder:
         ({"duplicate": -1}, "duplicate is -1"),
         ({"reorder": 2}, "reorder is 2"),
         ({"loss": 0.1, "burst": 0.5}, "burst is 0.5"),
+        ({"loss": 0.1, "burst": float("nan")}, "burst is nan"),
         ({"loss": 0.9, "burst": 2.0}, "a loss of 0.9 takes bursts of at least 9"),
     ],
 )
