@@ -132,6 +132,20 @@ def read_diagnostics(data):
     assert place == len(data)
 
 
+class RosClient:
+    """A client of a service that the ROS side has while `answers` names it."""
+
+    def __init__(self, ros, name):
+        self._ros, self._name = ros, name
+
+    def is_ready(self):
+        return self._name in self._ros.answers
+
+    def call(self, request, answered):
+        answered(self._ros.answers[self._name](request))
+        return lambda: None
+
+
 class Ros:
     """The ROS side: what was made on it, in order, and what was published.
 
@@ -139,6 +153,7 @@ class Ros:
         deliver: By topic, what gives the bridge a message.
         take: By topic, what gives the bridge a serialized message and its stamp.
         served: By name, what takes the requests of a service.
+        answers: By name, what answers the requests to a service; others are absent.
         is_simulated: Whether time is simulated; `say_time` says it then.
     """
 
@@ -158,6 +173,7 @@ class Ros:
         self.changed = {}
         self.found_faults = {}
         self.served = {}
+        self.answers = {}
         self.fails = False
 
     def attach(self, loop):
@@ -205,6 +221,10 @@ class Ros:
     def serve(self, service, handle):
         self.made.append(("service", service.name))
         self.served[service.name] = handle
+
+    def service_client(self, service):
+        self.made.append(("client", service.name))
+        return RosClient(self, service.name)
 
     def call(self, name, request, reply):
         """Calls a service that the bridge serves."""

@@ -350,6 +350,33 @@ def test_the_pace_is_that_of_a_simulation(world, setting):
     assert sent(peer) == [2]
 
 
+def test_age_is_that_of_a_simulation(world, setting):
+    """A pause of the simulation makes nothing old, and what it passes over at once does."""
+    ros, start = setting.ros, setting.ros.now().sec
+    ros.is_simulated, clock = True, [50.0]
+    ros.now = lambda: Time(start + int(clock[0]), 0)
+    connection = setting.open(message_connection(shape=Shape(age_limit=1.5)))
+    ros.say_time(clock[0])
+    sender = world.probe(str(PEER))
+    stamp = time_to_timestamp(ros.now())
+    message = SetTime(
+        time_stamp=SetTime.TimeStamp(
+            seconds=stamp.seconds, minutes=stamp.minutes, hour=stamp.hour, day=stamp.day
+        )
+    )
+    sender.send(message, OWN)
+    world.run(5.0, step=0.1)
+    sender.send(message, OWN)
+    world.settle()
+    assert connection.statistics.passed == 2
+    clock[0] += 2.0
+    ros.say_time(clock[0])
+    sender.send(message, OWN)
+    world.settle()
+    assert connection.statistics.passed == 2
+    assert connection.statistics.drops == {"too_old": 1}
+
+
 # ------------------------------------------------------------------ what is told
 
 

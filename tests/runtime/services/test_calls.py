@@ -8,6 +8,7 @@ import pytest
 
 from jausml.runtime import Guard
 from jausml.runtime.bridge.calls import MOST_CALLS
+from jausml.runtime.bridge.jaus_to_service import JausToRosService
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.bridge.service_client import RosService
 from jausml.runtime.bridge.service_to_jaus import RosServiceToJaus
@@ -29,6 +30,9 @@ class Request(LightMessage):
 
     TYPE = "test_srvs/srv/Trigger_Request"
 
+    def to_cdr(self):
+        return b""
+
 
 class Response(LightMessage):
     """A response that tells whether all went well."""
@@ -41,6 +45,12 @@ class Response(LightMessage):
 
     def to_cdr(self):
         return json.dumps([self.success, self.message]).encode()
+
+    @classmethod
+    def from_cdr(cls, data):
+        made = cls()
+        made.success, made.message = json.loads(data)
+        return made
 
 
 class Client:
@@ -201,3 +211,31 @@ def test_emergency_lets_queries_be(world, setting, client):
     world.settle()
     answer(world, setting, ReportStatus())
     assert client.told == [(True, "")]
+
+
+def test_a_service_that_is_absent_is_told_and_found_when_it_comes(world, setting):
+    """A JAUS component calls a service of ROS: it is rejected, and never left without a word."""
+    asked = JausToRosService(
+        "ask",
+        service=RosService(
+            "ask", "test_srvs/srv/Trigger", Request, Response, success="success", reason="message"
+        ),
+        request=SetTime,
+        response=ReportTimeout,
+        rejections=[RejectControl],
+        timeout=1.5,
+    )
+    setting.open(asked)
+    caller = world.probe(str(PEER))
+    (told,) = caller.ask(minutes(5), OWN)
+    assert isinstance(told, RejectControl)
+    assert setting.drops(asked) == {"no_service": 1}
+    assert "nobody serves ask" in asked.status().message
+    setting.ros.answers["ask"] = lambda _request: b'[true, ""]'
+    (told,) = caller.ask(minutes(6), OWN)
+    assert isinstance(told, ReportTimeout)
+    setting.ros.answers["ask"] = lambda _request: b'[false, "too hot"]'
+    (told,) = caller.ask(minutes(7), OWN)
+    assert isinstance(told, RejectControl)
+    assert setting.drops(asked) == {"no_service": 1, "rejected": 1}
+    assert asked.statistics.passed == 1

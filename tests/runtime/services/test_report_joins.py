@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import pytest
+
+from jausml.runtime import PeerSearch
 from jausml.runtime.bridge.report_joins import ReportJoin
 from jausml.runtime.messages import QueryTimeout, ReportTimeout
 
-from .bridge_support import OTHER, OWN, PEER, Number, event, message_connection, minutes, values
+from .bridge_support import (
+    CORE,
+    OTHER,
+    OWN,
+    PEER,
+    Number,
+    event,
+    message_connection,
+    minutes,
+    values,
+)
 from .bridge_support import peer_component as peer
 
 
@@ -44,6 +57,22 @@ def test_joined_report_of_another_component(world, setting):
     setting.open(connection(peers=[OTHER], drop=True))
     world.run(1.0)
     assert set(published(setting)) == {803.0}
+
+
+@pytest.mark.parametrize("is_asked", [False, True])
+def test_joined_report_of_a_component_that_is_searched_for(world, setting, is_asked):
+    search = PeerSearch(("urn:jaus:jss:core:AccessControl",))
+    joined = join(is_asked=is_asked, drop=True)
+    made = setting.open(
+        event(translate=sum_of_both, rate=5.0, peers=search, joins=[joined]), services=CORE
+    )
+    world.run(2.0)
+    assert published(setting) == []
+    found = world.component(str(PEER), event_timeout=3, control_timeout=7)
+    found.start()
+    world.run(20.0)
+    assert set(published(setting)) == {703.0}
+    assert dict(made.describe_peers())["search"] == f"bound to {found.address}"
 
 
 def test_joined_report_that_is_asked_for_by_queries(world, setting):
