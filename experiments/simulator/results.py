@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 RATE = 20.0
 """Events a second that the driver asks for, in models/examples/simulator/simulator.ros2jaus."""
 TOLERANCE = 0.03
-"""Share by which the rate of events may differ from rate x factor. An event waits for the next step
-of the clock, a fifth of its period, but only once in a run; this is ten times what that does to the
-shortest run, and a thirtieth of the difference between half the pace and the whole."""
+"""Share by which the rate of events may differ from rate x pace: what the pace is measured with. It
+is a thirtieth of the difference between half the pace and the whole."""
+EDGES = 2
+"""Events that a segment may have more or less besides: one that came late or early at each end."""
 PATH_TOLERANCE = 0.10
 """Metres by which the largest path error may differ between paces: a period of the events, 50 ms at
 6 m/s, is 0.3 m of the way, and moves the car sideways by less than a third of it."""
-SETTLING = 1.0
+SETTLING = 0.5
 """Seconds of real time after which the rate counts: connections are made before."""
 
 
@@ -198,7 +199,8 @@ def _follows(segment: Segment) -> bool:
         seconds = segment.end - segment.begin
         return segment.real_rate * seconds <= 1.0 + seconds
     expected = RATE * segment.pace
-    return abs(segment.real_rate - expected) <= TOLERANCE * expected
+    allowed = TOLERANCE * expected + EDGES / (segment.end - segment.begin)
+    return abs(segment.real_rate - expected) <= allowed
 
 
 def spread(results: list[Result]) -> float | None:

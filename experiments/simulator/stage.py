@@ -69,7 +69,7 @@ CONDITIONS = (
     # What must fail: a bridge in real time beside a slow simulation.
     Condition("wall_clock", 0.5, follows_clock=False, seconds=15.0),
 )
-QUICK = (Condition("real", 1.0, seconds=4.0),)
+QUICK = (Condition("real", 1.0, seconds=2.5),)
 
 
 def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:

@@ -30,7 +30,7 @@ FIRST_DOMAIN = 81
 LIMIT = 60.0
 """Seconds in which a list must have ended."""
 WATCHED = 2.0
-"""Seconds in which the robot is watched after the end."""
+"""Seconds in which the robot is watched after an emergency."""
 
 
 @dataclass(frozen=True)
@@ -124,8 +124,10 @@ def _drive(folder: Path, workspace: Path, drive: Drive, domain: int, path: str) 
         processes.start("follower", EXAMPLE / "follower.py")
         command = ("-m", "jausml", "run", workspace, "--jaus-port", str(free_port()))
         system = processes.start("system", *command)
-        system.wait_for("the list ended", LIMIT)
-        time.sleep(WATCHED)
+        for line in ("the list ended", "element 0 is active"):
+            system.wait_for(line, LIMIT)
+        if drive.emergency_at is not None:
+            time.sleep(WATCHED)
     result = judge(drive.name, drive.waypoints, states(folder), events(folder))
     result.write(folder)
     return result

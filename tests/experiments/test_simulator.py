@@ -134,7 +134,9 @@ def written(folder: Path, rate: float) -> None:
     (folder / "factors.csv").write_text("real_s,factor\n10.0,0\n")
 
 
-@pytest.mark.parametrize(("rate", "follows"), [(10.0, True), (10.5, False), (20.0, False)])
+@pytest.mark.parametrize(
+    ("rate", "follows"), [(10.0, True), (10.4, True), (10.6, False), (20.0, False)]
+)
 def test_judges_by_the_pace(tmp_path, rate, follows) -> None:
     written(tmp_path, rate)
     result = results.judge(tmp_path, "written", follows_clock=True, arrived=False)

@@ -29,6 +29,7 @@ def test_a_list_is_driven_and_an_emergency_stops_it(tmp_path) -> None:
         stage.Drive("emergency", waypoints, emergency_at=2),
     ]
     whole, emergency = stage.run_drives(tmp_path, drives, told.append)
+    assert "has no parameter" not in (tmp_path / "whole" / "system.log").read_text("utf-8")
     assert whole.active == [1, 2, 0]
     assert whole.done is True
     # Wide, for a machine that does other things too; a wrong sign of y would be off by 1.6 m.

@@ -7,12 +7,17 @@ import json
 import pytest
 import yaml
 
+from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.bringup.views import SETTINGS
 from jausml.metamodel.classes import ros
+from jausml.model import read_models
 from jausml.runtime.base.settings import TransportSettings
+from jausml.text.notation import NOTATIONS
 
-from .node_support import CASES, artifacts, model_of, ros_environment, run, write
+from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
+
+LISTS = ROOT / "models" / "examples" / "waypoint_list" / "waypoint_list.ros2jaus"
 
 # As much of launch as the generated files use; every call is checked like a real one would be.
 STAND_IN = {
@@ -289,6 +294,18 @@ def test_hostile_values_arrive_unchanged():
     )
     assert {p.name: p.value for p in node.parameters} == {
         name: value for name, value in values.items() if name != "use_sim_time"
+    }
+
+
+def test_a_list_is_not_shaped():
+    model = read_models([LISTS], notations=NOTATIONS).model
+    (robot,) = (each for each in render(model, [BRINGUP]) if each.path.endswith("robot.yaml"))
+    values = yaml.safe_load(robot.text)["/**"]["ros__parameters"]
+    assert {name for name in values if name.startswith("waypoints.")} == {
+        "waypoints.action",
+        "waypoints.frame_id",
+        "waypoints.silence_timeout",
+        "waypoints.latency",
     }
 
 

@@ -12,7 +12,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ["catvehicle", "catvehicle/jaus_only", "minimal", "examples/winch"]
+EXAMPLES = [
+    "catvehicle",
+    "catvehicle/jaus_only",
+    "minimal",
+    "examples/simulator",
+    "examples/waypoint_list",
+    "examples/winch",
+]
+NOTATIONS = {".xmi", ".ros2jaus"}
+SHARED = {"examples/simulator": "catvehicle/src/catvehicle"}
+"""Packages that examples take from others."""
 RULES = "E,F,W,UP,B,SIM,D,N,PIE,RET"
 # What ROS itself leaves untyped.
 MYPY = """[mypy]
@@ -30,10 +40,20 @@ def workspace(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     """Generates an example, around its skeletons where it has any."""
     source = ROOT / "models" / request.param
     folder = tmp_path_factory.mktemp(source.name) / "ws"
+    ignored = shutil.ignore_patterns("__pycache__")
     if (source / "src").is_dir():
-        shutil.copytree(source / "src", folder, ignore=shutil.ignore_patterns("__pycache__"))
-    run("-m", "jausml", "generate", str(source / f"{source.name}.xmi"), "-o", str(folder))
+        shutil.copytree(source / "src", folder, ignore=ignored)
+    if shared := SHARED.get(request.param):
+        package = ROOT / "models" / shared
+        shutil.copytree(package, folder / package.name, ignore=ignored)
+    run("-m", "jausml", "generate", str(model_in(source)), "-o", str(folder))
     return folder
+
+
+def model_in(source: Path) -> Path:
+    """Returns the model of an example, in whichever notation it is."""
+    (model,) = (path for path in source.glob(f"{source.name}.*") if path.suffix in NOTATIONS)
+    return model
 
 
 def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> str:
@@ -48,8 +68,9 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
 
 
 def test_no_skeleton_has_drifted(workspace: Path) -> None:
-    example = workspace.parent.name.rstrip("0123456789")
-    (model,) = (ROOT / "models").glob(f"**/{example}/{example}.xmi")
+    name = workspace.parent.name.rstrip("0123456789")
+    (example,) = (each for each in EXAMPLES if Path(each).name == name)
+    model = model_in(ROOT / "models" / example)
     said = run("-m", "jausml", "generate", str(model), "-o", str(workspace), "--check")
     assert "does not define" not in said
     assert "warning" not in said

@@ -111,7 +111,8 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         float(connection.silenceTimeout or freshness_of(connection)),
         "Seconds without a message that count as silence; 0 is never.",
     )
-    yield from _shape_lines(view)
+    if not isinstance(view, ActionView):
+        yield from _shape_lines(view)
     yield ParameterLine(f"{name}.latency", value=False, about="Whether its latency is measured.")
     for join in view.joins:
         owner = f"{name}.{join.name}"

@@ -23,7 +23,7 @@ from .operator_unit_base import ADDRESS, SETTINGS, OperatorUnitBase
 LOG_FOLDER = "WAYPOINT_LOG"
 """Environment variable that names the folder of plan and log."""
 
-RETRY = 0.5
+RETRY = 0.2
 """Seconds until what could not be begun yet is tried again."""
 
 LONGEST = 600
