@@ -18,7 +18,7 @@ from jausml.semantics.stops import has_stop
 from jausml.semantics.used_maps import used_maps
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Mapping
+    from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
     from jausml.generators.python.codec.messages import MessageView
     from jausml.metamodel.classes import jaus
@@ -57,8 +57,8 @@ class Translated:
         ros_name: Name of its ROS message class in the module.
         joins: The joined messages.
         lines: The statements that make `target` from `source`.
-        safe_lines: The statements that make `target` when the source is lost; none without a safe
-            value.
+        safe_lines: The statements that return what is sent when the source is lost; none without a
+            safe value.
         alike: What is equal for connections whose translations differ in the name alone.
     """
 
@@ -212,5 +212,12 @@ def _translated(
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):
-        safe_lines = stop(connection, message, f"self.{name}", ros_name, uses).lines
+        safe_lines = _returned(stop(connection, message, f"self.{name}", ros_name, uses).lines)
     return Translated(name, ros_name, joins, lines, safe_lines, alike)
+
+
+def _returned(lines: Sequence[str]) -> tuple[str, ...]:
+    """Returns statements that make `target` as ones that return it, unnamed if nothing is set."""
+    *before, last = lines
+    made = last.removeprefix("target = ")
+    return (*lines, "return target") if made == last else (*before, f"return {made}")
