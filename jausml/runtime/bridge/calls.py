@@ -21,7 +21,9 @@ from .transcoding import Form
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from ..base.address import JausAddress
     from ..base.counters import Counters
+    from ..transports.packets.packet import Priority
     from ..wire.message import Message
     from .ends import Ends
     from .service_client import RosService
@@ -78,6 +80,7 @@ class Calls(Generic[CallT, AskingT]):
         response: CallTranslation | type[Message] | None,
         timeout: float,
         is_command: bool,
+        priority: Priority,
     ) -> None:
         """Prepares the connection; nothing is exchanged before `open`.
 
@@ -89,6 +92,7 @@ class Calls(Generic[CallT, AskingT]):
                 None where nothing answers.
             timeout: Seconds after which a call without an answer has failed.
             is_command: Whether the calls set something in motion.
+            priority: Priority of JAUS messages (AS5669A).
         """
         self.name = name
         self.service = service
@@ -98,6 +102,7 @@ class Calls(Generic[CallT, AskingT]):
         self.form = Form.LIGHT
         self._request = request
         self._response = response
+        self._priority = priority
         self._under_way: dict[CallT, None] = {}
         self._halt: StopReason | None = None
         self._reported = 0
@@ -167,6 +172,13 @@ class Calls(Generic[CallT, AskingT]):
             return default()
         except EncodeError as error:
             raise CallFailedError(str(error)) from error
+
+    def _send(self, payload: bytes, peer: JausAddress, *, acknowledge: bool = False) -> None:
+        """Sends a JAUS message."""
+        component = self._ends.component
+        component.transport.send(
+            component.address, peer, payload, priority=self._priority, acknowledge=acknowledge
+        )
 
     def _done(self, call: CallT) -> None:
         """Counts a call that was answered."""

@@ -83,11 +83,11 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
             response=response,
             timeout=timeout,
             is_command=is_command,
+            priority=priority,
         )
         self._peers = PeerBinding(peers)
         self._rejections = tuple(rejections)
         self._when = when
-        self._priority = priority
         self._client: ServiceClient
 
     def open(self, ends: Ends) -> None:
@@ -163,10 +163,6 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
             self._send(self._rejections[0]().encode(), call.sender)
         else:
             self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
-
-    def _send(self, payload: bytes, peer: JausAddress) -> None:
-        component = self._ends.component
-        component.transport.send(component.address, peer, payload, priority=self._priority)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """What a search has found, and whether the service is there."""

@@ -91,11 +91,11 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             response=response,
             timeout=timeout,
             is_command=is_command,
+            priority=priority,
         )
         self._peers = ControlledPeers(peers, control)
         self._rejections = codes_of(rejections)
         self._is_success_mapped = is_success_mapped
-        self._priority = priority
 
     def open(self, ends: Ends) -> None:
         """Meets the peers and serves the service."""
@@ -143,10 +143,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
 
     def _ask(self, call: ServedCall, peer: JausAddress, payload: bytes) -> None:
         if not self._answers:
-            component = self._ends.component
-            component.transport.send(
-                component.address, peer, payload, priority=self._priority, acknowledge=True
-            )
+            self._send(payload, peer, acknowledge=True)
             self._succeed(call, self.service.response())
             return
         call.forget = self._ends.exchanges.ask(
