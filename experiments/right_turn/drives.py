@@ -31,6 +31,9 @@ DRIVE_LIMIT = 40.0
 STANDSTILL = 0.05
 """Speed in m/s below which the vehicle has stopped; what is left are millimetres."""
 
+CREEP = 0.2
+"""Speed in m/s below which the vehicle may be called arrived: the law slows it down for seconds."""
+
 AT_END = 1.0
 """Metres from the end of the path within which a vehicle that stands has arrived."""
 
@@ -117,10 +120,10 @@ def collect(made: Drive, system: Running) -> Run:
 
 
 def is_at_end(sample: Sample) -> bool:
-    """Returns whether the vehicle stands at the end of the path."""
+    """Returns whether the vehicle stands, or creeps its last centimetres, at the path's end."""
     path = StraightArcStraight.right_turn(VehicleParameters())
     end = path.at(path.length)
-    return sample.v < STANDSTILL and math.dist((sample.x, sample.y), (end.x, end.y)) < AT_END
+    return sample.v < CREEP and math.dist((sample.x, sample.y), (end.x, end.y)) < AT_END
 
 
 def from_first_motion(samples: Sequence[Sample]) -> list[Sample]:

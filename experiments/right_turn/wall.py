@@ -4,16 +4,29 @@ from __future__ import annotations
 
 import json
 import shutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from catvehicle.parameters import VehicleParameters
 
 from experiments.right_turn.drives import Drive, drive
-from experiments.right_turn.systems import BRIDGED, JAUS_ALONE, Setting, generate
+from experiments.right_turn.judging import judge
+from experiments.right_turn.systems import BRIDGED, JAUS_ALONE, Setting, Workspace, generate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from experiments.right_turn.data import Plan, Run
+
+CONTROL_DRIVES = 3
+"""Drives of each positive control, all of them at once: they need no ROS."""
+
+CONTROLS = {
+    "late": ("J with 100 ms of delay each way", "kinematic", 0.2),
+    "understeer": ("J on a plant that understeers", "dynamic", 0.0),
+}
+"""What must be told from J, or the experiment proves nothing: words, plant, and delay of commands in
+seconds, which is that of both ways."""
 
 PAIRS_AT_ONCE = 2
 """Pairs of drives at the same time; see docs/experiment.md for what they cost each other."""
@@ -22,7 +35,7 @@ PAIRS_AT_ONCE = 2
 def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
     """Drives pairs of J and R; writes each run to its folder.
 
-    A quick plan drives one pair.
+    A quick plan drives one pair, without positive controls.
 
     Raises:
         RuntimeError: A system does not run.
@@ -44,6 +57,40 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         for made in drive(drives, folder / "logs"):
             made.write(made.place(folder))
             runs.append(made)
-    summary = {"pairs": count, "at_once": PAIRS_AT_ONCE}
+    summary: dict[str, Any] = {"pairs": count, "at_once": PAIRS_AT_ONCE, "claims": []}
+    if not plan.quick:
+        tell("positive controls")
+        good = [each for each in runs if each.system == JAUS_ALONE.name]
+        summary["controls"] = found = _controls(alone, good, folder / "logs")
+        summary["claims"] = [
+            {"text": f"positive control: {each['about']}, is told from J", "holds": each["differs"]}
+            for each in found.values()
+        ]
     (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     return runs
+
+
+def _controls(alone: Workspace, good: Sequence[Run], logs: Path) -> dict[str, dict[str, Any]]:
+    """Drives what must be told from J, and judges it."""
+    settings = [
+        (name, Setting(place, plant, delay))
+        for place, (name, plant, delay) in enumerate(
+            (name, plant, delay)
+            for name, (_, plant, delay) in CONTROLS.items()
+            for _ in range(CONTROL_DRIVES)
+        )
+    ]
+    drives = [Drive(alone, f"{name}_{setting.place}", setting) for name, setting in settings]
+    made = list(zip(settings, drive(drives, logs), strict=True))
+    found = {}
+    for name, (about, _, _) in CONTROLS.items():
+        runs = [run for (control, _), run in made if control == name]
+        verdict = judge(good, runs, VehicleParameters())
+        found[name] = {
+            "about": about,
+            "drives": len(runs),
+            "differs": verdict.differs,
+            "by": [row.name for row in verdict.rows if row.differs],
+            "metrics": [dict(run.metrics) for run in runs],
+        }
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from catvehicle.metrics import Sample
 
-from experiments.right_turn.drives import from_first_motion, judged
+from experiments.right_turn.drives import from_first_motion, is_at_end, judged
 
 
 def sample(t: float, x: float, v: float) -> Sample:
@@ -38,3 +38,13 @@ def test_standing_at_the_end_is_no_part_of_the_drive() -> None:
 
     assert judged(drive + rest)["duration"] == pytest.approx(1.0)
     assert judged(drive + rest) == judged(drive)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "v", "arrived"),
+    [(37.0, -36.8, 0.1, True), (37.0, -36.8, 1.0, False), (30.0, -5.0, 0.0, False)],
+)
+def test_arrived_is_who_stands_at_the_end(x: float, y: float, v: float, arrived: bool) -> None:
+    state = Sample(t=20.0, x=x, y=y, psi=-1.57, v=v, delta=0.0, delta_cmd=0.0, v_cmd=0.0)
+
+    assert is_at_end(state) is arrived
