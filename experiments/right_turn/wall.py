@@ -25,8 +25,8 @@ CONTROLS = {
     "late": ("J with 100 ms of delay each way", "kinematic", 0.2),
     "understeer": ("J on a plant that understeers", "dynamic", 0.0),
 }
-"""What must be told from J, or the experiment proves nothing: words, plant, and delay of commands in
-seconds, which is that of both ways."""
+"""What must be told from J, or the experiment proves nothing: words, plant, and the delay of
+commands (s), which is that of both ways."""
 
 PAIRS_AT_ONCE = 2
 """Pairs of drives at the same time; see docs/experiment.md for what they cost each other."""
@@ -72,19 +72,15 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
 
 def _controls(alone: Workspace, good: Sequence[Run], logs: Path) -> dict[str, dict[str, Any]]:
     """Drives what must be told from J, and judges it."""
-    settings = [
-        (name, Setting(place, plant, delay))
-        for place, (name, plant, delay) in enumerate(
-            (name, plant, delay)
-            for name, (_, plant, delay) in CONTROLS.items()
-            for _ in range(CONTROL_DRIVES)
-        )
+    names = [name for name in CONTROLS for _ in range(CONTROL_DRIVES)]
+    drives = [
+        Drive(alone, f"{name}_{place}", Setting(place, *CONTROLS[name][1:]))
+        for place, name in enumerate(names)
     ]
-    drives = [Drive(alone, f"{name}_{setting.place}", setting) for name, setting in settings]
-    made = list(zip(settings, drive(drives, logs), strict=True))
+    made = drive(drives, logs)
     found = {}
     for name, (about, _, _) in CONTROLS.items():
-        runs = [run for (control, _), run in made if control == name]
+        runs = [run for run, control in zip(made, names, strict=True) if control == name]
         verdict = judge(good, runs, VehicleParameters())
         found[name] = {
             "about": about,
