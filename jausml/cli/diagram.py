@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from jausml.cli.common import Reading
     from jausml.diagrams.graph import Graph
 
-SUFFIXES = (".mmd", ".dot")
+SUFFIXES = (".svg", ".mmd", ".dot")
+THEMES = ("auto", "light", "dark")
 
 
 @click.command("diagram")
@@ -32,8 +33,15 @@ SUFFIXES = (".mmd", ".dot")
     metavar="FILE",
     help=f"The file to write; its ending says what: {', '.join(SUFFIXES)}.",
 )
+@click.option(
+    "--theme",
+    type=click.Choice(THEMES),
+    default="auto",
+    show_default=True,
+    help="Colours of pictures; auto are those of whoever looks.",
+)
 @reading_options
-def command(model: str, view: str, output: str, reading: Reading) -> None:
+def command(model: str, view: str, output: str, theme: str, reading: Reading) -> None:
     """Draw a view of MODEL.
 
     The system shows components, bridges with their connections, and ROS nodes; a map the members of
@@ -59,14 +67,24 @@ def command(model: str, view: str, output: str, reading: Reading) -> None:
         if report.has_errors:
             click.echo(text.render(report), nl=False, err=True)
         raise EnvironmentFault(str(error)) from error
-    write_report(_rendered(graph, suffix), output)
+    write_report(_rendered(graph, suffix, theme), output)
     if report.has_errors:
         click.echo(text.render(report), nl=False, err=True)
         click.echo(text.summary(report), err=True)
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _rendered(graph: Graph, suffix: str) -> str:
-    from jausml.diagrams.writers import dot, mermaid
+def _rendered(graph: Graph, suffix: str, theme: str) -> str:
+    from jausml.diagrams.layout.graphviz import Graphviz
+    from jausml.diagrams.layout.sheet import LayoutError
+    from jausml.diagrams.writers import dot, mermaid, svg
 
-    return {".mmd": mermaid.render, ".dot": dot.render}[suffix](graph)
+    match suffix:
+        case ".mmd":
+            return mermaid.render(graph)
+        case ".dot":
+            return dot.render(graph)
+    try:
+        return svg.render(graph, Graphviz(), theme)
+    except LayoutError as error:
+        raise EnvironmentFault(str(error)) from error

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from jausml.diagrams.layout import graphviz
+
 CAR = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 
 
@@ -21,6 +23,14 @@ def test_the_ending_says_what_is_written(jausml, tmp_path, name, start):
     assert b"odometry" in first
     jausml("diagram", CAR, "-o", output)
     assert output.read_bytes() == first
+
+
+def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkeypatch):
+    monkeypatch.setattr(graphviz, "find_spec", lambda _: None)
+    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    assert result.exit_code == 2
+    assert result.output == "Error: pictures need pygraphviz: pip install 'jausml[diagram]'\n"
+    assert not (tmp_path / "x.svg").exists()
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,8 @@ def test_a_map_has_a_line_for_each_assignment():
     assert marks["pose"] == "unmapped"
     rows = {each.id: each.note for each in jaus.ports}
     assert (
-        rows["Velocity_X"] == "scaled uint32  meter per second  -327.68..327.67  forwardRightDown"
+        rows["Velocity_X"]
+        == "scaled uint32 · meter per second · -327.68..327.67 · forwardRightDown"
     )
     ignored = [each.mark for node in car("map:cruise_speed").nodes for each in node.ports]
     assert "ignored" in ignored

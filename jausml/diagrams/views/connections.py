@@ -90,7 +90,9 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
     message = used.message if used is not None else None
     kind = used.type if used is not None else None
     to_ros = connection.direction.name == "jausToRos"
-    label = exchange(connection.exchange.name, connection.rate, owner.frequency)
+    style = connection.exchange.name
+    is_command = style == "message" and message is not None and message.isCommand
+    label = exchange("command" if is_command else style, connection.rate, owner.frequency)
     arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
     row = Port(
         context.id_of(connection),

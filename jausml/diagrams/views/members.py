@@ -135,7 +135,7 @@ def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Itera
 
 def _note(kind: str, attribute: Attribute) -> str:
     unit = attribute.units if attribute.units != "one" else ""
-    return "  ".join(each for each in (kind, unit, _range(attribute), _axes(attribute)) if each)
+    return " · ".join(each for each in (kind, unit, _range(attribute), _axes(attribute)) if each)
 
 
 def _details(part: Part, attribute: Attribute) -> tuple[tuple[str, str], ...]:

@@ -1,0 +1,128 @@
+"""Bundling: a system of many connections as a frame for each bridge, and one edge for each pair."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.diagrams.graph import Edge, End, Group, Port
+
+if TYPE_CHECKING:
+    from jausml.diagrams.graph import Graph, Node
+
+MOST_EDGES = 80
+"""Edges that a drawing shows one by one."""
+
+
+def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
+    """Returns a graph that can be read: as it is, or bundled where it has too many edges.
+
+    What two frames have in common is told in the boxes, not by edges across.
+
+    Args:
+        graph: A graph.
+        most: Edges up to which it stays as it is.
+    """
+    bridges = [each for each in graph.nodes if each.kind == "bridge"]
+    if len(graph.edges) <= most or not bridges:
+        return graph
+    frames = _frames(graph, {each.id for each in bridges})
+    inside: dict[tuple[str, str, str], list[Edge]] = defaultdict(list)
+    within: dict[str, Counter[str]] = defaultdict(Counter)
+    across: dict[str, Counter[str]] = defaultdict(Counter)
+    for edge in graph.edges:
+        source, target = edge.source.node, edge.target.node
+        if frames[source] and frames[source] == frames[target]:
+            inside[source, target, edge.kind].append(edge)
+            within[source][target] += 1
+            within[target][source] += 1
+        else:
+            across[source][target] += 1
+            across[target][source] += 1
+    titles = {each.id: each.title for each in graph.nodes}
+    hosts = {each.id: each.title for each in graph.groups}
+    groups = tuple(Group(f"{b.id}!frame", "bridge", b.title) for b in bridges)
+    return replace(
+        graph,
+        nodes=tuple(
+            _box(each, frames[each.id], within[each.id], across[each.id], titles, hosts)
+            for each in graph.nodes
+        ),
+        groups=groups,
+        edges=tuple(_bundle(each, {b.id for b in bridges}) for each in inside.values()),
+    )
+
+
+def _frames(graph: Graph, bridges: set[str]) -> dict[str, str]:
+    """Returns by node the bridge that it exchanges most with; empty for none."""
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for edge in graph.edges:
+        for one, other in (
+            (edge.source.node, edge.target.node),
+            (edge.target.node, edge.source.node),
+        ):
+            if other in bridges:
+                counts[one][other] += 1
+    return {
+        each.id: each.id
+        if each.id in bridges
+        else next((bridge for bridge, _ in counts[each.id].most_common(1)), "")
+        for each in graph.nodes
+    }
+
+
+def _box(
+    node: Node,
+    frame: str,
+    within: Counter[str],
+    across: Counter[str],
+    titles: dict[str, str],
+    hosts: dict[str, str],
+) -> Node:
+    shown = {} if node.kind == "bridge" else within
+    rows = (
+        *(
+            Port(f"{node.id}!with {other}", f"with {titles[other]}", _words(count))
+            for other, count in shown.items()
+        ),
+        *(
+            Port(f"{node.id}!also {other}", f"also with {titles[other]}", _words(count))
+            for other, count in across.items()
+        ),
+    )
+    host = hosts.get(node.group, "")
+    subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
+    findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
+    return replace(
+        node,
+        ports=rows,
+        group=f"{frame}!frame" if frame else "",
+        subtitle=subtitle,
+        details=(*node.details, *((each.label, each.note) for each in node.ports)),
+        findings=tuple(findings),
+    )
+
+
+def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
+    first = edges[0]
+    titles = dict.fromkeys(each.title for each in edges)
+    return replace(
+        first,
+        source=_end(first.source.node, first.target.node, bridges),
+        target=_end(first.target.node, first.source.node, bridges),
+        title=", ".join(titles),
+        labels=(),
+        count=len(edges),
+        details=tuple((each.title, ", ".join(each.labels) or each.kind) for each in edges),
+        findings=tuple(dict.fromkeys(f for each in edges for f in each.findings)),
+    )
+
+
+def _end(node: str, other: str, bridges: set[str]) -> End:
+    """Returns the end of a bundle: the row of a box that tells how much there is."""
+    return End(node) if node in bridges else End(node, f"{node}!with {other}")
+
+
+def _words(count: int) -> str:
+    return f"{count} connection{'s' if count > 1 else ''}"

@@ -1,0 +1,1 @@
+"""Layouts: where boxes, frames and lines stand on a sheet."""

@@ -1,0 +1,63 @@
+"""Colours of pictures: those of Okabe and Ito, darkened or lightened until they can be read."""
+
+from __future__ import annotations
+
+_LIGHT = {
+    "ground": "#FFFFFF",
+    "body": "#FFFFFF",
+    "ink": "#1B1B1B",
+    "muted": "#6B6B6B",
+    "line": "#6B6B6B",
+    "frame": "#F5F5F5",
+    "jaus": "#0072B2",
+    "bridge": "#A8447F",
+    "ros": "#00795A",
+    "error": "#B34700",
+    "warning": "#7A5300",
+}
+_DARK = {
+    "ground": "#1E1E1E",
+    "body": "#262626",
+    "ink": "#EEEEEE",
+    "muted": "#A0A0A0",
+    "line": "#A0A0A0",
+    "frame": "#232323",
+    "jaus": "#56B4E9",
+    "bridge": "#E5A4C6",
+    "ros": "#4CC9A0",
+    "error": "#FF8A3D",
+    "warning": "#F0C44C",
+}
+_SHARED = (
+    ".diagram{font-family:Helvetica,Arial,'Liberation Sans',sans-serif}"
+    ".edge{fill:none;stroke-width:1.2}.control,.owns{stroke-dasharray:5 4}"
+    ".bridge .body{stroke-width:3}.body{stroke-width:1.5}.frame rect{stroke-width:1}"
+    ".doubled{fill:none;stroke-width:1.5}.rule{stroke-width:.6;fill:none}.behind{opacity:.85}"
+)
+
+
+def style(theme: str) -> str:
+    """Returns the style sheet of a picture.
+
+    Args:
+        theme: `light`, `dark`, or `auto` for that of whoever looks.
+    """
+    if theme == "auto":
+        return f"{_SHARED}{_rules(_LIGHT)}@media(prefers-color-scheme:dark){{{_rules(_DARK)}}}"
+    return _SHARED + _rules(_DARK if theme == "dark" else _LIGHT)
+
+
+def _rules(colours: dict[str, str]) -> str:
+    rules = [
+        ".ground,.behind{fill:%(ground)s}.body{fill:%(body)s;stroke:%(line)s}",
+        "text{fill:%(ink)s}.muted{fill:%(muted)s}.mark{fill:%(ink)s}.flow{fill:%(ink)s}",
+        ".frame rect{fill:%(frame)s;stroke:%(muted)s}.rule{stroke:%(muted)s}",
+        ".edge{stroke:%(line)s}.head{fill:%(line)s}",
+        ".component .body,.message .body{stroke:%(jaus)s}",
+        ".edge.message,.edge.to_ros{stroke:%(jaus)s}.edge.topic,.edge.to_jaus{stroke:%(ros)s}",
+        ".box.bridge .body,.edge.call{stroke:%(bridge)s}",
+        ".node .body,.type .body{stroke:%(ros)s}",
+        ".doubled,.edge.error{stroke:%(error)s}text.error{fill:%(error)s}",
+        "text.warning,text.info{fill:%(warning)s}",
+    ]
+    return "".join(rules) % colours

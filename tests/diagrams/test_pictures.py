@@ -1,0 +1,178 @@
+"""Pictures: what stands in SVG, where, and that texts of a model stay texts."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import pytest
+from diagram_support import CAR, MODELS, read
+
+from jausml.diagrams.bundling import bundled
+from jausml.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph, Group, Node, Port
+from jausml.diagrams.layout.graphviz import Graphviz
+from jausml.diagrams.views import graph_of
+from jausml.diagrams.writers import dot, mermaid, shapes, svg
+from jausml.diagrams.writers.text_width import cut, width
+
+pygraphviz = pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
+
+SVG = "{http://www.w3.org/2000/svg}"
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "a\"b'c",
+    "a\nb\r\nc",
+    "\u202egnitirw tfel ot thgir \u05e9\u05dc\u05d5\u05dd \u0645\u0631\u062d\u0628\u0627",
+    "]]>--></style></title></svg>",
+    "\\N \\E {x} |y| [z] <b> & &amp; %s",
+    "\x00\x07\x1b",
+    "",
+    "名前" * 60,
+)
+
+
+def graph(name, view="system"):
+    report = read(name)
+    return graph_of(report.model, view, report.diagnostics)
+
+
+def hostile(text):
+    """Returns a graph of each part of which a text is the text."""
+    wrong = (Finding("error", "R", text), Finding("warning", "R", text))
+    told = ((text, text),)
+    ports = tuple(Port(f"p{n}{text}", text, text, text, n, told, wrong) for n in range(2))
+    nodes = tuple(
+        Node(f"{kind}{text}", kind, text, text, ports, f"g{text}", column, told, wrong)
+        for column, kind in enumerate(("component", "bridge", "node"))
+    )
+    edges = (
+        Edge("e", End(nodes[0].id, ports[0].id), End(nodes[1].id), "message", text, (text,)),
+        Edge(f"f{text}", End(nodes[1].id), End(nodes[2].id), "call", text, (text, text), 1, told),
+    )
+    groups = (Group(f"g{text}", "host", text),)
+    return Graph("system", text, nodes, groups, edges, findings=wrong)
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_texts_are_data(text):
+    found = hostile(text)
+    picture = svg.render(found, Graphviz())
+    root = ElementTree.fromstring(picture.encode())  # noqa: S314 - our own
+    names = {each.tag.removeprefix(SVG) for each in root.iter()}
+    assert names <= {"svg", "title", "style", "defs", "marker", "path", "rect", "text", "g"}
+    shown = cut(text, 48)
+    assert any(shown == (each.text or "") for each in root.iter(f"{SVG}text")) or not shown
+    assert "<script" not in picture
+    chart = mermaid.render(found)
+    assert "<script" not in chart
+    assert len(chart.splitlines()) == len(mermaid.render(hostile("x")).splitlines())
+    # Graphviz reads what is written for it, with as many things.
+    read_back = pygraphviz.AGraph(string=dot.render(found))
+    assert (len(read_back.nodes()), len(read_back.edges())) == (3, 2)
+
+
+@pytest.mark.parametrize(
+    "view", ["system", "map:velocity_state", "service:PrimitiveDriver", "map:cruise_speed"]
+)
+def test_boxes_do_not_overlap_and_texts_stay_inside(view):
+    found = graph(CAR, view)
+    assert_legible(found)
+
+
+def test_a_machine_is_legible():
+    assert_legible(graph(MODELS / "examples" / "winch" / "service.xmi", "machine:ReceiveFSM"))
+
+
+def assert_legible(found):
+    sheet = shapes.sheet_of(found, packed=False)
+    places = Graphviz().place(sheet)
+    corners = [(*places.boxes[each.id], each.width, each.height) for each in sheet.boxes]
+    for index, (x, y, wide, high) in enumerate(corners):
+        assert x >= -1
+        assert y >= -1
+        assert x + wide <= places.width + 1
+        assert y + high <= places.height + 1
+        for a, b, c, d in corners[index + 1 :]:
+            assert x + wide <= a or a + c <= x or y + high <= b or b + d <= y
+    for node in found.nodes:
+        box = shapes.box_of(node)
+        assert width(shapes.title_of(node), shapes.TITLE, bold=True) <= box.width
+    ends = {each.id: each for each in sheet.boxes}
+    for line in sheet.lines:
+        points = places.lines[line.id].points
+        for point, (name, _) in ((points[0], line.source), (points[-1], line.target)):
+            left, top = places.boxes[name]
+            assert left - 2 <= point[0] <= left + ends[name].width + 2
+            assert top - 2 <= point[1] <= top + ends[name].height + 2
+
+
+def test_the_same_bytes_each_time():
+    assert svg.render(graph(CAR), Graphviz()) == svg.render(graph(CAR), Graphviz())
+
+
+def test_themes():
+    found = graph(MODELS / "minimal" / "minimal.xmi")
+    auto, light, dark = (svg.render(found, Graphviz(), each) for each in ("auto", "light", "dark"))
+    assert "prefers-color-scheme:dark" in auto
+    assert "prefers-color-scheme" not in light + dark
+    assert "#1E1E1E" in dark
+    assert "#1E1E1E" not in light
+
+
+def large(bridges=6, components=60, connections=300):
+    nodes = [Node(f"b{n}", "bridge", f"bridge{n}", column=BRIDGE_COLUMN) for n in range(bridges)]
+    nodes += [
+        Node(f"c{n}", "component", f"component{n}", ports=(Port("p", "p"),), column=0)
+        for n in range(components)
+    ]
+    edges = [
+        Edge(
+            f"e{n}", End(f"c{n % components}", "p"), End(f"b{n * 7 % bridges}"), "message", f"m{n}"
+        )
+        for n in range(connections)
+    ]
+    return Graph("system", "large", tuple(nodes), (), tuple(edges))
+
+
+def test_a_large_system_has_a_frame_for_each_bridge():
+    found = large()
+    shown = bundled(found)
+    assert len(shown.groups) == 6
+    assert len(shown.edges) < 80
+    told = sum(each.count for each in shown.edges)
+    across = [p for n in shown.nodes if n.kind != "bridge" for p in n.ports if "also" in p.label]
+    assert told + sum(int(each.note.split()[0]) for each in across) == len(found.edges)
+    picture = svg.render(found, Graphviz())
+    assert picture.count('class="box') == 66
+
+
+def test_a_small_system_stays_as_it_is():
+    found = large(connections=80)
+    assert bundled(found) is found
+
+
+def test_findings_are_a_word_and_not_a_colour_alone():
+    found = graph(MODELS / "minimal" / "minimal.xmi")
+    wrong = (Finding("error", "JML1", "is wrong"),)
+    marked = replace(found, nodes=(replace(found.nodes[0], findings=wrong), *found.nodes[1:]))
+    picture = svg.render(marked, Graphviz())
+    assert re.search(r">× error: is wrong</text>", picture)
+    assert 'class="doubled"' in picture
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "view"),
+    [
+        ("system", CAR, "system"),
+        ("map", CAR, "map:velocity_state"),
+        ("service", CAR, "service:PrimitiveDriver"),
+        ("machine", MODELS / "examples" / "winch" / "service.xmi", "machine:ReceiveFSM"),
+    ],
+)
+def test_the_pictures_of_the_docs_show_what_is_there(name, path, view):
+    # Another version of Graphviz may place things elsewhere.
+    shown = (MODELS.parent / "docs" / f"diagram-{name}.svg").read_text(encoding="utf-8")
+    drawn = svg.render(graph(path, view), Graphviz(), "light")
+    texts = re.compile(r">([^<]*)</text>")
+    assert texts.findall(shown) == texts.findall(drawn)
