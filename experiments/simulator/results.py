@@ -18,6 +18,8 @@ RATE = 20.0
 TOLERANCE = 0.03
 """Share by which the rate of events may differ from rate x pace: what the pace is measured with. It
 is a thirtieth of the difference between half the pace and the whole."""
+HELD = 0.05
+"""Share by which the pace of a simulation that was held may differ from the one that was set."""
 EDGES = 2
 """Events that a segment may have more or less besides: one that came late or early at each end."""
 PATH_TOLERANCE = 0.10
@@ -108,6 +110,11 @@ class Result:
     path_error: float | None
     duration: float | None
     follows: bool
+
+    @property
+    def held_pace(self) -> bool:
+        """Whether the machine was fast enough for the pace that was set."""
+        return all(abs(each.pace - each.factor) <= HELD * each.factor for each in self.segments)
 
     def write(self, folder: Path) -> None:
         """Writes the numbers to `result.json`."""

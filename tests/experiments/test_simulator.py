@@ -146,9 +146,19 @@ def test_judges_by_the_pace(tmp_path, rate, follows) -> None:
     assert moving.pace == pytest.approx(0.5, rel=1e-2)
     assert (resting.factor, resting.pace, resting.real_rate) == (0.0, 0.0, 0.0)
     assert result.follows is follows
+    assert result.held_pace
 
 
 def test_a_run_without_events_is_no_run(tmp_path) -> None:
     written(tmp_path, 0.05)
     with pytest.raises(ValueError, match="no events"):
         results.judge(tmp_path, "written", follows_clock=True, arrived=False)
+
+
+def test_a_pace_that_was_not_held_is_known(tmp_path) -> None:
+    written(tmp_path, 10.0)
+    slow = (tmp_path / "simulator.csv").read_text().replace(",0.5,", ",0.6,")
+    (tmp_path / "simulator.csv").write_text(slow)
+    result = results.judge(tmp_path, "written", follows_clock=True, arrived=False)
+    assert result.follows
+    assert not result.held_pace
