@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 START_LIMIT = 60.0
 """Seconds in which the processes of systems must begin to exchange messages."""
 
-DRIVE_LIMIT = 40.0
+DRIVE_LIMIT = 60.0
 """Seconds in which a drive of some 18 must be over."""
 
 
