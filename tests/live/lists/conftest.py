@@ -1,0 +1,74 @@
+"""Two bridges of lists, the node of nav2 beside them, and an operator."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+from type_support import CannotBuildError, built
+
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.component.process import running_transport
+
+from ..bridge_support import RosPeer, generate, wait_for
+from .list_system import LIVE, PATIENCE, Operator, System, facts
+
+TYPES = (
+    "msg/MissedWaypoint.msg",
+    "action/FollowWaypoints.action",
+    "action/NavigateThroughPoses.action",
+)
+
+
+@pytest.fixture(scope="session")
+def nav2():
+    """The module path of nav2_msgs."""
+    try:
+        return str(built("nav2_msgs", TYPES))
+    except CannotBuildError as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory, nav2):
+    """The module path of the generated bridges, of their messages, and of nav2_msgs."""
+    made = generate(tmp_path_factory.mktemp("lists"), LIVE / "waypoint_lists.ros2jaus")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        patch.setenv("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
+        for each in [*made, nav2]:
+            patch.syspath_prepend(each)
+        yield [*made, nav2]
+
+
+@pytest.fixture
+def system(tmp_path, packages):
+    made = System(tmp_path, packages)
+    yield made
+    for name in made.processes:
+        sys.stderr.write(f"--- {name}\n{made.log_of(name)}\n")
+    made.close()
+
+
+@pytest.fixture
+def operator(system):
+    """An operator in control of the robot's bridge, whose action server is there."""
+    system.start_ros_robot()
+    system.start_bridge("robot")
+    wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
+    settings = TransportSettings(port=system.port)
+    with running_transport(settings) as transport:
+        made = Operator(transport)
+        made.ready()
+        yield made
+        made.stop()
+
+
+@pytest.fixture
+def peer(packages):
+    """A node of the test, which finds nav2_msgs."""
+    del packages
+    made = RosPeer()
+    yield made
+    made.close()

@@ -1,0 +1,142 @@
+"""The processes of the tests of lists and actions, an operator, and what they are told.
+
+The robot is told by the test when it has reached a waypoint, so everything happens in an order.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jausml.runtime import messages as core
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.clients.control_state import ControlState
+from jausml.runtime.component.component import JausComponent
+from jausml.runtime.services.element_list import chain
+
+from ..bridge_support import Process, free_port, wait_for
+
+LIVE = Path(__file__).resolve().parents[1]
+ROBOT, STATION = JausAddress(10, 1, 1), JausAddress(10, 1, 2)
+OPERATOR = JausAddress(10, 1, 9)
+PATIENCE = 60.0
+
+
+class Operator(JausComponent):
+    """Controls the robot and gives it lists."""
+
+    def __init__(self, transport, address=OPERATOR, authority=200):
+        super().__init__(transport, address, name="operator", services=())
+        from robot import messages
+
+        self.messages = messages
+        self.session = self.control(ROBOT, authority=authority)
+        self.seen: list[int] = []  # what the active element was, in order
+        self.ends: list[bool] = []
+        self.refusals: list[int | None] = []
+        self.subscribe(
+            ROBOT, messages.QueryActiveElement(), messages.ReportActiveElement, self._active
+        )
+        self.start()
+
+    def _active(self, report, _sender):
+        if self.seen[-1:] != [report.element_uid]:  # an event that is renewed says it again
+            self.seen.append(report.element_uid)
+
+    def ready(self):
+        wait_for(lambda: self.session.state is ControlState.READY, "control", PATIENCE)
+        wait_for(lambda: self.seen == [0], "event of the active element", PATIENCE)
+
+    def waypoint(self, x):
+        return self.messages.SetLocalWaypoint(x=float(x), y=0.0).encode()
+
+    def set(self, elements):
+        """Sets a list and waits for the answer; True when it was confirmed."""
+        answers = []
+        with self.loop.lock:
+            self.set_list(
+                ROBOT,
+                elements,
+                on_done=lambda: answers.append(True),
+                on_refused=lambda code: (self.refusals.append(code), answers.append(False)),
+            )
+        wait_for(lambda: answers, "answer to the list", PATIENCE)
+        return answers[0]
+
+    def append(self, element):
+        """Sends one SetElement, which changes the list that is there."""
+        record = core.SetElement.ElementRec(
+            element.uid,
+            element.previous_uid,
+            element.next_uid,
+            core.SetElement.ElementData(element.data_format, element.data),
+        )
+        self.send(core.SetElement(element_list=[record]), ROBOT, acknowledge=True)
+
+    def give(self, *xs, first=1):
+        """Sets a list of waypoints with these x."""
+        contents = [(uid, self.waypoint(x), 0) for uid, x in enumerate(xs, first)]
+        assert self.set(chain(contents))
+
+    def execute(self, uid: int | None = 0, speed: float = 1.0):
+        """Sends ExecuteList as a command whose end is told."""
+        message = self.messages.ExecuteList(speed=speed, element_uid=uid)
+        with self.loop.lock:
+            self.command(ROBOT, message, on_done=self.ends.append, max_duration=3600)
+
+    def wait_active(self, uid):
+        wait_for(lambda: self.seen[-1] == uid, f"active element {uid}", PATIENCE)
+
+
+class System:
+    """The processes and components of one test."""
+
+    def __init__(self, folder, packages):
+        self.folder = folder
+        self.packages = packages
+        self.port = free_port()
+        self.processes: dict[str, Process] = {}
+
+    def _start(self, name, arguments, **more):
+        process = Process(arguments, self.packages, self.folder / f"{name}.log", **more)
+        self.processes[name] = process
+        return process
+
+    def start_bridge(self, name):
+        line = ["--jaus-port", str(self.port)]
+        return self._start(name, ["-m", f"{name}.main", *line])
+
+    def start_ros_robot(self):
+        robot = self._start("ros", [str(LIVE / "list_robot.py")], stdin=True)
+        wait_for(lambda: robot.of_kind("ready"), "the robot", PATIENCE)
+        return robot
+
+    def log_of(self, name):
+        return self.processes[name].log.read_text(errors="replace")
+
+    def close(self):
+        for process in self.processes.values():
+            process.close()
+
+
+def facts(system, *kinds):
+    return system.processes["ros"].of_kind(*kinds)
+
+
+def order(system, *words):
+    for word in words:
+        system.processes["ros"].tell(word)
+
+
+def pass_by(system, operator, *uids):
+    """Has the robot go from one element to the next ones, and after the last to the end.
+
+    Feedback and result of a ROS action are not in order with each other: each is waited for.
+    """
+    for uid in (*uids, 0):
+        order(system, "next")
+        operator.wait_active(uid)
+
+
+def wait_goal(system, number=1):
+    wait_for(lambda: len(facts(system, "goal")) >= number, f"goal {number}", PATIENCE)
+    return facts(system, "goal")[number - 1]

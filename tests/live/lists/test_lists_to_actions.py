@@ -1,0 +1,239 @@
+"""Lists of JAUS become goals of ROS actions: real processes, a real action server of rclpy."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.runtime.clients.control_state import ControlState
+from jausml.runtime.services.element_list import ListElement, chain
+
+from ..bridge_support import wait_for
+from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+
+def test_a_list_is_followed_to_its_end(system, operator):
+    operator.give(1, 2, 3)
+    operator.execute()
+    goal = wait_goal(system)
+    assert (goal["x"], goal["frame"], goal["loops"]) == ([1.0, 2.0, 3.0], "odom", 0)
+    operator.wait_active(1)
+    pass_by(system, operator, 2, 3)
+    wait_for(lambda: operator.ends, "end of the command", PATIENCE)
+    assert operator.seen == [0, 1, 2, 3, 0]
+    assert operator.ends == [True]
+
+
+def test_execution_begins_at_the_named_element(system, operator):
+    operator.give(1, 2, 3)
+    operator.execute(2)
+    assert wait_goal(system)["x"] == [2.0, 3.0]
+    operator.wait_active(2)
+    pass_by(system, operator, 3)
+    assert operator.seen == [0, 2, 3, 0]
+
+
+def test_an_abort_is_told_though_the_last_element_was_active(system, operator):
+    operator.give(1)
+    operator.execute()
+    operator.wait_active(1)
+    wait_goal(system)
+    order(system, "abort")
+    operator.wait_active(0)
+    wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
+    assert "the wheels came off" in system.log_of("robot")
+
+
+def test_a_refused_goal_ends_the_list(system, operator):
+    order(system, "refuse")
+    wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
+    operator.give(1, 2)
+    operator.execute()
+    wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
+    operator.wait_active(0)
+    order(system, "accept")
+    wait_for(lambda: facts(system, "accept"), "acceptance", PATIENCE)
+    operator.execute()
+    assert wait_goal(system)["x"] == [1.0, 2.0]
+
+
+def test_another_list_takes_the_place_of_the_first(system, operator):
+    operator.give(1, 2, 3)
+    operator.execute()
+    wait_goal(system)
+    order(system, "next")
+    operator.wait_active(2)
+    operator.execute(1)
+    assert wait_goal(system, 2)["x"] == [1.0, 2.0, 3.0]
+    kinds = [fact["kind"] for fact in facts(system, "goal", "canceled")]
+    assert kinds == ["goal", "canceled", "goal"]
+    order(system, "next", "next", "next")
+    operator.wait_active(0)
+    wait_for(lambda: operator.ends == [True], "end", PATIENCE)
+
+
+def test_a_changed_list_is_followed_from_the_active_element(system, operator):
+    operator.give(1, 2, 3)
+    operator.execute()
+    wait_goal(system)
+    order(system, "next")
+    operator.wait_active(2)
+    operator.append(ListElement(4, 3, 0, operator.waypoint(7)))
+    assert wait_goal(system, 2)["x"] == [2.0, 3.0, 7.0]
+    pass_by(system, operator, 3, 4)
+    assert operator.seen == [0, 1, 2, 3, 4, 0]
+
+
+def test_deleting_the_list_stops_the_robot(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    with operator.loop.lock:
+        operator.delete_elements(ROBOT, [65535])
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    operator.wait_active(0)
+    assert operator.ends == [False]
+
+
+def test_speed_zero_holds_and_another_speed_goes_on(system, operator):
+    operator.give(1, 2, 3)
+    operator.execute()
+    wait_goal(system)
+    order(system, "next")
+    operator.wait_active(2)
+    operator.execute(None, 0.0)
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    assert operator.seen[-1] == 2
+    operator.execute(None, 0.5)
+    assert wait_goal(system, 2)["x"] == [2.0, 3.0]
+
+
+def test_a_robot_without_its_controller_stands(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    with operator.loop.lock:
+        operator.session.release()
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    operator.wait_active(0)
+    wait_for(lambda: "the goal is canceled" in system.log_of("robot"), "log", PATIENCE)
+
+
+def test_an_operator_that_dies_stops_the_robot(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    operator.transport.detach(operator.address)  # nobody renews control any more
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+
+
+def test_emergency_stops_the_robot(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    operator.set_emergency(ROBOT)
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+
+
+def test_a_bridge_that_ends_stops_the_robot(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    assert system.processes["robot"].stop() == 0
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(240)
+def test_an_action_server_that_dies_is_noticed(system, operator):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    system.processes["ros"].kill()
+    # ROS takes a participant for dead when it has said nothing for its lease, 20 s.
+    wait_for(lambda: operator.seen[-1] == 0, "end of the list", 90.0)
+    assert operator.ends == [False]
+    assert "gone" in system.log_of("robot")
+    operator.execute()
+    wait_for(lambda: len(operator.ends) == 2, "second failure", PATIENCE)
+    system.start_ros_robot()
+
+    ended = len(operator.ends)
+
+    def goes_on():
+        nonlocal ended
+        if len(operator.ends) == ended:  # once more when nobody was found yet
+            operator.execute()
+            ended += 1
+        return facts(system, "goal")
+
+    wait_for(goes_on, "goal of the new server", 60.0)
+
+
+def test_hostile_lists_are_refused(system, operator):
+    wrong = operator.messages.ExecuteList(speed=1.0).encode()
+    assert not operator.set(chain([(1, wrong, 0)]))
+    assert not operator.set(chain([(1, operator.waypoint(1)[:5], 0)]))
+    assert not operator.set(chain([(1, b"\x01", 0)]))
+    assert not operator.set(chain([(1, operator.waypoint(1), 1)]))
+    assert operator.refusals == [4, 4, 4, 4]
+    operator.execute()  # of an empty list
+    wait_for(lambda: operator.ends == [False], "refusal", PATIENCE)
+    operator.give(1, 2)
+    operator.execute(7)
+    wait_for(lambda: operator.ends == [False, False], "refusal", PATIENCE)
+    assert operator.seen == [0]
+    assert not facts(system, "goal")
+
+
+def test_a_long_list_is_followed(system, operator):
+    count = 255
+    operator.give(*range(1, count + 1))
+    operator.execute()
+    assert wait_goal(system)["x"] == [float(each) for each in range(1, count + 1)]
+
+
+def test_a_circular_list_goes_round(system, operator):
+    contents = [(uid, operator.waypoint(uid), 0) for uid in (1, 2)]
+    assert operator.set(chain(contents, circular=True))
+    operator.execute(2)
+    assert wait_goal(system)["x"] == [2.0]
+    order(system, "next")
+    assert wait_goal(system, 2)["x"] == [1.0, 2.0]
+    order(system, "next", "next")
+    assert wait_goal(system, 3)["x"] == [1.0, 2.0]
+    assert 0 not in operator.seen[1:]
+
+
+def change(peer, *transitions):
+    """Has the robot's bridge make transitions of a managed node."""
+    from lifecycle_msgs.srv import ChangeState
+
+    client = peer.node.create_client(ChangeState, "/robot/robot/change_state")
+    wait_for(client.service_is_ready, "service of the node", PATIENCE)
+    for each in transitions:
+        request = ChangeState.Request()
+        request.transition.label = each
+        answer = client.call_async(request)
+        wait_for(answer.done, each, PATIENCE)
+        assert answer.result().success, each
+
+
+def test_lists_go_on_after_another_configuration(system, operator, peer):
+    operator.give(1, 2)
+    operator.execute()
+    wait_goal(system)
+    change(peer, "deactivate")
+    wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
+    change(peer, "cleanup", "configure", "activate")
+    wait_for(lambda: operator.session.state is ControlState.READY, "control", PATIENCE)
+    operator.give(3, 4)
+    operator.execute()
+    assert wait_goal(system, 2)["x"] == [3.0, 4.0]
