@@ -107,7 +107,7 @@ def propose(system: System, assumptions: Assumptions, number: int | None) -> Pro
         splits = {each: _sufficient(each, groups[each]) for each in owners}
         parts, reason = _joined(splits.values()), _why(splits.values())
     else:
-        parts, reason = _joined(_numbered(groups, number)), f"{number} were asked for"
+        parts, reason = _joined(_numbered(groups, number)), _wish(number)
     placed: set[bridge.Bridge] = set()
     for part in parts:
         part.host = host_of(system, part.origin)
@@ -141,6 +141,10 @@ def _sufficient(owner: bridge.Bridge, groups: Sequence[Group]) -> list[Part]:
         if _faults(further) < _faults(best):
             best = further
     return best
+
+
+def _wish(number: int) -> str:
+    return "one was asked for" if number == 1 else f"{number} were asked for"
 
 
 def _numbered(groups: dict[bridge.Bridge, list[Group]], number: int) -> Iterable[list[Part]]:

@@ -45,6 +45,7 @@ def test_one_bridge_stays_as_it_is(jausml, tmp_path):
     same, converted = tmp_path / "fleet.ros2jaus", tmp_path / "fleet.xmi"
     result = jausml("partition", MODELS[2], "--bridges", "1", "-o", same)
     assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("1 bridge: one was asked for\n")
     # What the conversion there and back writes.
     assert jausml("convert", MODELS[2], converted).exit_code == 0
     (tmp_path / "back").mkdir()
