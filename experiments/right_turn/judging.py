@@ -146,6 +146,12 @@ class Verdict:
         """Whether they are shown to be different; with too few drives they are neither."""
         return any(row.differs for row in self.rows)
 
+    @property
+    def moves_differently(self) -> bool:
+        """Whether that is shown by the motion: neither by drives that failed nor by delays."""
+        motion = {measure.words for measure in MEASURES}
+        return any(row.differs and row.name in motion for row in self.rows)
+
 
 def judge(
     first_runs: Sequence[Run], second_runs: Sequence[Run], parameters: VehicleParameters

@@ -86,7 +86,8 @@ def _controls(alone: Workspace, good: Sequence[Run], logs: Path) -> dict[str, di
         found[name] = {
             "about": about,
             "drives": len(runs),
-            "differs": verdict.differs,
+            # A drive that failed would differ for another reason than the one of the control.
+            "differs": verdict.moves_differently and all(run.arrived for run in runs),
             "by": [row.name for row in verdict.rows if row.differs],
             "metrics": [dict(run.metrics) for run in runs],
         }

@@ -69,6 +69,7 @@ def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
     verdict = judge(drives(0.0002, 1, 4), drives(0.1, 4, 3), PARAMETERS)
 
     assert not verdict.passes
+    assert verdict.moves_differently
     assert verdict.pairs == 3
     found = rows(verdict)
     assert found["drives that left the safe region"].value == 3
@@ -122,6 +123,8 @@ def test_a_drive_that_did_not_arrive_fails() -> None:
     verdict = judge(good, stuck, PARAMETERS)
 
     assert not verdict.passes
+    assert verdict.differs
+    assert not verdict.moves_differently
     assert rows(verdict)["drives that did not arrive"].value == 1
 
 
