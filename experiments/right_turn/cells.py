@@ -31,8 +31,9 @@ MOST_SEEDS = 3
 class Bounds:
     """What a drive of R may differ from J; the worst drive counts.
 
-    Each is a little more than what 5 ms each way and the jitter of a computer give; they are not
-    chosen by what the bridge does.
+    Each is a little more than what 5 ms each way and the jitter of a computer give to a single
+    drive; they are not chosen by what the bridge does. Those of `judging` are tighter, since they
+    are for the mean of many drives.
 
     Attributes:
         violation_fraction: Share of the samples outside the safe region.

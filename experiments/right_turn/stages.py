@@ -52,7 +52,7 @@ STAGES = (
     Stage("stress", "experiments.right_turn.stress", "kills and restarts in real time", 100),
     Stage("sweep", "experiments.right_turn.sweep", "delay, loss and rates in virtual time", 300),
     Stage("polling", "experiments.right_turn.polling", "bridges that poll, in virtual time", 100),
-    Stage("stress_virtual", "experiments.right_turn.stress_virtual", "cuts in virtual time", 40),
+    Stage("stress_virtual", "experiments.right_turn.stress_virtual", "cuts in virtual time", 80),
     Stage("simulator", "experiments.simulator.stage", "a simulator that is not in real time", 80),
     Stage("waypoints", "experiments.waypoints.stage", "a robot along waypoints", 80),
 )

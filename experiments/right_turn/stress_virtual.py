@@ -108,7 +108,13 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
             fan_out.append(listened(Conditions(system=name), workspace, listeners))
     for each in runs:
         each.write(each.place(folder))
-    store(folder, {"failures": failures, "fan_out": fan_out, "claims": claims(failures, fan_out)})
+    summary = {
+        "failures": failures,
+        "fan_out": fan_out,
+        "worst": worst(failures, fan_out),
+        "claims": claims(failures, fan_out),
+    }
+    store(folder, summary)
     return runs
 
 
@@ -248,6 +254,22 @@ def _listen_by_jaus(drive: Drive, workspace: Workspace, number: int, heard: list
         rate=25.0,
     )
     listener.start()
+
+
+def worst(
+    failures: Sequence[dict[str, Any]], fan_out: Sequence[dict[str, Any]]
+) -> dict[str, dict[str, float]]:
+    """Returns the largest of each number of each case, and the packets of the vehicle."""
+    found: dict[str, dict[str, float]] = {}
+    for row in failures:
+        numbers = found.setdefault(f"{row['system']}, {row['case']}", {})
+        for name, value in row.items():
+            if isinstance(value, float):
+                numbers[name] = max(value, numbers.get(name, value))
+    for row in fan_out:
+        packets = found.setdefault(f"{row['system']}, packets of the vehicle per second", {})
+        packets[f"{row['listeners']} listening"] = row["packets_per_second"]
+    return found
 
 
 def claims(
