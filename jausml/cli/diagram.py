@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jausml.cli.common import Reading
     from jausml.diagrams.graph import Graph
 
-SUFFIXES = (".svg", ".mmd", ".dot")
+SUFFIXES = (".svg", ".html", ".mmd", ".dot")
 THEMES = ("auto", "light", "dark")
 
 
@@ -77,7 +77,7 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
 def _rendered(graph: Graph, suffix: str, theme: str) -> str:
     from jausml.diagrams.layout.graphviz import Graphviz
     from jausml.diagrams.layout.sheet import LayoutError
-    from jausml.diagrams.writers import dot, mermaid, svg
+    from jausml.diagrams.writers import dot, html, mermaid, svg
 
     match suffix:
         case ".mmd":
@@ -85,6 +85,7 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str:
         case ".dot":
             return dot.render(graph)
     try:
-        return svg.render(graph, Graphviz(), theme)
+        render = html.render if suffix == ".html" else svg.render
+        return render(graph, Graphviz(), theme)
     except LayoutError as error:
         raise EnvironmentFault(str(error)) from error

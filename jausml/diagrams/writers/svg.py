@@ -40,10 +40,50 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
         LayoutError: There is no layout.
     """
     shown = bundled(graph)
-    return "\n".join(_lines(shown, engine, theme, is_bundled=shown is not graph)) + "\n"
+    return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())
 
 
-def _lines(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool) -> Iterator[str]:
+class Keys:
+    """Short keys of what a picture shows, by which a page finds what it tells of them."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, ...], str] = {}
+
+    def node(self, node: str) -> str:
+        """Returns the key of a box."""
+        return self._key("box", node)
+
+    def port(self, node: str, port: str) -> str:
+        """Returns the key of a row, empty for the box as a whole."""
+        return self._key("row", node, port) if port else ""
+
+    def edge(self, edge: str) -> str:
+        """Returns the key of an edge."""
+        return self._key("edge", edge)
+
+    def _key(self, *names: str) -> str:
+        return self._known.setdefault(names, f"k{len(self._known)}")
+
+
+def picture(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool, keys: Keys) -> str:
+    """Returns a graph as it is as a picture.
+
+    Args:
+        graph: The graph.
+        engine: What places its parts.
+        theme: As `render` takes it.
+        is_bundled: Whether what no edge joins is packed into a rectangle.
+        keys: The keys of what is drawn.
+
+    Raises:
+        LayoutError: There is no layout.
+    """
+    return "\n".join(_lines(graph, engine, theme, keys, is_bundled=is_bundled)) + "\n"
+
+
+def _lines(
+    graph: Graph, engine: Engine, theme: str, keys: Keys, *, is_bundled: bool
+) -> Iterator[str]:
     places = engine.place(shapes.sheet_of(graph, packed=is_bundled))
     title = cut(graph.title, _LONGEST_TITLE)
     notes = _notes(graph)
@@ -73,11 +113,11 @@ def _lines(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool) -> Ite
     for group in graph.groups:
         yield from _frame(group, places)
     for edge in graph.edges:
-        yield from _edge(edge, places.lines[edge.id])
+        yield from _edge(edge, places.lines[edge.id], keys)
     for node in graph.nodes:
-        yield from _node(node, places)
+        yield from _node(node, places, keys)
     for edge in graph.edges:
-        yield from _label(edge, places.lines[edge.id])
+        yield from _label(edge, places.lines[edge.id], keys)
     yield "</g>\n</svg>"
 
 
@@ -98,13 +138,13 @@ def _frame(group: Group, places: Places) -> Iterator[str]:
     yield "</g>"
 
 
-def _node(node: Node, places: Places) -> Iterator[str]:
+def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
     x, y = places.boxes[node.id]
     sheet = shapes.box_of(node)
     grave = severity(node.findings)
     corner = f'rx="{_ROUND[node.kind]}" ' if node.kind in _ROUND else ""
     size = f'width="{sheet.width}" height="{sheet.height}"'
-    yield f'<g class="box {node.kind} {grave}" data-id={quoteattr(_data(node.id))}>'
+    yield f'<g class="box {node.kind} {grave}" {_ids(keys.node(node.id), node.id)}>'
     if grave == "error":
         outer = f'width="{sheet.width + 6}" height="{sheet.height + 6}"'
         yield f'<rect class="doubled" x="{_n(x - 3)}" y="{_n(y - 3)}" {corner}{outer}/>'
@@ -119,15 +159,16 @@ def _node(node: Node, places: Places) -> Iterator[str]:
         yield f'<path class="rule" d="M{x} {_n(rule)}h{sheet.width}"/>'
     for index, port in enumerate(node.ports):
         top = y + sheet.head + index * shapes.ROW_HEIGHT
-        yield from _row(port, left, top, x + sheet.width - shapes.PADDING)
+        key = keys.port(node.id, port.id)
+        yield from _row(port, key, left, top, x + sheet.width - shapes.PADDING)
     yield "</g>"
 
 
-def _row(port: Port, left: float, top: float, right: float) -> Iterator[str]:
+def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterator[str]:
     row = shapes.row_text(port)
     base = top + 12.5
     quiet = "muted" if "unmapped" in port.mark else ""
-    yield f'<g class="row" data-id={quoteattr(_data(port.id))}>'
+    yield f'<g class="row" {_ids(key, port.id)}>'
     yield _text(left + row.indent, base, row.label, shapes.ROW, quiet)
     if row.note:
         after = left + row.indent + width(row.label, shapes.ROW) + shapes.GAP
@@ -138,7 +179,7 @@ def _row(port: Port, left: float, top: float, right: float) -> Iterator[str]:
     yield "</g>"
 
 
-def _edge(edge: Edge, route: Route) -> Iterator[str]:
+def _edge(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     grave = severity(edge.findings)
     start, *rest = route.points
     curves = "".join(
@@ -148,13 +189,13 @@ def _edge(edge: Edge, route: Route) -> Iterator[str]:
     weight = f' stroke-width="{min(1.2 + 0.4 * edge.count, 5):g}"' if edge.count > 1 else ""
     words = ": ".join(each for each in (edge.title, ", ".join(edge.labels)) if each)
     yield (
-        f'<path class="edge {edge.kind} {grave}" data-id={quoteattr(_data(edge.id))}{weight} '
+        f'<path class="edge {edge.kind} {grave}" {_ids(keys.edge(edge.id), edge.id)}{weight} '
         f'd="M{_pair(start)}{curves}" marker-end="url(#arrow)">'
         f"<title>{escape(cut(words, 400))}</title></path>"
     )
 
 
-def _label(edge: Edge, route: Route) -> Iterator[str]:
+def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     lines = shapes.label_lines(edge)
     if not lines or route.label is None:
         return
@@ -162,7 +203,7 @@ def _label(edge: Edge, route: Route) -> Iterator[str]:
     grave = severity(edge.findings)
     widest = max(width(each, shapes.SMALL) for each in lines) + 6
     height = shapes.LINE_HEIGHT * len(lines) + 2
-    yield f'<g class="label" data-id={quoteattr(_data(edge.id))}>'
+    yield f'<g class="label" data-key="{keys.edge(edge.id)}">'
     corner = f'x="{_n(x - widest / 2)}" y="{_n(y - height / 2)}"'
     yield f'<rect class="behind" {corner} width="{_n(widest)}" height="{height}" rx="2"/>'
     for index, text in enumerate(lines):
@@ -184,6 +225,11 @@ def _text(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = F
         f'unicode-bidi="embed" textLength="{long:g}" lengthAdjust="spacingAndGlyphs">'
         f"{escape(text)}</text>"
     )
+
+
+def _ids(key: str, identifier: str) -> str:
+    """Returns the attributes that name a part: its key for the page, its id of the model."""
+    return f'data-key="{key}" data-id={quoteattr(_data(identifier))}'
 
 
 def _data(text: str) -> str:
