@@ -68,3 +68,11 @@ def test_texts_are_data(text):
 
 def test_the_same_bytes_each_time():
     assert html.render(hostile("x"), Graphviz()) == html.render(hostile("x"), Graphviz())
+
+
+def test_the_filter_finds_edges_by_the_rows_at_their_ends():
+    report = read(CAR)
+    text = html.render(graph_of(report.model, "system", report.diagnostics), Graphviz())
+    known = json.loads(re.search(r'id="known">(.*)</script>', text)[1])
+    edges = [each for each in known.values() if each["title"] == "vehicle → bridge"]
+    assert any("odometry" in each["text"] for each in edges)

@@ -91,6 +91,7 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
             told = _entry(port.label, f"{port.label} {port.note}", port, [own])
             yield keys.port(node.id, port.id), told
     titles = {each.id: each.title for each in graph.nodes}
+    labels = {(node.id, port.id): port.label for node in graph.nodes for port in node.ports}
     for edge in graph.edges:
         source, target = titles[edge.source.node], titles[edge.target.node]
         title = f"{source} \N{RIGHTWARDS ARROW} {target}"
@@ -100,7 +101,9 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
             for key in (keys.node(end.node), keys.port(end.node, end.port))
             if key
         ]
-        yield keys.edge(edge.id), _entry(title, f"{edge.title} {source} {target}", edge, ends)
+        rows = [labels.get((end.node, end.port), "") for end in (edge.source, edge.target)]
+        text = " ".join([edge.title, source, target, *rows])
+        yield keys.edge(edge.id), _entry(title, text, edge, ends)
 
 
 def _text(node: Node) -> str:
