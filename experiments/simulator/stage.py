@@ -83,6 +83,8 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:
     Raises:
         ExperimentError: A run could not be made.
     """
+    for each in CONDITIONS:  # what a longer run has left would be drawn beside this one
+        shutil.rmtree(folder / each.name, ignore_errors=True)
     return run_conditions(folder, QUICK if plan.quick else CONDITIONS, tell)
 
 

@@ -133,7 +133,7 @@ def _steps(
     **look: object,
 ) -> None:
     """Draws the active element over time, from the begin of the list on."""
-    active = [each for each in told if each.kind == "active"]
+    active = [each for each in told if each.kind == "active" and each.time >= begin]
     times = [0.0, *(each.time - begin for each in active), truth[-1].time - begin]
     values = [0, *(each.value for each in active)]
     axes.stairs(values, times, baseline=None, linewidth=1.4, **look)

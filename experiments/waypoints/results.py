@@ -147,6 +147,7 @@ def judge(
     begin = _time(told, "execute")
     if begin is None:
         raise ValueError(f"the list of {name} was never executed")
+    told = [each for each in told if each.time >= begin]
     active = [each for each in told if each.kind == "active"]
     last = truth[-1].time
     passages = [

@@ -111,6 +111,13 @@ def test_an_emergency_that_does_not_stop_fails(truth, events) -> None:
     assert not all(judge("emergency", LIST, truth, events).claims.values())
 
 
+def test_a_list_that_nobody_followed_at_first_is_executed_again() -> None:
+    before = [Event("execute", 8.0, 0), Event("active", 8.0, 1), Event("active", 9.0, 0)]
+    result = judge("whole", LIST, driven(2.0), [*before, *WHOLE])
+    assert result.active == [1, 2, 0]
+    assert all(result.claims.values())
+
+
 def test_a_list_that_was_never_executed_is_no_drive() -> None:
     with pytest.raises(ValueError, match="never executed"):
         judge("whole", LIST, driven(), [])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import os
 import time
 from dataclasses import dataclass
@@ -23,8 +24,11 @@ from .operator_unit_base import ADDRESS, SETTINGS, OperatorUnitBase
 LOG_FOLDER = "WAYPOINT_LOG"
 """Environment variable that names the folder of plan and log."""
 
-RETRY = 0.2
+RETRY = 0.5
 """Seconds until what could not be begun yet is tried again."""
+
+MOVED = 0.05
+"""Metres from the start beyond which the robot has moved."""
 
 LONGEST = 600
 """Seconds in which the list must have been driven, for the event that tells its end."""
@@ -70,7 +74,8 @@ class OperatorUnit(OperatorUnitBase):
             self._events = (Path(folder) / "operator.csv").open("w", encoding="utf-8", buffering=1)
             self._events.write("event,real_s,value,x_m,y_m\n")
         self._active = 0
-        self._has_begun = False
+        self._has_moved = False
+        self._done: bool | None = None
 
     def start(self) -> None:
         """Starts the component and looks from then on whether the list can be given."""
@@ -82,16 +87,17 @@ class OperatorUnit(OperatorUnitBase):
         if report.element_uid == self._active:
             return
         self._active = report.element_uid
-        self._has_begun = True
         self._note("active", self._active)
         _log.info("element %d is active", self._active)
         if self._active and self._active == self._plan.emergency_at:
             self.loop.call_later(self._plan.emergency_after, self._emergency)
+        self._say_end()
 
     def on_pose(self, report: ReportLocalPose, provider: JausAddress) -> None:
         """Notes where the robot is."""
         if report.x is not None and report.y is not None:
             self._note("pose", "", report.x, report.y)
+            self._has_moved = self._has_moved or math.hypot(report.x, report.y) > MOVED
 
     def on_pose_silent(self, provider: JausAddress) -> None:
         """Says that the robot stopped reporting."""
@@ -119,11 +125,17 @@ class OperatorUnit(OperatorUnitBase):
 
     def _end(self, done: bool) -> None:  # noqa: FBT001 - as commands call it
         """Notes the end; a list that nobody follows yet, since ROS is still looking, is no end."""
-        if not done and not self._has_begun:
+        if not done and not self._has_moved:
             self.loop.call_later(RETRY, self._execute)
             return
+        self._done = done
         self._note("ended", int(done))
-        _log.info("the list ended: %s", "done" if done else "not done")
+        self._say_end()
+
+    def _say_end(self) -> None:
+        """Says how the list ended, once no element is active any more."""
+        if self._done is not None and not self._active:
+            _log.info("the list ended: %s", "done" if self._done else "not done")
 
     def _emergency(self) -> None:
         self.set_emergency(self.ROBOT)
