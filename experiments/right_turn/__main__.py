@@ -77,10 +77,15 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         help="only this stage, even if it was done; may be repeated; one of " + ", ".join(NAMES),
     )
     parser.add_argument("--again", action="store_true", help="repeat stages that were done")
+    parser.add_argument(
+        "--patience", type=float, default=1.0, help="times the limits, where other work is done"
+    )
     parser.add_argument("--runs", type=int, help="drives of each system (10; 2 when quick)")
     parser.add_argument("--out", type=Path, default=OUT, metavar="FOLDER", help="where data goes")
     options = parser.parse_args(arguments)
     options.out = options.out.resolve()
+    if not options.patience > 0:
+        parser.error("--patience: more than 0")
     if options.runs is not None and options.runs < 2:
         parser.error("--runs: at least 2, or J cannot be compared with J")
     return options
@@ -96,12 +101,13 @@ def _run_stages(
     for number, stage in enumerate(chosen, 1):
         place = folder / stage.name
         heading = f"[{number}/{len(chosen)}] {stage.name}: {stage.title}"
-        progress.begin(heading, stage.quick_limit if plan.quick else stage.limit)
+        limit = options.patience * (stage.quick_limit if plan.quick else stage.limit)
+        progress.begin(heading, limit)
         repeat = options.again or options.stage
         if not repeat and is_done(place, plan, sources):
             progress.end("kept as it was")
             continue
-        why = perform(stage, place, plan, sources, progress)
+        why = perform(stage, place, plan, sources, progress, limit)
         progress.end(f"failed: {why}" if why else "done")
         if why:
             failed[stage.name] = why

@@ -78,7 +78,9 @@ def is_done(folder: Path, plan: Plan, sources: str) -> bool:
     return bool(found == {"plan": asdict(plan), "sources": sources})
 
 
-def perform(stage: Stage, folder: Path, plan: Plan, sources: str, progress: Progress) -> str:
+def perform(
+    stage: Stage, folder: Path, plan: Plan, sources: str, progress: Progress, limit: float
+) -> str:
     """Runs a stage in a process group of its own.
 
     Its output goes to `log.txt` in its folder. What it starts is ended with it.
@@ -89,6 +91,7 @@ def perform(stage: Stage, folder: Path, plan: Plan, sources: str, progress: Prog
         plan: How much is done.
         sources: Digest of the sources.
         progress: Told how far it is.
+        limit: Seconds after which it is ended.
 
     Returns:
         Why it failed, or an empty text.
@@ -105,7 +108,6 @@ def perform(stage: Stage, folder: Path, plan: Plan, sources: str, progress: Prog
         os.close(writing)
         listener = Thread(target=_listen, args=(reading, progress), daemon=True)
         listener.start()
-        limit = stage.quick_limit if plan.quick else stage.limit
         code = _wait(process, limit, progress)
     listener.join(2.0)
     if code is None:

@@ -46,8 +46,8 @@ def perform_stage(tmp_path, monkeypatch):
     progress = Progress(stream, 200)
 
     def perform_one(name, limit=30.0):
-        stage = Stage(name, f"stage_{name}", "a test", limit, limit)
-        why = perform(stage, tmp_path / name, PLAN, "sources", progress)
+        stage = Stage(name, f"stage_{name}", "a test", 30.0)
+        why = perform(stage, tmp_path / name, PLAN, "sources", progress, limit)
         return why, tmp_path / name, stream.getvalue()
 
     return perform_one
