@@ -27,6 +27,7 @@ from experiments.right_turn.results import (
     runs_of,
     summaries,
 )
+from experiments.right_turn.stages import load_before
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -55,6 +56,7 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "quick": plan.quick,
         "machine": machine(),
         "failed": dict(failed),
+        "load": load_before(folder / "wall"),
         "systems": {system: of_system(runs) for system, runs in wall.items()},
         "summaries": summaries(folder),
         "parameters": parameters(),

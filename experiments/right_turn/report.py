@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 DATA = ROOT / "experiments" / "results.json"
 PAGE = ROOT / "docs" / "experiment.md"
 
+_QUIET_LOAD = 0.7
+"""Processes that want a processor, up to which nothing else is done."""
+
 _INTRODUCTION = """\
 # The right turn, by JAUS alone and through the bridge
 
@@ -123,6 +126,12 @@ def table(data: Mapping[str, Any]) -> str:
 
 
 def _incomplete(data: Mapping[str, Any]) -> Iterator[str]:
+    if data["load"] is not None and data["load"] > _QUIET_LOAD:
+        yield (
+            f"**Other work was done meanwhile**: the load of the computer was {data['load']:g} "
+            "before the drives in real time. They are disturbed, J as well as R, and delays are "
+            "too long; what is said of real time has to be measured again where it is quiet.\n"
+        )
     if data["quick"]:
         yield "**This was a quick look**: few drives, and few cases of the sweep.\n"
     if data["failed"]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from experiments.right_turn.progress import Progress
 
 DONE = "done.json"
-"""File of a stage that was done: the plan and the digest of the sources it was done with."""
+"""File of a stage that was done: its plan, the digest of its sources, the load before it."""
 
 _SOURCES = ("jausml", "metamodels", "models", "experiments")
 _SOURCE_ENDS = frozenset({".py", ".xmi", ".ecore", ".j2", ".ros2jaus", ".lark", ".toml"})
@@ -73,9 +73,21 @@ def is_done(folder: Path, plan: Plan, sources: str) -> bool:
     """Returns whether a stage was done in this folder, with this plan and these sources."""
     try:
         found = json.loads((folder / DONE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return bool(found["plan"] == asdict(plan) and found["sources"] == sources)
+    except (OSError, ValueError, KeyError):
         return False
-    return bool(found == {"plan": asdict(plan), "sources": sources})
+
+
+def load_before(folder: Path) -> float | None:
+    """Returns how many processes wanted a processor before a stage began; None if it is not known.
+
+    Args:
+        folder: Folder of the stage.
+    """
+    try:
+        return float(json.loads((folder / DONE).read_text(encoding="utf-8"))["load"])
+    except (OSError, ValueError, KeyError):
+        return None
 
 
 def perform(
@@ -98,6 +110,7 @@ def perform(
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DONE).unlink(missing_ok=True)
+    load = round(os.getloadavg()[0], 1)
     reading, writing = os.pipe()
     line = [sys.executable, "-m", "experiments.right_turn.stages", stage.module, str(folder)]
     line += [json.dumps(asdict(plan)), str(writing)]
@@ -114,7 +127,7 @@ def perform(
         return f"not done after {limit:.0f} s; see {folder / 'log.txt'}"
     if code != 0:
         return f"exit status {code}; see {folder / 'log.txt'}"
-    done = {"plan": asdict(plan), "sources": sources}
+    done = {"plan": asdict(plan), "sources": sources, "load": load}
     (folder / DONE).write_text(json.dumps(done) + "\n", encoding="utf-8")
     return ""
 

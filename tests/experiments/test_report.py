@@ -48,6 +48,7 @@ def data(**changes):
     return {
         "quick": False,
         "failed": {},
+        "load": 0.1,
         "machine": {"python": "3.11.0", "processors": 2},
         "systems": {name: of_system(found) for name, found in by_system(runs).items()},
         "baselines": {"P5": of_system([drive("P5", metrics={"path_error_max": 3.5})])},
@@ -97,6 +98,11 @@ def test_assumptions_are_marked():
 def test_stages_that_failed_are_told():
     text = report.page(data(failed={"sweep": "not done after 200 s"}))
     assert "- sweep: not done after 200 s" in text
+
+
+def test_a_busy_computer_is_told():
+    assert "Other work was done meanwhile" in report.page(data(load=5.8))
+    assert "Other work" not in report.page(data())
 
 
 def test_a_quick_look_says_so():
