@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import io
 import time
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 
 from experiments.right_turn.data import Plan
 from experiments.right_turn.progress import Progress
-from experiments.right_turn.stages import Stage, digest, is_done, perform
+from experiments.right_turn.stages import STAGES, Stage, digest, is_done, perform
 
 PLAN = Plan(quick=True, runs=2)
 CODE = {
@@ -93,6 +95,12 @@ def _lives(process):
         return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z"
     except FileNotFoundError:
         return False
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_each_stage_has_a_module_with_a_function(stage):
+    assert importlib.util.find_spec(stage.module)
+    assert hasattr(importlib.import_module(stage.module), "run")
 
 
 def test_the_digest_is_that_of_the_sources():
