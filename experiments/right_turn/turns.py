@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.collections import PathCollection
     from matplotlib.figure import Figure
 
-_MOST_POINTS = 70
+_MOST_POINTS = 90
 _MOST_DOTS = 260
 _STATION_SPACING = 0.5
 _AIR = 3.0
