@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = gather.gather(folder, plan, failed)
     pictures.draw(folder, found, folder / "figures")
     progress.end("done")
-    text = json.dumps(found, indent=1, sort_keys=True, allow_nan=False) + "\n"
+    text = json.dumps(found, indent=1, allow_nan=False) + "\n"
     (folder / "results.json").write_text(text, encoding="utf-8")
     (folder / "experiment.md").write_text(report.page(found, "figures"), encoding="utf-8")
     page = folder / "experiment.md"

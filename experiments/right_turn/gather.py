@@ -22,6 +22,7 @@ from experiments.right_turn.results import (
     FORMAT,
     by_system,
     machine,
+    measures,
     of_system,
     parameters,
     runs_of,
@@ -58,11 +59,12 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "failed": dict(failed),
         "load": load_before(folder / "wall"),
         "systems": {system: of_system(runs) for system, runs in wall.items()},
-        "summaries": summaries(folder),
+        "summaries": _plain(summaries(folder)),
         "parameters": parameters(),
         "figures": [],
     }
     found["baselines"] = {name: of_system(runs) for name, runs in _baselines(folder).items()}
+    found["baselines"] |= _controls(found["summaries"].get("wall", {}).get("controls", {}))
     found["verdicts"] = _verdicts(wall)
     found["closeness"] = _closeness(wall)
     found["claims"] = _claims(found)
@@ -85,6 +87,20 @@ def _baselines(folder: Path) -> dict[str, list[Run]]:
         "R, understeer": [run for run in swept if run.name.startswith("understeer-")],
     }
     return {name: runs for name, runs in found.items() if runs}
+
+
+def _controls(controls: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the drives in real time that must be told from J, as `of_system` returns others."""
+    return {
+        each["about"]: {
+            "drives": each["drives"],
+            "arrived": None,
+            "clock": "wall",
+            "measures": measures(each["metrics"]),
+            "latency": {},
+        }
+        for each in controls.values()
+    }
 
 
 def _verdicts(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
@@ -139,6 +155,8 @@ def _plain(value: Any) -> Any:
         return float(f"{value:.4g}") if math.isfinite(value) else None
     if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
     return value
 
 

@@ -156,14 +156,14 @@ def _all_systems(data: Mapping[str, Any]) -> Iterator[str]:
     head = ("system", "clock", "arrived", *(f"{each.words}, {each.unit}" for each in MEASURES))
     rows = []
     for name, found in {**data["systems"], **data["baselines"]}.items():
-        arrived = f"{found['arrived']} of {found['drives']}"
+        arrived = "" if found["arrived"] is None else f"{found['arrived']} of {found['drives']}"
         cells = (found["measures"].get(each.name, {}).get("mean") for each in MEASURES)
         rows.append((name, found["clock"], arrived, *map(number, cells)))
     yield markdown_table(head, rows)
     yield (
-        "Means. P5 is a bridge that polls five times a second, and so on. The last two must be "
-        "refused: R with 100 ms on each way, and R with a car that understeers, which the "
-        "controllers do not know.\n"
+        "Means. P5 is a bridge that polls five times a second, and so on. What has 100 ms more on "
+        "each way, and the car that understeers, which the controllers do not know, are there to "
+        "be refused.\n"
     )
 
 
@@ -211,6 +211,7 @@ def _verdicts(data: Mapping[str, Any]) -> Iterator[str]:
             for row in verdict["rows"]
         ]
         yield markdown_table(("measure", "value", "interval", "bound", ""), rows)
+    yield from report_others.controls(data)
     yield from report_others.closeness(data)
 
 

@@ -11,6 +11,24 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
 
+def controls(data: Mapping[str, Any]) -> Iterator[str]:
+    """Yields what must be told from J."""
+    found = data["summaries"].get("wall", {}).get("controls")
+    if not found:
+        return
+    yield "### What must be told from J\n"
+    rows = [
+        (
+            each["about"],
+            each["drives"],
+            "yes" if each["differs"] else "**no**",
+            "; ".join(each["by"]),
+        )
+        for each in found.values()
+    ]
+    yield markdown_table(("drives in real time", "", "shown to be different", "by"), rows)
+
+
 def closeness(data: Mapping[str, Any]) -> Iterator[str]:
     """Yields what the paper's word *bi-similar* becomes."""
     if not data["closeness"]:

@@ -56,11 +56,6 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
     Args:
         runs: At least one.
     """
-    measures = {}
-    for each in MEASURES:
-        values = [each.factor * run.metrics[each.name] for run in runs if each.name in run.metrics]
-        if values:
-            measures[each.name] = _spread(values)
     latency = {}
     for hop in HOPS:
         times = [each for run in runs for each in run.latencies.get(hop, ())]
@@ -77,9 +72,23 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
         "drives": len(runs),
         "arrived": sum(run.arrived for run in runs),
         "clock": runs[0].mode,
-        "measures": measures,
+        "measures": measures([run.metrics for run in runs]),
         "latency": latency,
     }
+
+
+def measures(metrics: Sequence[Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """Returns mean and extremes of each measure, in the unit of the tables.
+
+    Args:
+        metrics: Those of each drive.
+    """
+    found = {}
+    for each in MEASURES:
+        values = [each.factor * values[each.name] for values in metrics if each.name in values]
+        if values:
+            found[each.name] = _spread(values)
+    return found
 
 
 def _spread(values: Sequence[float]) -> dict[str, float]:
