@@ -34,8 +34,9 @@ STANDSTILL = 0.05
 CREEP = 0.2
 """Speed in m/s below which the vehicle may be called arrived: the law slows it down for seconds."""
 
-AT_END = 1.0
-"""Metres from the end of the path within which a vehicle that stands has arrived."""
+AT_END = 5.0
+"""Metres from the end of the path within which a vehicle that stands has arrived; how far it is off
+is for the path error to judge: tyres that slip end more than two metres aside."""
 
 
 @dataclass(frozen=True)
