@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MOST_POINTS = 130
+_LONGEST = 30.0
+"""Seconds of a drive that are shown."""
 _DARK = 0.45
 """Share of the colours' way up to which white letters are read better than black ones."""
 
@@ -221,6 +223,8 @@ def polling(
         course.legend(loc="lower left")
         angle.set_xlabel("time since the first motion (s)")
         angle.set_ylabel("tyre angle (°)")
+        # The slowest polls go on for long; what there is to be seen is over before.
+        angle.set_xlim(0.0, _LONGEST)
         _draw_activity(activity, ordered, alone, colours)
         _draw_delays(delay, ordered, colours)
         return figure
