@@ -27,7 +27,8 @@ _INTRODUCTION = """\
 Made by `make experiment` from `experiments/results.json`; do not edit. Measured with CPython
 {python} on {processors} processors.
 
-The paper that proposed bridges made from models (Whitsitt and Sprinkle, CDC 2012) let a car drive a
+The paper that proposed bridges made from models (Morley, Warren, Rabb, Whitsitt, Bunting and
+Sprinkle, *Generating a ROS/JAUS Bridge for an Autonomous Ground Vehicle*, 2013) let a car drive a
 right-hand turn twice: by JAUS components alone, and by ROS controllers behind a bridge. It judged
 the two by looking at them, saw the second one steer "more wildly", and suspected the delay of its
 bridge. Here the turn is driven again, with numbers:
