@@ -130,7 +130,7 @@ def test_an_operator_that_dies_stops_the_robot(system, operator):
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
-    operator.transport.detach(operator.address)  # nobody renews control any more
+    operator.transport.close()  # nobody renews control any more
     wait_for(lambda: facts(system, "canceled"), "cancellation", PATIENCE)
 
 
