@@ -13,7 +13,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from catvehicle.metrics import closeness
+from catvehicle.metrics import aligned, closeness
 from catvehicle.parameters import VehicleParameters
 
 from experiments.right_turn import judging
@@ -31,8 +31,10 @@ from experiments.right_turn.results import (
 from experiments.right_turn.stages import load_before
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
+
+    from catvehicle.metrics import Sample
 
     from experiments.right_turn.data import Plan, Run
 
@@ -170,9 +172,26 @@ def _closeness(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
     for shift in SHIFTS:
         row: dict[str, Any] = {"shift": shift}
         for name, distance in _DISTANCES.items():
-            row[name] = _plain(max(closeness(one, two, shift, distance) for one, two in pairs))
+            row[name] = _plain(max(apart(one, two, shift, distance) for one, two in pairs))
         rows.append(row)
     return rows
+
+
+def apart(
+    one: Sequence[Sample],
+    two: Sequence[Sample],
+    shift: float,
+    distance: Callable[[Sample, Sample], float],
+) -> float:
+    """Returns the eps of (shift, eps)-closeness over the time that both drives cover.
+
+    Drives are not sampled at equal times, so without a shift one is interpolated to the other.
+    """
+    if not shift:
+        return max(distance(*pair) for pair in aligned(one, two))
+    end = min(one[-1].t, two[-1].t)
+    common = [[sample for sample in drive if sample.t <= end] for drive in (one, two)]
+    return closeness(*common, shift, distance)
 
 
 _DISTANCES = {

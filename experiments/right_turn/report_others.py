@@ -80,6 +80,17 @@ _GROUPS = {
 }
 """Groups of cells of the sweep that have a table."""
 
+_REMARKS = {
+    ("fault",): (
+        "Where packets overtake each other, R bears less than J. Its speed and its tyre angle are "
+        "two streams of SetWrenchEffort from one bridge to one vehicle, and a vehicle that obeys "
+        "no command older than the last one of its sender drops the one that was overtaken "
+        "(`component.out_of_order`). J sends both in one message. A ROS topic that holds both, "
+        "or a join of the two, would do the same for R.\n"
+    ),
+}
+"""What is to be said below the table of a group."""
+
 
 def _sweep(data: Mapping[str, Any], figures: str) -> Iterator[str]:
     found = data["summaries"].get("sweep")
@@ -107,6 +118,8 @@ def _sweep(data: Mapping[str, Any], figures: str) -> Iterator[str]:
             yield f"{words[0].upper()}{words[1:]}:\n"
             rows = [_cell(cell, names) for cell in cells]
             yield markdown_table(head, [bounds, *rows])
+            if group in _REMARKS:
+                yield _REMARKS[group]
     if found["limits"]:
         yield "Where it breaks, found by bisection:\n"
         rows = [

@@ -102,6 +102,8 @@ def test_stages_that_failed_are_told():
 
 def test_a_busy_computer_is_told():
     assert "Other work was done meanwhile" in report.page(data(load=5.8))
+    assert "Other work was done meanwhile" in report.page(data(load=1.1))
+    assert "Other work was done meanwhile" not in report.page(data(load=1.0))
     assert "Other work" not in report.page(data())
 
 

@@ -236,17 +236,17 @@ def gap(first: Sequence[Sample], second: Sequence[Sample]) -> Gap:
     Raises:
         ValueError: The runs do not overlap in time.
     """
-    aligned = _aligned(first, second)
-    activity = total_variation(sample.delta for sample, _ in aligned)
-    activity_second = total_variation(other.delta for _, other in aligned)
+    pairs = aligned(first, second)
+    activity = total_variation(sample.delta for sample, _ in pairs)
+    activity_second = total_variation(other.delta for _, other in pairs)
     if activity > 0.0:
         ratio = activity_second / activity
     else:
         ratio = math.inf if activity_second > 0.0 else 1.0
     return Gap(
-        position=max(position_distance(one, two) for one, two in aligned),
-        speed_rms=root_mean_square([one.v - two.v for one, two in aligned]),
-        steering_rms=root_mean_square([one.delta - two.delta for one, two in aligned]),
+        position=max(position_distance(one, two) for one, two in pairs),
+        speed_rms=root_mean_square([one.v - two.v for one, two in pairs]),
+        steering_rms=root_mean_square([one.delta - two.delta for one, two in pairs]),
         activity_ratio=ratio,
     )
 
@@ -296,7 +296,14 @@ def _one_sided(
     return worst
 
 
-def _aligned(first: Sequence[Sample], second: Sequence[Sample]) -> list[tuple[Sample, Sample]]:
+def aligned(first: Sequence[Sample], second: Sequence[Sample]) -> list[tuple[Sample, Sample]]:
+    """Return the samples of one run with those of another, interpolated to the same times.
+
+    Times that only one run covers are left out.
+
+    Raises:
+        ValueError: The runs do not overlap in time.
+    """
     times = [sample.t for sample in second]
     pairs = []
     for sample in first:
