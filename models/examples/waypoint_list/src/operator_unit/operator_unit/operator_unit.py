@@ -27,6 +27,9 @@ LOG_FOLDER = "WAYPOINT_LOG"
 RETRY = 0.5
 """Seconds until what could not be begun yet is tried again."""
 
+ANSWER = 5.0
+"""Seconds in which the robot must say that it begins."""
+
 MOVED = 0.05
 """Metres from the start beyond which the robot has moved."""
 
@@ -74,7 +77,7 @@ class OperatorUnit(OperatorUnitBase):
             self._events = (Path(folder) / "operator.csv").open("w", encoding="utf-8", buffering=1)
             self._events.write("event,real_s,value,x_m,y_m\n")
         self._active = 0
-        self._has_moved = False
+        self._has_begun = False
         self._done: bool | None = None
 
     def start(self) -> None:
@@ -89,6 +92,7 @@ class OperatorUnit(OperatorUnitBase):
         self._active = report.element_uid
         self._note("active", self._active)
         _log.info("element %d is active", self._active)
+        self._has_begun = self._has_begun or self._active > 1
         if self._active and self._active == self._plan.emergency_at:
             self.loop.call_later(self._plan.emergency_after, self._emergency)
         self._say_end()
@@ -97,7 +101,7 @@ class OperatorUnit(OperatorUnitBase):
         """Notes where the robot is."""
         if report.x is not None and report.y is not None:
             self._note("pose", "", report.x, report.y)
-            self._has_moved = self._has_moved or math.hypot(report.x, report.y) > MOVED
+            self._has_begun = self._has_begun or math.hypot(report.x, report.y) > MOVED
 
     def on_pose_silent(self, provider: JausAddress) -> None:
         """Says that the robot stopped reporting."""
@@ -120,12 +124,24 @@ class OperatorUnit(OperatorUnitBase):
 
     def _execute(self) -> None:
         message = ExecuteList(speed=1.0, element_uid=1)
-        self.command(self.ROBOT, message, on_done=self._end, max_duration=LONGEST)
+        self.command(
+            self.ROBOT,
+            message,
+            on_done=self._end,
+            on_refused=self._not_begun,
+            max_duration=LONGEST,
+            timeout=ANSWER,
+        )
         self._note("execute")
+
+    def _not_begun(self, code: int | None, text: str) -> None:
+        """Tries again what the robot refused, or did not answer in time."""
+        _log.warning("the list was not begun: %s", text or code)
+        self.loop.call_later(RETRY, self._execute)
 
     def _end(self, done: bool) -> None:  # noqa: FBT001 - as commands call it
         """Notes the end; a list that nobody follows yet, since ROS is still looking, is no end."""
-        if not done and not self._has_moved:
+        if not done and not self._has_begun:
             self.loop.call_later(RETRY, self._execute)
             return
         self._done = done
@@ -138,6 +154,7 @@ class OperatorUnit(OperatorUnitBase):
             _log.info("the list ended: %s", "done" if self._done else "not done")
 
     def _emergency(self) -> None:
+        self._has_begun = True  # whatever ends now ends for good, though no pose may have come
         self.set_emergency(self.ROBOT)
         self._note("emergency")
         _log.info("emergency")
