@@ -8,7 +8,7 @@ import struct
 import sys
 import threading
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import pytest
@@ -173,7 +173,9 @@ def test_rates_and_sizes_are_as_foretold(capture, flows, sender, receiver, messa
     seen = capture.seen[sender, receiver, code]
     datagrams = wait_for(lambda: steady(seen, flow.hertz), f"{flow.hertz} Hz of {message}", 30)
     overhead = flow.datagram_bytes - flow.size.expected
-    sizes = {size - overhead for _, size in datagrams}
-    assert sizes == {flow.size.expected - absent}
+    # A stop, where the publisher was late, has fewer fields than what is carried.
+    sizes = Counter(size - overhead for _, size in datagrams).most_common()
+    assert sizes[0][0] == flow.size.expected - absent
+    assert all(size <= flow.size.most for size, _ in sizes)
     assert flow.size.least <= flow.size.expected - absent
     assert flow.size.expected == flow.size.most
