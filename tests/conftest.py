@@ -39,8 +39,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """More workers than processors: most of the time tests wait for processes that they started."""
-    return min(2 * (os.cpu_count() or 1), 16)
+    """More workers than processors: most of the time tests wait for processes that they started.
+
+    Not many more: what is said to come in time shall come on a computer that is busy with tests.
+    """
+    return min(3 * (os.cpu_count() or 2) // 2, 16)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
