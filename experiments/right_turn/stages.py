@@ -58,13 +58,17 @@ STAGES = (
 )
 
 
-def digest() -> str:
-    """Returns a digest of all that a stage is made of: the tool, the models, the experiments."""
+def digest(root: Path = ROOT) -> str:
+    """Returns a digest of all that a stage is made of: the tool, the models, the experiments.
+
+    Args:
+        root: Folder that they stand in.
+    """
     found = hashlib.sha256()
     for top in _SOURCES:
-        for path in sorted((ROOT / top).rglob("*")):
+        for path in sorted((root / top).rglob("*")):
             if path.suffix in _SOURCE_ENDS and path.is_file():
-                found.update(path.relative_to(ROOT).as_posix().encode())
+                found.update(path.relative_to(root).as_posix().encode())
                 found.update(path.read_bytes())
     return found.hexdigest()
 

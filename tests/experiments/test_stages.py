@@ -103,6 +103,15 @@ def test_each_stage_has_a_module_with_a_function(stage):
     assert hasattr(importlib.import_module(stage.module), "run")
 
 
-def test_the_digest_is_that_of_the_sources():
-    assert digest() == digest()
-    assert len(digest()) == 64
+def test_the_digest_changes_with_each_source_and_with_nothing_else(tmp_path):
+    source = tmp_path / "models" / "plant.py"
+    source.parent.mkdir()
+    source.write_text("mass = 1\n")
+    first = digest(tmp_path)
+    (tmp_path / "models" / "turn.png").write_bytes(b"picture")
+    (tmp_path / "notes.py").write_text("elsewhere\n")
+    assert digest(tmp_path) == first
+    source.write_text("mass = 2\n")
+    changed = digest(tmp_path)
+    source.rename(source.with_name("body.py"))
+    assert len({first, changed, digest(tmp_path)}) == 3
