@@ -13,6 +13,7 @@ import sys
 
 import pytest
 from click.testing import CliRunner
+from ports import free_port
 
 from jausml.cli import main
 
@@ -309,9 +310,7 @@ def test_infinity_is_a_string_since_json_has_none():
 
 @pytest.fixture
 def port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    return free_port()
 
 
 @pytest.fixture

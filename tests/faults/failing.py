@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from socket import AF_INET, SOCK_DGRAM, socket
 from typing import TYPE_CHECKING
 
+from ports import free_port
+
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.clients.control_state import ControlState
@@ -18,7 +20,7 @@ from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.transports.packets.packet import Packet
-from tests.live.bridge_support import free_port, wait_for
+from tests.live.bridge_support import wait_for
 
 from .rover_system import COMMANDS, STALE, System
 

@@ -12,7 +12,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tests.live.bridge_support import Process, free_port, wait_for
+from ports import free_port
+
+from tests.live.bridge_support import Process, wait_for
 
 from .stamps import age
 

@@ -17,10 +17,11 @@ import time
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
-from tests.live.bridge_support import PATIENCE, free_port, generate, wait_for
+from tests.live.bridge_support import PATIENCE, generate, wait_for
 
 pytestmark = pytest.mark.live
 

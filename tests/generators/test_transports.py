@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from ports import free_port
 from workspaces import python_path
 
 from jausml.generation import render
@@ -63,11 +63,6 @@ with running_transport(TRANSPORT) as transport:
     asking.stop()
 print(sorted(seen))
 """
-
-
-def free_ports() -> tuple[int, int]:
-    with socket.create_server(("127.0.0.1", 0)) as one, socket.create_server(("", 0)) as other:
-        return one.getsockname()[1], other.getsockname()[1]
 
 
 def generate(folder: Path, transport: str, robot: int = 3794, station: int = 3795) -> None:
@@ -126,7 +121,7 @@ def test_the_launch_files_pass_it_on(tmp_path):
 
 
 def test_generated_processes_of_two_hosts_talk_over_tcp(tmp_path):
-    generate(tmp_path, "jtcp", *free_ports())
+    generate(tmp_path, "jtcp", free_port(), free_port())
     processes = [
         subprocess.Popen(
             [sys.executable, "-m", f"{name}.main"], env=environment(tmp_path), cwd=tmp_path

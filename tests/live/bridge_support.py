@@ -6,7 +6,6 @@ import json
 import os
 import queue
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -49,16 +48,6 @@ def generate_text(folder: Path, name: str, text: str) -> list[str]:
     document = folder / f"{name}.ros2jaus"
     document.write_text(text, encoding="utf-8")
     return generate(folder, document)
-
-
-def free_port() -> int:
-    """A UDP port of 127.0.0.1 that nobody has; never that of JAUS."""
-    while True:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 0))
-            port: int = probe.getsockname()[1]
-        if port != 3794:
-            return port
 
 
 def wait_for(condition, what: str, seconds: float = PATIENCE):

@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
-from .bridge_support import Process, Repeater, RosPeer, free_port, generate, wait_for
+from .bridge_support import Process, Repeater, RosPeer, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,

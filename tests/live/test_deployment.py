@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 import yaml
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
 from workspaces import packages_of
 
-from .bridge_support import Process, RosPeer, free_port, wait_for
+from .bridge_support import Process, RosPeer, wait_for
 
 pytestmark = [
     pytest.mark.live,

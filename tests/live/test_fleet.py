@@ -8,12 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
 from workspaces import packages_of
 
-from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+from .bridge_support import Process, Repeater, RosPeer, wait_for
 
 pytestmark = [
     pytest.mark.live,

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -16,7 +17,7 @@ from workspaces import packages_of
 
 from jausml.cli import main
 
-from .bridge_support import Process, Repeater, RosPeer, free_port, wait_for
+from .bridge_support import Process, Repeater, RosPeer, wait_for
 
 pytestmark = [
     pytest.mark.live,

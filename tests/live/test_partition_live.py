@@ -7,6 +7,7 @@ import sys
 
 import pytest
 from click.testing import CliRunner
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -14,7 +15,7 @@ from pathlib import Path
 
 from jausml.cli import main
 
-from .bridge_support import MODEL, Process, Repeater, RosPeer, free_port, generate, wait_for
+from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -14,7 +15,7 @@ from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.model import read_models
 
-from .bridge_support import MODEL, Process, RosPeer, free_port, generate, wait_for
+from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 from .policy_support import allowed, graph
 
 pytestmark = [

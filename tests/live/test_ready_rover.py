@@ -16,6 +16,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -38,7 +39,7 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.services.definitions import Status
 
-from .bridge_support import ROOT, Process, Repeater, RosPeer, free_port, wait_for
+from .bridge_support import ROOT, Process, Repeater, RosPeer, wait_for
 
 pytestmark = [
     pytest.mark.live,

@@ -7,11 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
 
-from .bridge_support import Process, RosPeer, free_port, generate_text, wait_for
+from .bridge_support import Process, RosPeer, generate_text, wait_for
 
 pytestmark = [
     pytest.mark.live,

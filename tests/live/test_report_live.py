@@ -12,6 +12,7 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -24,7 +25,7 @@ from jausml.model import read_models
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
 
-from .bridge_support import MODEL, Process, RosPeer, free_port, generate, wait_for
+from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,

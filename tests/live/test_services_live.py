@@ -8,11 +8,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
 
-from .bridge_support import Process, RosPeer, free_port, generate, wait_for
+from .bridge_support import Process, RosPeer, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,

@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -25,7 +26,7 @@ from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Standby
 
-from .bridge_support import Process, RosPeer, free_port, generate, wait_for
+from .bridge_support import Process, RosPeer, generate, wait_for
 from .stop_publisher import moving
 
 pytestmark = [

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 pytest.importorskip("rclpy")
 
@@ -20,7 +21,7 @@ from jausml.live.systems.looking import Looking
 from jausml.live.systems.observing import Observation, asking, listening
 from jausml.runtime.base.address import JausAddress
 
-from .bridge_support import MODEL, Process, RosPeer, free_port, generate, wait_for
+from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 
 pytestmark = [
     pytest.mark.live,

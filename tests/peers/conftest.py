@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
-import socket
 import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
 
+import ports
 import pytest
 from click.testing import CliRunner
 
@@ -42,22 +42,16 @@ class Target(JausComponent):
         return True
 
 
-def _find_free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return sock.getsockname()[1]
-
-
 @pytest.fixture(scope="session")
 def find_free_port():
     """Returns a UDP port of loopback that nobody uses, another one each time."""
-    return _find_free_port
+    return ports.free_port
 
 
 @pytest.fixture
 def free_port():
     """A UDP port of loopback that nobody uses."""
-    return _find_free_port()
+    return ports.free_port()
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import socket
 import time
 from typing import TYPE_CHECKING
 
+import ports
 import pytest
 
 from jausml.runtime.base.counters import Counters
@@ -121,16 +122,10 @@ class Peer:
         self.multicast.close()
 
 
-def find_free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind((LOOPBACK, 0))
-        return sock.getsockname()[1]
-
-
 @pytest.fixture
 def free_port() -> int:
     """A UDP port of loopback that nobody uses."""
-    return find_free_port()
+    return ports.free_port()
 
 
 @pytest.fixture

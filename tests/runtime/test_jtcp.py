@@ -8,6 +8,7 @@ import socket
 import threading
 from typing import TYPE_CHECKING
 
+import ports
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -119,8 +120,7 @@ def host() -> Iterator[Host]:
 @pytest.fixture
 def free_port() -> int:
     """A TCP port of loopback that nobody uses."""
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return probe.getsockname()[1]
+    return ports.free_port()
 
 
 @pytest.fixture
@@ -192,7 +192,9 @@ class TestStream:
     @pytest.mark.parametrize("size", [4079, 4080, 300_001])
     def test_large_messages_arrive_whole(self, tcp, free_port, wait_until, size):
         there = tcp().attach(OCU)
-        here = tcp(port=free_port_of(), address_book={OCU: ("127.0.0.1", free_port)}).attach(DRIVER)
+        here = tcp(port=ports.free_port(), address_book={OCU: ("127.0.0.1", free_port)}).attach(
+            DRIVER
+        )
         payload = random.Random(size).randbytes(size)
         results: list[bool] = []
         here.transport.send(DRIVER, OCU, payload, acknowledge=True, on_result=results.append)
@@ -224,11 +226,6 @@ class TestStream:
         stream.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK))
         wait_until(lambda: here.counter("transport.unmatched_acknowledgement") == 1)
         assert results == [True]
-
-
-def free_port_of() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return probe.getsockname()[1]
 
 
 class TestWildcards:
@@ -331,7 +328,7 @@ class TestBadStreams:
 
 class TestConnecting:
     def test_a_refused_connection_is_reported(self, tcp, wait_until):
-        here = tcp(address_book={PEER: ("127.0.0.1", free_port_of())})
+        here = tcp(address_book={PEER: ("127.0.0.1", ports.free_port())})
         results: list[bool] = []
         here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
         wait_until(lambda: results)
@@ -376,7 +373,7 @@ class TestConnecting:
 
     def test_attempts_become_seldom(self, tcp, wait_until, monkeypatch):
         monkeypatch.setattr(jtcp, "_FIRST_PAUSE_S", 0.01)
-        here = tcp(address_book={PEER: ("127.0.0.1", free_port_of())})
+        here = tcp(address_book={PEER: ("127.0.0.1", ports.free_port())})
         here.transport.send(DRIVER, PEER, STATUS)
         wait_until(lambda: here.counter("jtcp.connect_failed") >= 4)
         (line,) = here.transport._lines.values()
@@ -428,7 +425,7 @@ class TestSharedPort:
     def test_a_broadcast_that_comes_by_two_ways_arrives_once_and_changes_no_route(
         self, tcp, wait_until
     ):
-        port = free_port_of()
+        port = ports.free_port()
         far = tcp(port=port).attach(PEER)
         owner, first = (
             tcp(address_book={PEER: ("127.0.0.1", port)}).attach(each) for each in (DRIVER, SENSOR)
@@ -465,7 +462,9 @@ class TestThreads:
         self, tcp, free_port, wait_until
     ):
         there = tcp().attach(OCU)
-        here = tcp(port=free_port_of(), address_book={OCU: ("127.0.0.1", free_port)}).attach(DRIVER)
+        here = tcp(port=ports.free_port(), address_book={OCU: ("127.0.0.1", free_port)}).attach(
+            DRIVER
+        )
 
         def work(index: int) -> None:
             for count in range(50):

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import ports
 import pytest
 
 from jausml.runtime import ComponentSettings, ControlState, JausComponent
@@ -121,11 +122,6 @@ def folder(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("nm")
 
 
-def free_tcp_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return probe.getsockname()[1]
-
-
 @pytest.fixture
 def operator(station) -> Iterator[Callable[..., JausComponent]]:
     """Make a running operator on a transport of its own."""
@@ -178,7 +174,9 @@ def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_un
         each.expect("initialize")
     here = ("127.0.0.1", free_port)
     tested = operator(
-        transport=TransportKind.JTCP, port=free_tcp_port(), address_book={ROBOT: here, OTHER: here}
+        transport=TransportKind.JTCP,
+        port=ports.free_port(),
+        address_book={ROBOT: here, OTHER: here},
     )
     control_both(tested, wait_until)
     assert [each.end(signal.SIGTERM) for each in robots] == [0, 0]

@@ -6,8 +6,9 @@ The clock is turned by the test, so that a minute takes no minute and the same s
 from __future__ import annotations
 
 import random
-import socket
 from typing import TYPE_CHECKING, Any
+
+from ports import free_port
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
@@ -17,6 +18,7 @@ from jausml.runtime.messages import SetTime
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable
     from types import TracebackType
 
@@ -96,7 +98,7 @@ class LossyNetwork:
     def __init__(self, share: float, seed: int, **settings: Any) -> None:
         self.time = 1000.0
         self.loop = Loop(clock=lambda: self.time)
-        ports = _free_ports()
+        ports = [free_port(), free_port()]
         places = {VEHICLE: ("127.0.0.1", ports[0]), OPERATOR: ("127.0.0.1", ports[1])}
         self._transports = [
             LossyTransport(
@@ -187,14 +189,3 @@ class LossyNetwork:
             run = run + STEP if each - last < 1.5 * STEP else STEP
             last, longest = each, max(longest, run)
         return longest
-
-
-def _free_ports() -> list[int]:
-    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
-    try:
-        for each in sockets:
-            each.bind(("127.0.0.1", 0))
-        return [each.getsockname()[1] for each in sockets]
-    finally:
-        for each in sockets:
-            each.close()

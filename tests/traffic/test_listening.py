@@ -6,6 +6,7 @@ import socket
 
 import pytest
 from capture_files import QUERY_STATUS
+from ports import free_port
 
 from jausml.live.traffic.errors import TrafficError
 from jausml.live.traffic.listening import MulticastListener
@@ -18,10 +19,7 @@ GROUP, LOOPBACK = "239.255.0.1", "127.0.0.1"
 
 @pytest.fixture
 def settings():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
-    return TransportSettings(interface=LOOPBACK, port=port, multicast_group=GROUP)
+    return TransportSettings(interface=LOOPBACK, port=free_port(), multicast_group=GROUP)
 
 
 @pytest.fixture

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ports import free_port
+
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.component.component import JausComponent
 from jausml.runtime.services.element_list import chain
 
-from ..bridge_support import Process, free_port, wait_for
+from ..bridge_support import Process, wait_for
 
 LIVE = Path(__file__).resolve().parents[1]
 ROBOT, STATION = JausAddress(10, 1, 1), JausAddress(10, 1, 2)

@@ -6,13 +6,13 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
 from pathlib import Path
 
 import pytest
+from ports import free_port
 from workspaces import python_path
 
 HERE = Path(__file__).resolve().parent
@@ -39,12 +39,6 @@ LINE = re.compile(
     r"operator: ([^:]+): (.+), ([\d.]+) m out at (-?[\d.]+) m/s, load (\d+) N$", re.MULTILINE
 )
 pytestmark = [pytest.mark.live, pytest.mark.timeout(120)]
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return sock.getsockname()[1]
 
 
 @pytest.fixture
