@@ -26,9 +26,9 @@ quick: $(READY)  ## lint, and the tests that a change since main can break
 	$(BIN)/python tools/quick.py
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
-# TESTS=tests/runtime runs a part; nothing chosen (5) is no failure.
+# TESTS=tests/runtime runs a part. Up to three tests that fail in the crowd are run again, alone.
 test: $(READY)  ## every test
-	$(BIN)/python -m pytest --durations=15 -n auto --dist worksteal $(TESTS) || test $$? -eq 5
+	$(BIN)/python tools/suite.py $(TESTS)
 
 test-slow: export JAUSML_EXAMPLES ?= 200
 test-slow: export PYTEST_ADDOPTS ?= --timeout=1200

@@ -1,0 +1,66 @@
+"""The run of the whole suite: what fails in the crowd runs again, alone."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SUITE = Path(__file__).resolve().parents[2] / "tools" / "suite.py"
+
+FAILS_ONCE = """
+from pathlib import Path
+
+def test_{name}():
+    mark = Path("{name}.ran")
+    first = not mark.exists()
+    mark.touch()
+    assert not first
+"""
+
+
+@pytest.fixture
+def suite(tmp_path):
+    """Runs a suite of its own; returns the exit status and what was printed."""
+    (tmp_path / "tools").mkdir()
+    shutil.copy(SUITE, tmp_path / "tools")
+    (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\n", encoding="utf-8")
+
+    def run(**tests):
+        for name, text in tests.items():
+            (tmp_path / f"test_{name}.py").write_text(text, encoding="utf-8")
+        command = [sys.executable, "tools/suite.py"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        return done.returncode, done.stdout
+
+    return run
+
+
+def test_what_passes_runs_once(suite):
+    status, output = suite(good="def test_good(): pass")
+    assert status == 0
+    assert "once more" not in output
+
+
+def test_what_passes_alone_is_named(suite):
+    status, output = suite(once=FAILS_ONCE.format(name="once"))
+    assert status == 0
+    assert "test_once.py::test_once: passed alone, and may hide a race" in output
+
+
+def test_what_fails_alone_too_fails(suite):
+    status, output = suite(bad="def test_bad(): assert False", good="def test_good(): pass")
+    assert status == 1
+    assert "test_bad.py::test_bad: fails alone too" in output
+
+
+def test_many_failures_are_a_fault(suite):
+    names = [f"once{number}" for number in range(4)]
+    status, output = suite(**{each: FAILS_ONCE.format(name=each) for each in names})
+    assert status == 1
+    assert "once more" not in output
+
+
+def test_nothing_chosen_is_no_failure(suite):
+    assert suite()[0] == 0
