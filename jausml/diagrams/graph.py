@@ -1,7 +1,9 @@
 """Graphs: what a diagram shows of a model, as plain values without any drawing.
 
 Ids are those of the model (`Model.fragment`), so that an editor or a live view can speak of
-the same things; what stands for no element has the id of its owner with a mark behind `!`.
+the same things; what stands for no element has the id of its owner with a mark behind `!`. Parts
+have the reference to the element that they show (`model/references.py`), and a key: the id in
+names, which stays when elements are added before it.
 """
 
 from __future__ import annotations
@@ -45,6 +47,8 @@ class Port:
         depth: How many rows it lies in.
         details: What is told on request.
         findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
     """
 
     id: str
@@ -54,6 +58,8 @@ class Port:
     depth: int = 0
     details: Details = ()
     findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,8 @@ class Node:
         column: Its column, where the view has columns.
         details: What is told on request.
         findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
     """
 
     id: str
@@ -82,6 +90,8 @@ class Node:
     column: int = BRIDGE_COLUMN
     details: Details = ()
     findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True)
@@ -93,12 +103,16 @@ class Group:
         kind: `host`, `bridge`, `service` or `state`.
         title: Its name.
         parent: Id of the group around it, empty for none.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
     """
 
     id: str
     kind: str
     title: str
     parent: str = ""
+    element: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True)
@@ -129,6 +143,8 @@ class Edge:
         count: How many edges it stands for.
         details: What is told on request.
         findings: What is wrong with it.
+        element: Reference to the element that it shows, empty for none.
+        key: What names it when positions of elements change.
     """
 
     id: str
@@ -140,6 +156,8 @@ class Edge:
     count: int = 1
     details: Details = ()
     findings: tuple[Finding, ...] = ()
+    element: str = ""
+    key: str = ""
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from jausml.diagrams.graph import severity
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.diagrams.writers import dot, mermaid
+from jausml.model.references import reference_to
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(
@@ -167,6 +168,46 @@ def test_ids_are_those_of_the_model():
     own = [each.id for each in graph.nodes if "!" not in each.id]
     assert own
     assert set(own) <= known
+
+
+def parts(graph):
+    yield from graph.nodes
+    yield from graph.groups
+    yield from graph.edges
+    for node in graph.nodes:
+        yield from node.ports
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_parts_refer_to_what_they_show_and_have_keys_of_their_own(path):
+    report = read(path)
+    model = report.model
+    known = {reference_to(model, each, MODELS): each for each in model.elements()}
+    shown = set()
+    for view in view_names(model, library=False):
+        graph = graph_of(model, view, report.diagnostics, MODELS)
+        assert {each.element for each in parts(graph)} <= {"", *known}
+        for many in (graph.nodes, graph.groups, graph.edges, *(each.ports for each in graph.nodes)):
+            keys = [each.key for each in many]
+            assert all(keys)
+            assert len(keys) == len(set(keys))
+        shown |= {known[each.element].eClass.name for each in parts(graph) if each.element}
+    if path == CAR:
+        assert shown >= {"Component", "Bridge", "Node", "Publisher", "Host", "Connection"}
+        assert shown >= {"FieldAssignment", "FixedField", "PrimitiveField", "MessageType"}
+
+
+def test_a_connection_is_shown_by_its_row_and_its_edges():
+    graph = car("system")
+    bridge = next(each for each in graph.nodes if each.title == "bridge")
+    row = next(each for each in bridge.ports if each.label == "odometry")
+    assert row.element.startswith("catvehicle.xmi#")
+    assert row.key.endswith(":bridge/odometry")
+    edges = [e for e in graph.edges if row.id in (e.target.port, e.source.port)]
+    assert len(edges) > 1
+    assert {each.element for each in edges} == {row.element}
+    peer = next(each for each in graph.nodes if each.title == "vehicle")
+    assert {each.element for each in peer.ports} == {""}
 
 
 def test_the_same_model_makes_the_same_graph():

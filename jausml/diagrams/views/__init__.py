@@ -10,6 +10,7 @@ from jausml.model.values import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+    from pathlib import Path
 
     from jausml.diagrams.graph import Graph
     from jausml.model.diagnostics import Diagnostic
@@ -52,13 +53,16 @@ def view_names(model: Model, *, library: bool = True) -> list[str]:
     return list(_views(model, library=library))
 
 
-def graph_of(model: Model, view: str, diagnostics: Iterable[Diagnostic] = ()) -> Graph:
+def graph_of(
+    model: Model, view: str, diagnostics: Iterable[Diagnostic] = (), root: Path | None = None
+) -> Graph:
     """Returns the graph of a view.
 
     Args:
         model: The model; it may have errors.
         view: Name of the view, such as `system` or `map:odometry`.
         diagnostics: What was found about the model.
+        root: The folder to which references are relative; None for that of the first file.
 
     Raises:
         UnknownViewError: The model has no such view.
@@ -66,7 +70,7 @@ def graph_of(model: Model, view: str, diagnostics: Iterable[Diagnostic] = ()) ->
     views = _views(model, library=True)
     if view not in views:
         raise UnknownViewError(view, views)
-    return views[view](Context(model, view, diagnostics))
+    return views[view](Context(model, view, diagnostics, root))
 
 
 def _views(model: Model, *, library: bool) -> dict[str, Callable[[Context], Graph]]:

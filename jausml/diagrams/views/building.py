@@ -51,8 +51,9 @@ class Builder:
 
     def graph(self, title: str, *, downwards: bool = False) -> Graph:
         """Returns the graph, without frames around nothing."""
+        named = self.context.named
         nodes = tuple(
-            replace(node, ports=tuple(self._ports[node.id].values()))
+            replace(named(node), ports=tuple(named(port) for port in self._ports[node.id].values()))
             for node in self.boxes.values()
         )
         used = {node.group for node in nodes}
@@ -63,8 +64,8 @@ class Builder:
             self.context.view,
             title,
             nodes,
-            tuple(each for each in self.groups if each.id in used),
-            tuple(_distinct(self.edges)),
+            tuple(named(each) for each in self.groups if each.id in used),
+            tuple(named(each) for each in _distinct(self.edges)),
             downwards,
             self.context.of_files(),
         )

@@ -57,6 +57,7 @@ def add_service_connection(
         name_of(message),
         details=details(connection, message=name_of(message), exchange=label),
         findings=context.findings(connection),
+        element=context.reference(connection),
     )
     end = builder.put(context.id_of(owner), row)
     provider = connection.provider
@@ -64,7 +65,7 @@ def add_service_connection(
     for start in _jaus_ends(builder, owner, providers, connection.search, message, "sends"):
         builder.edges.append(
             Edge(f"{row.id}!{start.node}", start, end, "message", name_of(message), (label,),
-                 details=row.details, findings=row.findings)
+                 details=row.details, findings=row.findings, element=row.element)
         )  # fmt: skip
 
 
@@ -107,6 +108,7 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
             silence=_silence(connection),
         ),
         findings=context.findings(connection),
+        element=context.reference(connection),
     )
     here = builder.put(context.id_of(owner), row)
     way = "sends" if to_ros else "takes"
@@ -145,6 +147,7 @@ def _add_call(builder: Builder, owner: bridge.Bridge, call: _Call, *, to_ros: bo
         call.words,
         details=details(connection, **more),
         findings=context.findings(connection),
+        element=context.reference(connection),
     )
     here = builder.put(context.id_of(owner), row)
     way = "asks" if to_ros else "answers"
@@ -180,6 +183,7 @@ def _join(
             (label,) if label else (),
             details=row.details,
             findings=row.findings,
+            element=row.element,
         )
     )
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
-from jausml.diagrams.graph import Finding
+from jausml.diagrams.graph import Edge, Finding, Group, Node, Port
+from jausml.model.references import Keys, reference_to
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,6 +19,8 @@ if TYPE_CHECKING:
     from jausml.model.diagnostics import Diagnostic
     from jausml.model.model import Model
 
+PartT = TypeVar("PartT", Node, Port, Group, Edge)
+
 
 class Context:
     """A model as views see it.
@@ -23,11 +29,20 @@ class Context:
         model: The model.
         view: Name of the view.
         diagnostics: What was found about the model.
+        root: The folder to which references are relative; None for that of the first file.
     """
 
-    def __init__(self, model: Model, view: str, diagnostics: Iterable[Diagnostic]) -> None:
+    def __init__(
+        self,
+        model: Model,
+        view: str,
+        diagnostics: Iterable[Diagnostic],
+        root: Path | None = None,
+    ) -> None:
         self.model = model
         self.view = view
+        self._root = Path(os.path.realpath(root)) if root else model.documents[0].path.parent
+        self._elements: dict[str, EObject] = {}
         self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
         for each in sorted(diagnostics):
             found = Finding(each.severity.value, each.rule, each.message)
@@ -37,10 +52,26 @@ class Context:
     def id_of(self, element: EObject) -> str:
         """Returns the id of an element: its fragment, behind its file unless that is the first."""
         document = self.model.document_of(element)
-        fragment = self.model.fragment(element)
-        if document is None or document is self.model.documents[0]:
-            return fragment
-        return f"{document.path.name}#{fragment}"
+        found = self.model.fragment(element)
+        if document is not None and document is not self.model.documents[0]:
+            found = f"{document.path.name}#{found}"
+        self._elements[found] = element
+        return found
+
+    def reference(self, element: EObject | None) -> str:
+        """Returns the reference to an element, empty for none."""
+        return reference_to(self.model, element, self._root) if element is not None else ""
+
+    def named(self, part: PartT) -> PartT:
+        """Returns a part with its key, and with its element where its id is that of one."""
+        keys = self.model.made(Keys)
+        known = [self._elements.get(each) for each in part.id.split("!")]
+        words = zip(part.id.split("!"), known, strict=True)
+        return replace(
+            part,
+            element=part.element or self.reference(self._elements.get(part.id)),
+            key="!".join(word if each is None else keys.of(each) for word, each in words),
+        )
 
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
         """Returns what was found about elements.

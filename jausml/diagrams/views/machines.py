@@ -79,9 +79,10 @@ def _add_state(builder: Builder, machine: Machine, path: str) -> None:
     found = machine.nodes.get(path)
     elements = found.elements if found is not None else []
     drawn = _drawn(machine)
+    element = context.reference(elements[-1]) if elements else ""
     is_composite = any(each.startswith(f"{path}.") for each in drawn)
     if is_composite:
-        builder.groups.append(Group(own, "state", name, around))
+        builder.groups.append(Group(own, "state", name, around, element))
     initial = machine.initial(outer) == path
     rows = [row for state in elements for row in _rows(context, machine, path, state)]
     if is_composite and not elements:
@@ -96,6 +97,7 @@ def _add_state(builder: Builder, machine: Machine, path: str) -> None:
             own if is_composite else around,
             details=tuple(each for state in elements for each in details(state)),
             findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
+            element=element,
         )
     )
 

@@ -119,6 +119,7 @@ class _MapView:
             column=JAUS_COLUMN,
             details=details(message) if message else (),
             findings=self.context.findings(own, deep=False),
+            element=self.context.reference(message),
         )
         for report in own.reportJoins:
             yield self._join(report, name_of(report.message), "message", JAUS_COLUMN)
@@ -130,6 +131,7 @@ class _MapView:
             self.ros.ports(),
             column=ROS_COLUMN,
             details=details(kind) if kind else (),
+            element=self.context.reference(kind),
         )
         for join in own.joins:
             yield self._join(join, ros_name(join.type) if join.type else "?", "type", ROS_COLUMN)
@@ -197,6 +199,7 @@ class _MapView:
                 labels,
                 details=_details(assignment, labels),
                 findings=self.context.findings(assignment) if index == 0 else (),
+                element=self.context.reference(assignment),
             )
         )
 

@@ -105,6 +105,7 @@ def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Ite
             depth,
             _details(part, attribute),
             context.findings(part),
+            context.reference(part),
         )
         yield Member(path, port, tuple(_of_jaus(context, found, path, depth + 1)))
 
@@ -129,6 +130,7 @@ def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Itera
             depth=depth,
             details=_details(field, attribute),
             findings=context.findings(field),
+            element=context.reference(field),
         )
         yield Member(path, port, tuple(_of_ros(context, found, path, depth + 1)))
 

@@ -1,0 +1,82 @@
+"""References and keys: exact, and lasting."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from jausml.model import read_models
+from jausml.model.references import Keys, reference_to
+from jausml.model.uris import LIBRARY_URI
+from jausml.text.notation import NOTATIONS
+
+MODELS = Path(__file__).resolve().parents[2] / "models"
+CAR = MODELS / "catvehicle" / "catvehicle.xmi"
+SHIPPED = sorted(each for each in MODELS.rglob("*") if each.suffix in (".xmi", ".ros2jaus"))
+
+
+def read(path):
+    return read_models([path], notations=NOTATIONS).model
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_each_element_has_a_key_and_a_reference_of_its_own(path):
+    model = read(path)
+    keys = Keys(model)
+    elements = list(model.elements())
+    for names in (
+        [keys.of(each) for each in elements],
+        [reference_to(model, each, MODELS) for each in elements],
+    ):
+        assert len(names) == len(set(names))
+        assert all(names)
+
+
+def test_a_reference_names_the_file_as_seen_from_the_folder():
+    model = read(CAR)
+    (logger,) = (each for each in model.elements() if getattr(each, "name", "") == "logger")
+    fragment = model.fragment(logger)
+    assert reference_to(model, logger, MODELS) == f"catvehicle/catvehicle.xmi#{fragment}"
+    assert reference_to(model, logger, MODELS / "library") == (
+        f"../catvehicle/catvehicle.xmi#{fragment}"
+    )
+    message = next(each for each in model.elements() if each.eClass.name == "MessageDef")
+    assert reference_to(model, message, MODELS).startswith(f"{LIBRARY_URI}jaus/")
+
+
+def test_a_key_stays_when_elements_are_added_before(tmp_path):
+    before = {}
+    text = CAR.read_text(encoding="utf-8").replace("../library/", LIBRARY_URI)
+    path = tmp_path / "car.xmi"
+    for added in ("", '  <nodes name="first"/>\n  <nodes/>\n'):
+        at = text.index("  <nodes ")
+        path.write_text(text[:at] + added + text[at:], encoding="utf-8")
+        model = read(path)
+        keys = Keys(model)
+        named = {
+            keys.of(each): each.name
+            for each in model.elements(library=False)
+            if getattr(each, "name", None)
+        }
+        assert before.items() <= named.items()
+        before = named
+    assert "node:logger" in before
+    assert "bridge:bridge" in before
+
+
+def test_names_that_are_not_distinct_are_numbered(tmp_path):
+    path = tmp_path / "car.xmi"
+    path.write_text(
+        CAR.read_text(encoding="utf-8")
+        .replace("../library/", LIBRARY_URI)
+        .replace("  <nodes ", '  <nodes name="a/b%[1]"/>\n  <nodes name="vehicle"/>\n  <nodes ', 1)
+        .replace("  <nodes ", '  <nodes name="vehicle"/>\n  <nodes ', 1),
+        encoding="utf-8",
+    )
+    model = read(path)
+    keys = Keys(model)
+    found = [keys.of(each) for each in model.elements(library=False)]
+    assert {"component:vehicle", "node:vehicle", "node:vehicle[1]"} <= set(found)
+    assert "node:a%2Fb%25%5B1%5D" in found
+    assert len(found) == len(set(found))
