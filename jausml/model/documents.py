@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.model.notation import Notation
+    from jausml.model.notation import Notation, Written
     from jausml.model.xmi.parsing import Node
 
 _FEW = 8
@@ -32,6 +32,7 @@ class Document:
         ids: XML elements by xmi:id, and by the identifying attribute of their class.
         readable: False when the file could not be parsed.
         notation: The notation of a document that is no XMI, else None.
+        written: What the notation made of it, None for XMI.
         imports: The documents whose names it uses.
         lacks_imports: True when a document that it imports could not be read.
     """
@@ -47,6 +48,7 @@ class Document:
         self.ids: dict[str, Node] = {}
         self.readable = False
         self.notation: Notation | None = None
+        self.written: Written | None = None
         self.imports: list[Document] = []
         self.lacks_imports = False
         self._by_tag: dict[Node, dict[str, list[Node]]] = {}

@@ -207,6 +207,7 @@ class _Reading:
     def _read_notation(self, document: Document, notation: Notation) -> None:
         written = notation.read(document.data, document.path, self._metamodels)
         document.notation = notation
+        document.written = written
         document.readable = True
         self._written[document] = written
         self._add_roots(document, written.roots, written.faults)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from jausml.model.notation import Explanation, Known
     from jausml.model.xmi.parsing import Node
     from jausml.text.bridge_options import BridgeOfMaps
+    from jausml.text.reading.nodes import Source
     from jausml.text.tree import Item, SyntaxTree
 
 SERVICE = "service"
@@ -34,6 +35,10 @@ SERVICE = "service"
 
 class TextDocument:
     """The nodes of a text, and what is declared and checked once its surroundings are known.
+
+    Attributes:
+        tree: The syntax tree.
+        imports: The documents that it imports.
 
     Args:
         document: The syntax tree.
@@ -51,6 +56,7 @@ class TextDocument:
         metamodels: Metamodels,
         bridge: BridgeOfMaps | None = None,
     ) -> None:
+        self.tree = document
         self._metamodels = metamodels
         self._bridge = bridge
         self._nodes = NodeMaker(metamodels)
@@ -78,6 +84,14 @@ class TextDocument:
     def faults(self) -> Sequence[Fault]:
         """What is wrong with the text."""
         return self._nodes.faults
+
+    def source_of(self, node: Node) -> Source | None:
+        """Returns what of the tree stands for an element; None where it follows from the rest."""
+        return self._nodes.sources.get(node)
+
+    def value_span(self, node: Node) -> Span | None:
+        """Returns where the value or the reference of a node is written, None for an element."""
+        return self._nodes.values.get(node)
 
     def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
         """Returns the messages and types that maps use and nobody knows, and the asked bridge."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
@@ -68,8 +67,14 @@ class ElementReader:
         message = f"unknown keyword {show(word.text)}"
         self._nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
 
-    def fill(self, node: Node, block: Element) -> None:
-        """Gives an element the name, documentation and contents that its block has."""
+    def fill(self, node: Node, block: Element, item: Item | None = None) -> None:
+        """Gives an element the name, documentation and contents that its block has.
+
+        Args:
+            node: The node of the element.
+            block: Its block.
+            item: What the documentation stands before, None for the block itself.
+        """
         table = self._nodes.classes[node]
         if block.name is not None and block.keyword is not None:
             if "name" in table.features:
@@ -78,7 +83,7 @@ class ElementReader:
                 message = f"{table.name} has no name"
                 hint = f"write '{block.keyword.text} {{'"
                 self._nodes.fault("JML702", block.name.span, message, hint, owner=node)
-        self.document(node, block)
+        self.document(node, item or block)
         self.items(node, block.items)
 
     def document(self, node: Node, item: Item, table: ClassTable | None = None) -> None:
@@ -142,7 +147,7 @@ class ElementReader:
             return
         owning = self._owning(owner, table)
         if len(owning) == 1:
-            self.fill(self._nodes.element(owner, owning[0], table, block.span), block)
+            self.fill(self._nodes.element(owner, owning[0], table, block.span, block), block)
             return
         self._report_owner(owner, block, table, owning)
 
@@ -153,7 +158,7 @@ class ElementReader:
         if len(owning) != 1:
             self._report_owner(owner, block, table, owning)
             return
-        node = self._nodes.element(owner, owning[0], table, block.span)
+        node = self._nodes.element(owner, owning[0], table, block.span, block)
         self.fill_map(node, block)
 
     def fill_map(self, node: Node, block: Element) -> None:
@@ -172,23 +177,19 @@ class ElementReader:
             spoilt = nearest(item.name.text, table.features)
             self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=spoilt)
             return
-        values = item.values
-        blocks = [each for each in values if isinstance(each, Element)]
+        blocks = [each for each in item.values if isinstance(each, Element)]
         if item.documentation and not (len(item.values) == len(blocks) == 1):
             message = f"the comment before feature '{feature.name}' documents nothing"
             self._nodes.fault("JML703", item.span, message, _LOST)
-        elif item.documentation and blocks and not blocks[0].documentation:
-            # The tree stays as it was written, for others who read it.
-            values = [replace(blocks[0], documentation=item.documentation)]
-        for value in values:
-            self._value(node, feature, value)
+        for value in item.values:
+            self._value(node, feature, value, item)
 
-    def _value(self, node: Node, feature: FeatureTable, value: Value) -> None:
+    def _value(self, node: Node, feature: FeatureTable, value: Value, item: Feature) -> None:
         if isinstance(value, Href):
             self._href(node, feature, value)
         elif isinstance(value, Element):
             if feature.kind is FeatureKind.CONTAINMENT:
-                self._block_value(node, feature, value)
+                self._block_value(node, feature, value, item)
             else:
                 what = "refers to elements" if feature.is_reference else "has a value"
                 self._wrong(node, feature, value.span, f"{what}, it owns none")
@@ -210,7 +211,9 @@ class ElementReader:
         else:
             self._nodes.null(node, feature.name, value.span)
 
-    def _block_value(self, node: Node, feature: FeatureTable, block: Element) -> None:
+    def _block_value(
+        self, node: Node, feature: FeatureTable, block: Element, item: Feature
+    ) -> None:
         wanted = target_class(feature)
         table = wanted if block.keyword is None and block.name is None else self.class_of(block)
         if table is None:
@@ -221,8 +224,8 @@ class ElementReader:
             hint = f"write 'new' and one of: {legal}"
             self._wrong(node, feature, block.span, f"takes {wanted.name}; this {what}", hint)
         else:
-            child = self._nodes.element(node, feature.name, table, block.span)
-            self.fill(child, block)
+            child = self._nodes.element(node, feature.name, table, block.span, block)
+            self.fill(child, block, item if len(item.values) == 1 else None)
 
     def _wrong(
         self, node: Node, feature: FeatureTable, span: Span, what: str, hint: str = ""

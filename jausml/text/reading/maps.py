@@ -127,7 +127,7 @@ class MapReader:
             self._nodes.fault("JML705", call.span, message, hint, owner=owner)
             return
         conversion = self._classes["bridge.Conversion"]
-        node = self._nodes.element(owner, "conversions", conversion, call.span)
+        node = self._nodes.element(owner, "conversions", conversion, call.span, call)
         self._nodes.value(node, "kind", call.name.text, call.name.span)
         for argument in call.arguments:
             if isinstance(argument, Number):
@@ -183,7 +183,7 @@ class MapReader:
 
     def _new(self, owner: Node, feature: str, class_name: str, item: Item) -> Node:
         table: ClassTable = self._classes[f"bridge.{class_name}"]
-        node = self._nodes.element(owner, feature, table, item.span)
+        node = self._nodes.element(owner, feature, table, item.span, item)
         self._elements.document(node, item)
         return node
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.metamodel import FeatureKind
@@ -73,10 +72,10 @@ class RootReader:
             else:
                 self._elements.element(self._owner(taking, block.span), block)
 
-    def _explicit(self, table: ClassTable, block: Element) -> None:
-        node = self._nodes.root(table, block.span)
+    def _explicit(self, table: ClassTable, block: Element, item: Item | None = None) -> None:
+        node = self._nodes.root(table, block.span, block)
         self.roots.append(node)
-        self._elements.fill(node, block)
+        self._elements.fill(node, block, item)
 
     def _feature(self, item: Feature) -> None:
         """Takes `root: new component x { ... }`, which makes a root of any element."""
@@ -87,14 +86,11 @@ class RootReader:
             self._nodes.fault("JML702", item.span, message, hint)
             return
         for each in blocks:
-            block = each
-            if item.documentation and not each.documentation:
-                block = replace(each, documentation=item.documentation)
-            table = self._elements.class_of(block)
+            table = self._elements.class_of(each)
             if table is None:
-                self._elements.report_unknown(block)
+                self._elements.report_unknown(each)
             else:
-                self._explicit(table, block)
+                self._explicit(table, each, item)
 
     def _type(self, member: Member) -> None:
         if member.name is None:

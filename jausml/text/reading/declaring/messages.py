@@ -94,7 +94,8 @@ class OwnService:
         return [root]
 
     def _service(self, root: Node, span: Span, ends: Sequence[WrittenEnd]) -> Node:
-        service = self._nodes.element(root, "services", self._classes["jaus.Service"], span)
+        table = self._classes["jaus.Service"]
+        service = self._nodes.element(root, "services", table, span, self.written)
         scope = system_name(self._path)
         if self.written is not None:
             self._elements.fill(service, self.written)
