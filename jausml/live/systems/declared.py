@@ -20,7 +20,7 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
     """Yields the connections of a model, in model order.
 
     Args:
-        model: A model without errors.
+        model: The model; a connection that lacks its map, message or service is passed over.
     """
     for owner in model.instances(bridge.Bridge, library=False):
         topics: dict[object, list[TopicName]] = {}
@@ -29,19 +29,21 @@ def declarations_of(model: Model) -> Iterator[Declaration]:
             is_absolute = end.topic == getattr(end.element, end.feature)
             found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
-            yield _declaration(owner, connection, tuple(topics.get(connection, ())))
+            if connection.map is not None and connection.map.message is not None:
+                yield _declaration(owner, connection, tuple(topics.get(connection, ())))
         for service in owner.serviceConnections:
             asking = calls.asking(service)
             yield _called(owner, service, str(asking.name) if asking is not None else "")
         for action in owner.actionConnections:
-            yield _called(owner, action, str(action.element.message.name))
+            if action.element is not None and action.element.message is not None:
+                yield _called(owner, action, str(action.element.message.name))
 
 
 def components_of(model: Model) -> dict[str, str]:
     """Returns the names of the components of a model, bridges included, by JAUS id.
 
     Args:
-        model: A model without errors.
+        model: The model.
     """
     components = model.instances(jaus.Component, library=False)
     return {str(each.address): str(each.name) for each in components if each.address}
@@ -53,7 +55,7 @@ def _declaration(
     exchange, to_ros = connection.exchange.name, connection.direction.name == "jausToRos"
     is_periodic = exchange in ("periodicEvent", "query") and to_ros
     return Declaration(
-        bridge=_node(owner),
+        bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),
         rate=(connection.rate or owner.frequency or None) if is_periodic else None,
@@ -72,7 +74,7 @@ def _called(
 ) -> Declaration:
     """Returns a connection with a ROS service or action, which has neither topics nor a rate."""
     return Declaration(
-        bridge=_node(owner),
+        bridge=node_of(owner),
         name=str(connection.name),
         jaus_id=str(owner.address),
         rate=None,
@@ -84,7 +86,8 @@ def _called(
     )
 
 
-def _node(owner: bridge.Bridge) -> str:
+def node_of(owner: bridge.Bridge) -> str:
+    """Returns the full name of the ROS node of a bridge."""
     return resolve_topic(str(owner.name), owner.namespace or "", "")
 
 

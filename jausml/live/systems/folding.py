@@ -105,6 +105,43 @@ def expected(
     return fold_time(state, now)
 
 
+def fold_model(
+    state: SystemState,
+    declarations: Iterable[Declaration],
+    components: Mapping[str, str],
+    now: float,
+) -> SystemState:
+    """Returns the state after its model changed; what was heard stays.
+
+    Args:
+        state: The state before.
+        declarations: Connections of the model as it is now.
+        components: Names of its components by JAUS id.
+        now: The time.
+    """
+    fresh = expected(declarations, components, now)
+    heard = [each for each in state.connections.values() if each.told is not None]
+    declared = {each.key: _declaration(fresh, each) for each in heard}
+    spoken_for = {each.key for each in declared.values() if each is not None}
+    connections = {
+        **{key: each for key, each in fresh.connections.items() if key not in spoken_for},
+        **{each.key: replace(each, declaration=declared[each.key]) for each in heard},
+    }
+    former = {
+        address: replace(each, is_declared=address in components)
+        for address, each in state.components.items()
+        if address in components or each.told is not None
+    }
+    told = replace(
+        fresh,
+        connections=connections,
+        components={**fresh.components, **former},
+        sources=state.sources,
+        ignored=state.ignored,
+    )
+    return fold_time(told, now)
+
+
 def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
     """Returns the state after a source opened, or could not.
 

@@ -8,17 +8,23 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.network import component_address
-from jausml.live.systems.folding import fold_answer, fold_source, fold_statuses, fold_time
+from jausml.live.systems.folding import (
+    fold_answer,
+    fold_model,
+    fold_source,
+    fold_statuses,
+    fold_time,
+)
 from jausml.live.systems.jaus_observer import JausObserver
 from jausml.live.systems.ros_diagnostics import RosDiagnostics, RosFault
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.diagnostics import Status
     from jausml.live.systems.folding import Answer
-    from jausml.live.systems.state import SystemState
+    from jausml.live.systems.state import Declaration, SystemState
     from jausml.runtime.base.address import JausAddress
 
 
@@ -49,6 +55,11 @@ class Observation:
         """Takes what a component tells."""
         with self._lock:
             self._state = fold_answer(self._state, answer, time.monotonic())
+
+    def take_model(self, declarations: Iterable[Declaration], components: dict[str, str]) -> None:
+        """Takes what the model promises now that it has changed."""
+        with self._lock:
+            self._state = fold_model(self._state, declarations, components, time.monotonic())
 
     def take_source(self, source: str, fault: str) -> None:
         """Takes that a source opened, or why it could not."""

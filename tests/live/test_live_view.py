@@ -1,0 +1,178 @@
+"""The live view of the studio beside a generated bridge, a vehicle and a ROS node."""
+
+from __future__ import annotations
+
+import os
+import queue
+import sys
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from jausml.cli.messages import open_catalogue
+from jausml.live.peers.network import make_network
+from jausml.live.peers.operator import running_operator
+from jausml.model import read_models
+from jausml.runtime.base.address import JausAddress
+from jausml.studio.live import LiveSystem, NotWatchedError, Watched
+
+from .bridge_support import MODEL, generate, wait_for
+from .test_top import System
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+]
+
+ODOMETRY = "//@bridges.0/@bridgeConnections.0"
+DRIVE = "//@bridges.0/@bridgeConnections.3"
+ROOT = MODEL.parents[3]
+
+
+@pytest.fixture(scope="module")
+def model():
+    return read_models([MODEL], allow_outside=True).model
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        environment.setenv("ROS_DOMAIN_ID", str(10 + (os.getpid() + 31) % 90))
+        path = generate(tmp_path_factory.mktemp("workspace"))
+        started = System(path, tmp_path_factory.mktemp("logs"))
+        yield started
+        started.close()
+
+
+class Page:
+    """What a page was told."""
+
+    def __init__(self, model, port):
+        self.told = queue.SimpleQueue()
+        self.state = {}
+        watched = Watched("model.xmi", MODEL, ROOT, model)
+        network = make_network(None, "127.0.0.1", port, "239.255.0.1", [])
+        self.live = LiveSystem(watched, network, self.told.put)
+        self.live.start()
+
+    def latest(self):
+        while not self.told.empty():
+            self.state = self.told.get()["state"]
+        return self.state
+
+    def becomes(self, kind, place, **wanted):
+        def told():
+            found = self.latest().get(kind, {}).get(place)
+            return found if found and wanted.items() <= found.items() else None
+
+        return wait_for(told, f"{place} {wanted}, but {self.latest().get(kind)}", 40.0)
+
+
+@pytest.fixture
+def page(system, model):
+    opened = Page(model, system.port)
+    yield opened
+    opened.live.stop()
+
+
+def test_rates_states_controllers_and_losses_by_ids_of_the_view(system, page):
+    page.becomes("edges", ODOMETRY, level="ok", declared=20.0)
+    wait_for(lambda: page.latest()["edges"][ODOMETRY]["rate"], "rate")
+    vehicle = page.becomes("boxes", "vehicle", state="READY", controller="10.1.9")
+    assert vehicle["level"] == "ok"
+    page.becomes("boxes", "trailer", level="not heard")
+    page.becomes("edges", "operator!controls.0", text="controlled by nobody")
+    system.vehicle.kill()
+    page.becomes("edges", ODOMETRY, level="stale")
+    page.becomes("boxes", "vehicle", level="not heard")
+    system.vehicle = system.start_vehicle()
+    page.becomes("edges", ODOMETRY, level="ok")
+    page.becomes("boxes", "vehicle", level="ok", controller="10.1.9")
+
+
+def test_the_last_message_on_both_sides_while_somebody_asks(system, page):
+    page.becomes("edges", ODOMETRY, level="ok")
+    before = system.ros.node.count_subscribers("/odometry")
+    wait_for(lambda: "linear:" in page.live.message(ODOMETRY)["ros"], "Odometry")
+    told = wait_for(
+        lambda: "Velocity_X: 2" in (found := page.live.message(ODOMETRY))["jaus"] and found,
+        "report",
+    )
+    assert ["translation", "flat"] in told["values"]
+    wait_for(
+        lambda: (
+            page.live.message(ODOMETRY)
+            and system.ros.node.count_subscribers("/odometry") == before + 1
+        ),
+        "the look",
+    )
+    # Nobody asks any more, and the look ends by itself.
+    wait_for(lambda: system.ros.node.count_subscribers("/odometry") == before, "end of the look")
+    assert "not observable" in page.live.message(DRIVE)["jaus"]
+    with pytest.raises(NotWatchedError):
+        page.live.message("//@bridges.0/@bridgeConnections.99")
+
+
+def test_nothing_of_it_is_left_when_nobody_looks(system, model):
+    def watchers():
+        nodes = system.ros.node.get_node_names()
+        return [each for each in nodes if each.startswith("jausml_top_")]
+
+    page = Page(model, system.port)
+    page.becomes("edges", ODOMETRY, level="ok")
+    wait_for(watchers, "the node of the view")
+    page.live.stop()
+    wait_for(lambda: not watchers(), "its end")
+    page.latest()
+    assert page.told.empty()
+    with pytest.raises(NotWatchedError, match="not watched"):
+        page.live.message(ODOMETRY)
+
+
+def test_no_control_is_taken(system, page):
+    page.becomes("boxes", "vehicle", controller="10.1.9")
+    with running_operator(system.network(), open_catalogue(())) as operator:
+        operator.control(JausAddress(10, 1, 1), 255)
+        page.becomes("boxes", "vehicle", controller="65000.1.77")
+    page.becomes("boxes", "vehicle", controller="10.1.9")
+
+
+def test_an_edit_while_it_runs_keeps_what_is_heard(page, tmp_path):
+    page.becomes("edges", ODOMETRY, level="ok")
+    text = MODEL.read_text().replace('name="pose" ', 'name="position" ')
+    assert text != MODEL.read_text()
+    changed = tmp_path / "model.xmi"
+    changed.write_text(text.replace("../../../models/library/", "http://www.jausml.org/library/"))
+    page.live.follow(read_models([changed]).model)
+    page.becomes("edges", "//@bridges.0/@bridgeConnections.2", level="not heard")
+    page.becomes("edges", ODOMETRY, level="ok")
+
+
+def test_jaus_alone_where_there_is_no_ros(system, model, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    page = Page(model, system.port)
+    try:
+        page.becomes("boxes", "vehicle", state="READY")
+        told = page.becomes("edges", ODOMETRY, level="unknown")
+        assert "no ROS here" in told["text"]
+        assert page.live.message(ODOMETRY)["ros"] == "there is no ROS here"
+    finally:
+        page.live.stop()
+
+
+def test_ros_alone_where_jaus_has_no_network(system, model):
+    page = Page(model, system.port)
+    page.live.stop()
+    watched = Watched("model.xmi", MODEL, ROOT, model)
+    network = make_network(None, "203.0.113.7", system.port, "239.255.0.1", [])
+    page.live = LiveSystem(watched, network, page.told.put)
+    page.live.start()
+    try:
+        page.becomes("edges", ODOMETRY, level="ok")
+        told = page.becomes("boxes", "vehicle", level="unknown")
+        assert "the network cannot be used" in told["text"]
+    finally:
+        page.live.stop()

@@ -1,0 +1,181 @@
+"""What the page is told of a running system, by ids of its system view."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from jausml.diagrams.views import graph_of
+from jausml.live.systems.declared import components_of, declarations_of
+from jausml.live.systems.diagnostics import Status
+from jausml.live.systems.folding import (
+    Answer,
+    expected,
+    fold_answer,
+    fold_model,
+    fold_source,
+    fold_statuses,
+)
+from jausml.live.systems.state import SystemState
+from jausml.model import read_models
+from jausml.studio.live_values import HISTORY, Places, live_values, places_of
+from jausml.text.notation import NOTATIONS
+
+ROOT = Path(__file__).resolve().parents[2]
+MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
+VALUES = (
+    ("rate (Hz)", "19.50"),
+    ("declared rate (Hz)", "20.00"),
+    ("age (s)", "0.031"),
+    ("dropped: no_value.Velocity_X", "3"),
+    ("in the bridge p50 (us)", "87.0"),
+)
+LOOP = "10.1.9"
+
+
+@pytest.fixture(scope="module")
+def model():
+    return read_models([MODEL], allow_outside=True).model
+
+
+@pytest.fixture(scope="module")
+def places(model):
+    return places_of(model)
+
+
+@pytest.fixture
+def silent(model):
+    return expected(declarations_of(model), components_of(model), 0.0)
+
+
+def status(name="odometry", level=0, values=VALUES, message="running"):
+    return Status(level, f"/loop_bridge: {name}", message, LOOP, values)
+
+
+def edges_of(model, row):
+    found = graph_of(model, "system").edges
+    return [each.id for each in found if row in (each.source.port, each.target.port)]
+
+
+def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places, silent):
+    row = places.rows["/loop_bridge", "odometry"]
+    values = live_values(fold_statuses(silent, [status()], 7.0), places)
+    assert values["edges"][row] == {
+        "level": "ok",
+        "rate": 19.5,
+        "declared": 20.0,
+        "age": 0.031,
+        "latency": {"in the bridge p50": 87.0},
+        "drops": {"no_value.Velocity_X": 3},
+        "text": "19.5 of 20 Hz",
+    }
+    edges = edges_of(model, row)
+    assert len(edges) == 3
+    assert all(values["edges"][each] == values["edges"][row] for each in edges)
+    json.dumps(values, allow_nan=False)
+
+
+def test_every_row_and_edge_of_bridges_is_told_of_before_anybody_is_heard(model, places, silent):
+    values = live_values(silent, places)
+    graph = graph_of(model, "system")
+    assert values["edges"].keys() >= {each.id for each in graph.edges}
+    assert values["boxes"].keys() == {
+        each.id for each in graph.nodes if each.kind in ("component", "bridge")
+    }
+    assert values["edges"][places.rows["/loop_bridge", "drive"]]["level"] == "not heard"
+    without_ros = live_values(fold_source(silent, "ROS", "no ROS here"), places)
+    told = without_ros["edges"][places.rows["/loop_bridge", "drive"]]
+    assert (told["level"], told["text"]) == ("unknown", "unknown: no ROS here")
+
+
+def test_silence_and_failure_say_why(places, silent):
+    stale = status("odometry", 3, message="the source is silent", values=(*VALUES, ("state", "s")))
+    failed = status("drive", 2, message="nobody obeys")
+    values = live_values(fold_statuses(silent, [stale, failed], 1.0), places)
+    told = [values["edges"][places.rows["/loop_bridge", name]] for name in ("odometry", "drive")]
+    assert [(each["level"], each["text"]) for each in told] == [
+        ("stale", "s: the source is silent"),
+        ("error", "error: nobody obeys"),
+    ]
+
+
+def test_control_is_told_at_its_edge_and_in_the_box(places, silent):
+    (edge,) = places.controls
+
+    def told(*answers):
+        state = silent
+        for each in answers:
+            state = fold_answer(state, Answer(LOOP, **each), 1.0)
+        values = live_values(state, places)
+        return values["edges"][edge], values["boxes"]["loop_bridge"]
+
+    assert told()[0]["text"] == "nobody tells"
+    edge_of_owner, box = told({"state": "READY"}, {"controller": "20.1.1", "authority": 200})
+    assert (edge_of_owner["level"], edge_of_owner["text"]) == ("ok", "in control")
+    assert (box["level"], box["state"], box["controller"]) == ("ok", "READY", "20.1.1")
+    assert told({"controller": "9.9.9"})[0]["text"] == "controlled by 9.9.9"
+    assert told({"controller": ""})[0]["level"] == "stale"
+    assert told({"controller": "20.1.1", "state": "EMERGENCY"})[0]["level"] == "ok"
+
+
+def test_what_a_bridge_says_of_itself_is_told_in_its_box(places, silent):
+    of_bridge = status("jaus socket", 1, message="datagrams are lost", values=())
+    state = fold_answer(silent, Answer(LOOP, state="READY"), 1.0)
+    box = live_values(fold_statuses(state, [of_bridge], 1.0), places)["boxes"]["loop_bridge"]
+    assert box["level"] == "warning"
+    assert box["text"] == "is in READY; jaus socket: datagrams are lost"
+
+
+def test_little_is_told_of_much(places, silent):
+    state = silent
+    for number in range(HISTORY + 9):
+        state = fold_statuses(state, [status()], float(number))
+    (told,) = [
+        each for each in live_values(state, places)["connections"] if each["told"] is not None
+    ]
+    assert len(told["history"]) == HISTORY
+    assert "values" not in told
+
+
+def test_a_changed_model_keeps_what_was_heard(model, places, silent):
+    heard = fold_statuses(silent, [status()], 1.0)
+    heard = fold_answer(heard, Answer(LOOP, state="READY"), 1.0)
+    declared = [each for each in declarations_of(model) if each.name != "odometry"]
+    state = fold_model(heard, declared, {"10.1.77": "new"}, 2.0)
+    assert state.connections["/loop_bridge", "odometry"].declaration is None
+    assert state.connections["/loop_bridge", "odometry"].rate == 19.5
+    assert {each for each, told in state.components.items() if told.is_declared} == {"10.1.77"}
+    assert state.components[LOOP].state == "READY"
+    assert "10.1.2" not in state.components  # nobody ever heard of it, and the model lost it
+    again = fold_model(state, declarations_of(model), components_of(model), 3.0)
+    assert live_values(again, places)["edges"] == live_values(heard, places)["edges"]
+
+
+BROKEN = """\
+import `jaus.mobility`
+component rover { address: 100.1.1 }
+bridge b {
+  connection one { map: nowhere  topic speed {} }
+  connection two { topic speed {} }
+}
+"""
+
+
+def test_a_model_with_errors_is_watched_as_far_as_it_goes(tmp_path):
+    path = tmp_path / "broken.ros2jaus"
+    path.write_text(BROKEN)
+    model = read_models([path], notations=NOTATIONS).model
+    places = places_of(model)
+    values = live_values(expected(declarations_of(model), components_of(model), 0.0), places)
+    assert list(values["boxes"]) == [places.boxes["100.1.1"]]
+    assert values["edges"] == {}
+
+
+def test_a_model_without_a_system_shows_nothing(tmp_path):
+    path = tmp_path / "empty.ros2jaus"
+    path.write_text("")
+    model = read_models([path], notations=NOTATIONS).model
+    assert places_of(model) == Places()
+    assert live_values(SystemState(), Places())["boxes"] == {}
