@@ -84,6 +84,11 @@ class Model:
             obj = obj.eContainer()
         return None
 
+    def node_of(self, obj: EObject) -> Node | None:
+        """Returns the XML element of which an element was built; None for one that was not read."""
+        origin = self._origin.get(obj)
+        return origin[1] if origin is not None else None
+
     def is_library(self, obj: EObject) -> bool:
         """Tells whether an element belongs to the shipped library."""
         document = self.document_of(obj)

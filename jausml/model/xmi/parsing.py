@@ -134,6 +134,31 @@ def parse(data: bytes) -> ParseResult:
     return ParseResult(root=builder.root, encoding=detect_encoding(data))
 
 
+def element_ends(data: bytes) -> dict[int, int]:
+    """Returns where the elements of a document end, by the offsets of their start tags.
+
+    Args:
+        data: A document that `parse` has parsed.
+
+    Returns:
+        For an element with an end tag, the byte offset of that tag; else that behind its one tag.
+    """
+    parser = expat.ParserCreate()
+    ends: dict[int, int] = {}
+    open_tags: list[int] = []
+
+    def start(_name: str, _attributes: object) -> None:
+        open_tags.append(parser.CurrentByteIndex)
+
+    def end(_name: str) -> None:
+        ends[open_tags.pop()] = parser.CurrentByteIndex
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.Parse(data, True)  # noqa: FBT003 -- expat has no keywords
+    return ends
+
+
 def detect_encoding(data: bytes) -> str:
     """Returns the name of the encoding in which a document that parsed is written."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):

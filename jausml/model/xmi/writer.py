@@ -131,7 +131,7 @@ class _DocumentWriter:
         packages = self._model.metamodels.packages.values()
         for name, uri in sorted((each.name, each.ns_uri) for each in packages):
             if name in self._prefixes:
-                yield f' xmlns:{name}="{_attribute(uri)}"'
+                yield f' xmlns:{name}="{attribute_text(uri)}"'
 
     def _name_fragments(self, root: EObject, path: str) -> None:
         """Notes how an element and all below it are referred to: by id, else by path."""
@@ -173,7 +173,7 @@ class _DocumentWriter:
         """Yields the lines of an element."""
         identifier = self._model.identifier(obj)
         if identifier is not None and identifier != self._identifying_value(obj):
-            head += f' xmi:id="{_attribute(identifier)}"'
+            head += f' xmi:id="{attribute_text(identifier)}"'
         attributes = [head]
         features = []
         for feature in table.features.values():
@@ -202,11 +202,11 @@ class _DocumentWriter:
         if feature.kind is FeatureKind.ATTRIBUTE:
             if feature.many or value is None:
                 return None
-            return f' {feature.name}="{_attribute(_lexical(value, feature))}"'
+            return f' {feature.name}="{attribute_text(lexical(value, feature))}"'
         targets = list(value) if feature.many else [value]
         if not all(target in self._fragments for target in targets):
             return None
-        return f' {feature.name}="{_attribute(" ".join(self._fragments[t] for t in targets))}"'
+        return f' {feature.name}="{attribute_text(" ".join(self._fragments[t] for t in targets))}"'
 
     def _children(self, obj: EObject, feature: FeatureTable, indent: str) -> Iterator[str]:
         """Yields the child elements of a feature."""
@@ -217,14 +217,14 @@ class _DocumentWriter:
                 self._has_types = True
                 yield f'{indent}<{name} xsi:nil="true"/>'
             elif feature.kind is FeatureKind.ATTRIBUTE:
-                yield f"{indent}<{name}>{_text(_lexical(each, feature))}</{name}>"
+                yield f"{indent}<{name}>{element_text(lexical(each, feature))}</{name}>"
             else:
                 table = self._class_of(each)
                 tag = name + self._type_attribute(table, feature)
                 if feature.kind is FeatureKind.CONTAINMENT and not self._is_apart(each):
                     yield from self._element(each, table, tag, "", indent)
                 else:
-                    yield f'{indent}<{tag} href="{_attribute(self._href(each))}"/>'
+                    yield f'{indent}<{tag} href="{attribute_text(self._href(each))}"/>'
 
     def _type_attribute(self, table: ClassTable, feature: FeatureTable) -> str:
         if table is feature.target:
@@ -284,7 +284,13 @@ def _differs(value: Any, default: Any) -> bool:
     return bool(value != default)
 
 
-def _lexical(value: Any, feature: FeatureTable) -> str:
+def lexical(value: Any, feature: FeatureTable) -> str:
+    """Returns a value of an attribute as EMF writes it.
+
+    Args:
+        value: The value, as the reader makes it.
+        feature: The attribute.
+    """
     kind = cast("DataTypeTable", feature.data_type).kind
     if kind is ValueKind.ENUMERATION:
         return str(value.literal or value.name) if hasattr(value, "name") else str(value)
@@ -318,11 +324,21 @@ def java_double(value: float) -> str:
     return f"{sign}{digits[0]}.{digits[1:] or '0'}E{point - 1}"
 
 
-def _attribute(text: str) -> str:
+def attribute_text(text: str) -> str:
+    """Returns a text as it stands between the quotation marks of an XML attribute.
+
+    Raises:
+        UnwritableError: XML cannot hold one of its characters.
+    """
     return _ESCAPED.sub(lambda match: _ESCAPES[match.group()], _checked(text))
 
 
-def _text(text: str) -> str:
+def element_text(text: str) -> str:
+    """Returns a text as it stands in an XML element.
+
+    Raises:
+        UnwritableError: XML cannot hold one of its characters.
+    """
     return _TEXT_ESCAPED.sub(lambda match: _TEXT_ESCAPES[match.group()], _checked(text))
 
 

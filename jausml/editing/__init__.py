@@ -1,0 +1,1 @@
+"""Small changes of model files: commands become splices, are checked, written and logged."""

@@ -1,0 +1,106 @@
+"""Drafts: the files of a project while commands are planned, before anything is written."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import EditError
+from jausml.editing.reading import is_library, stored
+from jausml.editing.records import FileChange
+from jausml.editing.splices import applied, merged
+from jausml.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from jausml.editing.reading import Reader
+    from jausml.editing.records import Stored
+    from jausml.editing.splices import Splice
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.model import Model
+    from jausml.model.reading.reader import ReadResult
+    from jausml.model.refs import Ref
+
+
+class Draft:
+    """The files of a project with changes that nobody else sees yet.
+
+    Args:
+        root: The opened folder, symbolic links followed.
+        files: The files as they are.
+        reader: Reads models.
+        revision: The revision that the changes would lead to.
+    """
+
+    def __init__(
+        self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
+    ) -> None:
+        self.root = root
+        self.files = dict(files)
+        self._before = files
+        self._reader = reader
+        self._revision = revision
+        self._steps: dict[str, list[tuple[Splice, ...]]] = {}
+
+    def read(self, file: str) -> ReadResult:
+        """Returns the model of a file and all that it refers to, with the changes."""
+        return self._reader.read(file, self.files)
+
+    def referring(self, file: str) -> list[str]:
+        """Returns a file and those whose models have elements of it, itself first."""
+        others = [each for each in self.files if each != file]
+        return [file, *(each for each in others if file in self.documents(each))]
+
+    def documents(self, file: str) -> list[str]:
+        """Returns the files of the project that the model of a file has elements of."""
+        return self._reader.documents(file, self.files)
+
+    def editable(self, ref: Ref) -> str:
+        """Returns the file of a ref.
+
+        Raises:
+            EditError: It must not be changed, or cannot be as it is.
+        """
+        file, _ = refs.split(ref)
+        if is_library(file):
+            raise EditError(f"{ref} is part of the library, which cannot be changed")
+        if file not in self.files:
+            raise EditError(f"{file or ref!r} is no model file of the opened folder")
+        if self.files[file].is_stale:
+            raise EditError(f"{file} cannot be parsed as it is: mend it first")
+        return file
+
+    def element(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns an element, and the model of its own file.
+
+        Raises:
+            EditError: There is no such element, or it must not be changed.
+        """
+        model = self.read(self.editable(ref)).model
+        found = refs.find(ref, model, self.root)
+        if found is None:
+            raise EditError(f"there is no element {ref} any more", conflict=True)
+        return found, model
+
+    def apply(self, file: str, splices: Sequence[Splice]) -> None:
+        """Changes a file by splices of its present bytes, none over another."""
+        step = tuple(merged(splices))
+        if step:
+            self._replace(file, applied(self.files[file].data, step))
+            self._steps.setdefault(file, []).append(step)
+
+    def _replace(self, file: str, data: bytes) -> None:
+        self.files[file] = stored(file, data, self._revision, self._before.get(file))
+
+    def changes(self) -> tuple[FileChange, ...]:
+        """Returns what was changed so far, in the order of the files."""
+        return tuple(
+            FileChange(
+                file,
+                tuple(steps),
+                self._before[file].digest if file in self._before else "",
+                self.files[file].digest,
+            )
+            for file, steps in sorted(self._steps.items())
+        )

@@ -1,0 +1,66 @@
+"""What planners of notations are told, and what they give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from jausml.model import refs
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from jausml.editing.commands import Command
+    from jausml.editing.splices import Splice
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.documents import Document
+    from jausml.model.model import Model
+    from jausml.model.refs import Ref
+
+
+@dataclass(frozen=True)
+class Context:
+    """The file for which is planned, and the model that was read of it and all it refers to.
+
+    Attributes:
+        file: The file, relative to the root with forward slashes.
+        root: The opened folder, symbolic links followed.
+        model: The model.
+    """
+
+    file: str
+    root: Path
+    model: Model
+
+    @property
+    def document(self) -> Document:
+        """The document of the file."""
+        return self.model.documents[0]
+
+    def find(self, ref: Ref) -> EObject | None:
+        """Returns the element of a ref, None when neither the file nor what it refers to has it."""
+        return refs.find(ref, self.model, self.root)
+
+    def is_own(self, obj: EObject | None) -> bool:
+        """Tells whether an element stands in the file."""
+        return self.model.document_of(obj) is self.document
+
+
+class Planner(Protocol):
+    """Plans changes of files of one notation."""
+
+    def plan(self, commands: Sequence[Command], context: Context) -> list[Splice]:
+        """Returns what is to change in one file so that commands hold.
+
+        In the file that has an element of a command this is the change itself; in a file that
+        refers to it, what that file says of it. What goes with an element that is removed was
+        worked out before: it stands among the commands, as `Set` and `Remove` of their own.
+
+        Args:
+            commands: The commands, all of the same state of the files.
+            context: The file and its model as they are.
+
+        Raises:
+            EditError: The notation cannot say what is wanted.
+        """

@@ -1,0 +1,355 @@
+"""Projects: the model files of a folder, with a log of what was done to them."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jausml.editing.carrying import carry_out
+from jausml.editing.commands import EditError
+from jausml.editing.drafts import Draft
+from jausml.editing.log import Log
+from jausml.editing.reading import Reader, is_library, model_files, stored
+from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
+from jausml.editing.splices import applied, difference, inverted
+from jausml.model import refs
+from jausml.model.xmi.writer import replace_file
+from jausml.text.notation import SUFFIX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from jausml.editing.commands import Add, Command, LayoutKey
+    from jausml.editing.records import Stored
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.model import Model
+    from jausml.model.reading.reader import ReadResult
+    from jausml.model.refs import Ref
+
+
+class Project:
+    """The model files below one folder.
+
+    Every change is written at once and logged. All methods may be called from any thread.
+
+    Args:
+        opened: The folder; or a model file, whose folder is meant.
+
+    Attributes:
+        root: The folder, symbolic links followed.
+        opened: The model file that was named, relative to the root; else empty.
+
+    Raises:
+        OSError: The folder or file is not there.
+    """
+
+    def __init__(self, opened: str | os.PathLike[str]) -> None:
+        path = Path(os.path.realpath(opened))
+        self.root = path if path.is_dir() else path.parent
+        self.opened = "" if path.is_dir() else path.name
+        self._lock = threading.RLock()
+        self._revision = 0
+        self._reader = Reader(self.root)
+        self._log = Log()
+        self._files: dict[str, Stored] = {}
+        names = list(model_files(self.root))
+        for file in [self.opened, *names] if self.opened and self.opened not in names else names:
+            self._files[file] = stored(file, (self.root / file).read_bytes(), 0)
+
+    @property
+    def files(self) -> tuple[FileInfo, ...]:
+        """The model files, in order of their names."""
+        with self._lock:
+            return tuple(self._info(each) for _, each in sorted(self._files.items()))
+
+    @property
+    def revision(self) -> int:
+        """A number that every change raises."""
+        return self._revision
+
+    @property
+    def log(self) -> tuple[Entry, ...]:
+        """What was done and not undone, in order."""
+        with self._lock:
+            return self._log.done
+
+    @property
+    def undone(self) -> tuple[Entry, ...]:
+        """What can be done again, the next first."""
+        with self._lock:
+            return self._log.undone
+
+    def model(self, file: str) -> ReadResult:
+        """Returns the model of a file and all that it refers to.
+
+        It is that of the last revision in which the file could be parsed. It stays as it is when
+        the file changes: later calls return another one.
+
+        Args:
+            file: The file, relative to the root with forward slashes.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            self._known(file)
+            return self._reader.read(file, self._files)
+
+    def text(self, file: str) -> bytes:
+        """Returns the bytes of a file.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            return self._known(file).data
+
+    def ref(self, obj: EObject | None, model: Model) -> Ref:
+        """Returns the ref of an element of a model that this project gave; empty for none."""
+        return refs.ref_of(obj, model, self.root)
+
+    def find(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns the element of a ref, and the model of its file.
+
+        Elements of the library are looked for in the models of all files.
+
+        Raises:
+            EditError: There is none.
+        """
+        file, _ = refs.split(ref)
+        with self._lock:
+            for each in self._files if is_library(file) else [self._known(file).file]:
+                model = self._reader.read(each, self._files).model
+                found = refs.find(ref, model, self.root)
+                if found is not None:
+                    return found, model
+        raise EditError(f"there is no element {ref}", conflict=True)
+
+    def preview(self, commands: Sequence[Command]) -> Preview:
+        """Returns what commands would do; nothing is written.
+
+        Raises:
+            EditError: They cannot be carried out.
+        """
+        with self._lock:
+            draft = self._draft()
+            outcome = carry_out(commands, draft)
+            changes = draft.changes()
+            diff = "".join(self._diff(each.file, draft.files[each.file].data) for each in changes)
+            return Preview(changes, outcome.created, outcome.referrers, diff)
+
+    def do(self, commands: Sequence[Command], label: str, base: int | None = None) -> Entry:
+        """Carries out commands, all or none, writes the files and logs it.
+
+        Args:
+            commands: The commands, each of which finds what those before it did.
+            label: What they do, for people.
+            base: The revision of which their refs are; None for the present one.
+
+        Returns:
+            The entry of the log. One without changes was not logged: nothing was to be done.
+
+        Raises:
+            EditError: They cannot be carried out, or a file was changed meanwhile. Nothing was
+                written.
+        """
+        with self._lock:
+            self._check_base(commands, base)
+            draft = self._draft()
+            outcome = carry_out(commands, draft)
+            changes = draft.changes()
+            if not changes:
+                return Entry(0, label, ())
+            self._write({each.file: draft.files.get(each.file) for each in changes})
+            return self._log.add(label, changes, outcome.created)
+
+    def write_text(self, file: str, text: str, base: int) -> Entry:
+        """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
+
+        Args:
+            file: A text file.
+            text: All of its text.
+            base: The revision of which the text was changed.
+
+        Raises:
+            EditError: It was changed by others since.
+        """
+        raise NotImplementedError  # replaced by the text planner's typing
+
+    def undo(self) -> Entry | None:
+        """Takes the last entry back; returns it, None when there is none.
+
+        Raises:
+            EditError: A file is no longer as the entry left it. Nothing was written.
+        """
+        with self._lock:
+            entry = self._log.last
+            if entry is not None:
+                self._replay([_inverted(each) for each in entry.changes])
+                self._log.step_back()
+            return entry
+
+    def redo(self) -> Entry | None:
+        """Does again what was undone last; returns it, None when there is nothing.
+
+        Raises:
+            EditError: A file is no longer as the entry left it. Nothing was written.
+        """
+        with self._lock:
+            entry = self._log.next
+            if entry is not None:
+                self._replay(entry.changes)
+                self._log.step_on()
+            return entry
+
+    def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
+        """Takes over what other programs did to files; each change becomes an entry of the log.
+
+        Args:
+            paths: Files that may have changed, relative to the root; without any, all are looked
+                at.
+
+        Returns:
+            The files that have changed; none for what this project wrote itself.
+        """
+        with self._lock:
+            wanted = set(paths) or {*self._files, *model_files(self.root)}
+            return tuple(filter(None, map(self._refreshed, sorted(wanted))))
+
+    def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:
+        """Returns commands that would add elements once more; owner and feature are open."""
+        raise NotImplementedError  # replaced by the module of descriptions
+
+    def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
+        """Returns what refers to an element or to what it owns, in all files."""
+        raise NotImplementedError  # replaced by the forest
+
+    def positions(self, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
+        """Returns the positions of boxes that were placed by hand in a view."""
+        raise NotImplementedError  # replaced by the layout file
+
+    def _known(self, file: str) -> Stored:
+        found = self._files.get(file)
+        if found is None:
+            raise EditError(f"{file} is no model file of the opened folder")
+        return found
+
+    def _info(self, each: Stored) -> FileInfo:
+        if each.file.endswith(SUFFIX):
+            return FileInfo(each.file, "text", each.revision, each.is_stale, each.is_stale)
+        return FileInfo(each.file, "xmi", each.revision, each.is_stale)
+
+    def _draft(self) -> Draft:
+        return Draft(self.root, self._files, self._reader, self._revision + 1)
+
+    def _check_base(self, commands: Sequence[Command], base: int | None) -> None:
+        if base is None or base == self._revision:
+            return
+        named = {refs.split(each.element)[0] for each in commands if hasattr(each, "element")}
+        named |= {refs.split(each.owner)[0] for each in commands if hasattr(each, "owner")}
+        changed = [f for f in named if f in self._files and self._files[f].revision > base]
+        if changed:
+            message = f"{changed[0]} has changed since: look at it again, and repeat the edit"
+            raise EditError(message, conflict=True)
+
+    def _write(self, changed: Mapping[str, Stored | None]) -> None:
+        """Writes files, all or none, if they are still as this project knows them."""
+        self._check_unchanged(changed)
+        written: list[str] = []
+        try:
+            for file, new in changed.items():
+                self._store(file, new.data if new is not None else None)
+                written.append(file)
+        except OSError as error:
+            for file in written:
+                before = self._files.get(file)
+                self._store(file, before.data if before is not None else None)
+            raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
+        self._revision += 1
+        for file, new in changed.items():
+            if new is None:
+                self._files.pop(file, None)
+            else:
+                self._files[file] = new
+
+    def _store(self, file: str, data: bytes | None) -> None:
+        path = self.root / file
+        if data is None:
+            path.unlink(missing_ok=True)
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            replace_file(path, data)
+
+    def _check_unchanged(self, files: Iterable[str]) -> None:
+        """Sees to it that nothing is overwritten that another program has just saved."""
+        for file in files:
+            found = self._on_disk(file)
+            known = self._files.get(file)
+            if found != (known.data if known is not None else None):
+                self._refreshed(file)
+                message = f"{file} was just changed by another program: look at it, and repeat"
+                raise EditError(message, conflict=True)
+
+    def _on_disk(self, file: str) -> bytes | None:
+        path = self.root / file
+        if not Path(os.path.realpath(path)).is_relative_to(self.root):
+            raise EditError(f"{file} lies outside the opened folder")
+        try:
+            return path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise EditError(f"{file} cannot be read: {error.strerror}") from error
+
+    def _replay(self, changes: Sequence[FileChange]) -> None:
+        new: dict[str, Stored | None] = {}
+        for change in changes:
+            known = self._files.get(change.file)
+            if (known.digest if known is not None else "") != change.before:
+                message = f"{change.file} has changed since: its last edit cannot be taken back"
+                raise EditError(message, conflict=True)
+            data = known.data if known is not None else b""
+            for step in change.steps:
+                data = applied(data, step)
+            made = stored(change.file, data, self._revision + 1, known)
+            new[change.file] = made if change.after else None
+        self._write(new)
+
+    def _refreshed(self, file: str) -> Change | None:
+        known = self._files.get(file)
+        found = self._on_disk(file)
+        if found == (known.data if known is not None else None):
+            return None
+        old = known.data if known is not None else b""
+        new = found if found is not None else b""
+        diff = self._diff(file, new)
+        self._revision += 1
+        after = ""
+        if found is None:
+            del self._files[file]
+        else:
+            self._files[file] = stored(file, found, self._revision, known)
+            after = self._files[file].digest
+        step = tuple(difference(file, old, new))
+        change = FileChange(file, (step,), known.digest if known is not None else "", after)
+        self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
+        return Change(file, diff)
+
+    def _diff(self, file: str, new: bytes) -> str:
+        known = self._files.get(file)
+        old = known.data if known is not None else b""
+        lines = (_lines(old), _lines(new))
+        return "".join(difflib.unified_diff(*lines, f"a/{file}", f"b/{file}"))
+
+
+def _lines(data: bytes) -> list[str]:
+    text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
+    return [f"{each}\n" for each in text.splitlines()]
+
+
+def _inverted(change: FileChange) -> FileChange:
+    steps = tuple(tuple(inverted(step)) for step in reversed(change.steps))
+    return FileChange(change.file, steps, change.after, change.before)

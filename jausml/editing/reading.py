@@ -1,0 +1,165 @@
+"""Reading of a project's files: models of bytes that are held, each read once."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from jausml.editing.records import Stored
+from jausml.model.diagnostics import Diagnostic, Location
+from jausml.model.reading.reader import ReadResult, read_models
+from jausml.model.refs import LIBRARY, file_of
+from jausml.model.rules import READER_RULES
+from jausml.model.uris import library_root
+from jausml.model.xmi.parsing import parse as parse_xmi
+from jausml.text.notation import SUFFIX, Ros2Jaus, decode
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from jausml.text.reading.parsing import Parsed
+
+XMI_SUFFIX = ".xmi"
+SUFFIXES = (XMI_SUFFIX, SUFFIX)
+_MOST_FILES = 10_000
+_BUILT = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
+_KEPT = 2
+
+
+@lru_cache(maxsize=64)
+def parsed_text(text: str) -> Parsed:
+    """Returns the syntax tree of a text; that of a text just seen is kept."""
+    from jausml.text.reading.parsing import parse  # noqa: PLC0415 - takes a while to load
+
+    return parse(text)
+
+
+NOTATIONS = (Ros2Jaus(parse=parsed_text),)
+
+
+def digest(data: bytes) -> str:
+    """Returns the digest by which contents of files are told apart."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def model_files(root: Path) -> Iterator[str]:
+    """Yields the model files below a folder, relative to it with forward slashes, in order.
+
+    Hidden folders and those of builds are left out, links that lead out of the folder, and the
+    shipped library.
+    """
+    count = 0
+    library = os.path.realpath(library_root()) + os.sep
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(each for each in folders if each[0] != "." and each not in _BUILT)
+        for name in sorted(names):
+            path = os.path.join(folder, name)  # noqa: PTH118 -- many
+            if not name.endswith(SUFFIXES) or name.startswith("."):
+                continue
+            real = os.path.realpath(path)
+            if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
+                continue
+            yield os.path.relpath(path, root).replace(os.sep, "/")
+            count += 1
+            if count >= _MOST_FILES:
+                return
+
+
+def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
+    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was.
+
+    Args:
+        file: The file, relative to the root with forward slashes.
+        data: Its bytes.
+        revision: Revision of the project in which they came.
+        before: The file as it was, None for a new one.
+    """
+    is_good = before is None or not before.good or can_be_parsed(file, data)
+    good = data if is_good or before is None else before.good
+    return Stored(file, data, digest(data), revision, good)
+
+
+def can_be_parsed(file: str, data: bytes) -> bool:
+    """Tells whether bytes are a document of the notation of a file."""
+    if file.endswith(SUFFIX):
+        text, fault = decode(data)
+        return fault is None and not parsed_text(text).faults
+    return parse_xmi(data).root is not None
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A model that was read, and of what."""
+
+    result: ReadResult
+    contents: Mapping[str, bytes]
+    names: frozenset[str]
+
+
+class Reader:
+    """Reads the models of a project's files, and keeps those whose files are as they were.
+
+    Args:
+        root: The opened folder, symbolic links followed.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._kept: dict[str, list[_Kept]] = {}
+
+    def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
+        """Returns the model of a file and all that it refers to.
+
+        Args:
+            file: The file.
+            files: All files of the project.
+        """
+        kept = self._kept.setdefault(file, [])
+        names = frozenset(files)
+        for each in kept:
+            if each.names == names and _is_current(each, files):
+                return each.result
+        result = self._read(file, files)
+        held = {file_of(each, self._root) for each in result.model.documents} & files.keys()
+        kept.insert(0, _Kept(result, {each: files[each].good for each in held}, names))
+        del kept[_KEPT:]
+        return result
+
+    def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
+        """Returns the files of the project that the model of a file has elements of."""
+        model = self.read(file, files).model
+        return [f for f in (file_of(each, self._root) for each in model.documents) if f in files]
+
+    def _read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
+        contents = {self._root / each.file: each.good for each in files.values()}
+        result = read_models(
+            [self._root / file],
+            project_root=self._root,
+            notations=NOTATIONS,
+            contents=contents,
+        )
+        return replace(result, diagnostics=[*self._faults(file, files), *result.diagnostics])
+
+    def _faults(self, file: str, files: Mapping[str, Stored]) -> list[Diagnostic]:
+        """Returns why a file cannot be parsed as it is, when its model is an earlier one."""
+        if not files[file].is_stale or file.endswith(SUFFIX):
+            return []
+        fault = parse_xmi(files[file].data).fault
+        if fault is None:
+            return []
+        place = Location(str(self._root / file), fault.line, fault.column)
+        severity = READER_RULES[fault.rule].severity
+        return [Diagnostic(fault.rule, severity, place, fault.message, fault.hint)]
+
+
+def _is_current(kept: _Kept, files: Mapping[str, Stored]) -> bool:
+    return all(files[file].good == good for file, good in kept.contents.items())
+
+
+def is_library(file: str) -> bool:
+    """Tells whether a file is one of the shipped library."""
+    return file.startswith(LIBRARY)

@@ -1,0 +1,1 @@
+"""Changes of XMI: what is planned keeps quotes, layout, comments, encoding and line ends."""
