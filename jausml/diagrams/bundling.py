@@ -40,13 +40,16 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
         else:
             across[source][target] += 1
             across[target][source] += 1
-    titles = {each.id: each.title for each in graph.nodes}
+    nodes = graph.by_id
     hosts = {each.id: each.title for each in graph.groups}
-    groups = tuple(Group(f"{b.id}!frame", "bridge", b.title) for b in bridges)
+    groups = tuple(
+        Group(f"{b.id}!frame", "bridge", b.title, element=b.element, key=f"{b.key}!frame")
+        for b in bridges
+    )
     return replace(
         graph,
         nodes=tuple(
-            _box(each, frames[each.id], within[each.id], across[each.id], titles, hosts)
+            _box(each, frames[each.id], within[each.id], across[each.id], nodes, hosts)
             for each in graph.nodes
         ),
         groups=groups,
@@ -77,20 +80,22 @@ def _box(
     frame: str,
     within: Counter[str],
     across: Counter[str],
-    titles: dict[str, str],
+    nodes: dict[str, Node],
     hosts: dict[str, str],
 ) -> Node:
     shown = {} if node.kind == "bridge" else within
     rows = (
         *(
-            Port(f"{node.id}!with {other}", f"with {titles[other]}", _words(count))
+            Port(f"{node.id}!with {other}", f"with {nodes[other].title}", _words(count),
+                 key=f"{node.key}!with {nodes[other].key}")
             for other, count in shown.items()
         ),
         *(
-            Port(f"{node.id}!also {other}", f"also with {titles[other]}", _words(count))
+            Port(f"{node.id}!also {other}", f"also with {nodes[other].title}", _words(count),
+                 key=f"{node.key}!also {nodes[other].key}")
             for other, count in across.items()
         ),
-    )
+    )  # fmt: skip
     host = hosts.get(node.group, "")
     subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
     findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
@@ -114,6 +119,7 @@ def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
         title=", ".join(titles),
         labels=(),
         count=len(edges),
+        element=first.element if len(edges) == 1 else "",
         details=tuple((each.title, ", ".join(each.labels) or each.kind) for each in edges),
         findings=tuple(dict.fromkeys(f for each in edges for f in each.findings)),
     )

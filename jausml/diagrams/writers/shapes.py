@@ -19,7 +19,7 @@ TITLE, SMALL, ROW = 13, 10, 11
 """Font sizes in pixels."""
 
 ROW_HEIGHT, LINE_HEIGHT, PADDING, INDENT, GAP = 18, 13, 10, 12, 12
-_LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
+LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
 _MOST_LINES, _MOST_FINDINGS = 5, 4
 _SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
 
@@ -37,7 +37,7 @@ class RowText:
 
 def title_of(node: Node) -> str:
     """Returns the title of a box."""
-    return cut(node.title, _LONGEST_TITLE) or "?"
+    return cut(node.title, LONGEST_TITLE) or "?"
 
 
 def subtitles(node: Node) -> list[tuple[str, str]]:
@@ -88,7 +88,7 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
     return Sheet(
         tuple(box_of(each) for each in graph.nodes),
         tuple(
-            Frame(each.id, each.parent, math.ceil(width(cut(each.title, _LONGEST_TITLE), ROW)) + 8,
+            Frame(each.id, each.parent, math.ceil(width(cut(each.title, LONGEST_TITLE), ROW)) + 8,
                   LINE_HEIGHT + 5)
             for each in graph.groups
         ),

@@ -1,0 +1,285 @@
+"""Values: sizes and places for a page, which stay while the model changes."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+
+import pytest
+from diagram_support import CAR, MODELS, read
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from test_pictures import large
+
+from jausml.diagrams.bundling import bundled
+from jausml.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
+from jausml.diagrams.layout.graphviz import Graphviz
+from jausml.diagrams.layout.sheet import Places, Route
+from jausml.diagrams.views import graph_of
+from jausml.diagrams.writers import values
+
+pytest.importorskip("pygraphviz", reason="layout needs jausml[diagram]")
+
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "25"))
+KINDS = ("component", "bridge", "node")
+
+
+def graph(path=CAR, view="system"):
+    report = read(path)
+    return graph_of(report.model, view, report.diagnostics, MODELS)
+
+
+class Rows:
+    """An engine that puts boxes side by side: a layout in no time."""
+
+    def place(self, sheet):
+        left, boxes = 0, {}
+        for box in sheet.boxes:
+            boxes[box.id] = left, 40
+            left += box.width + 150
+        lines = {each.id: Route(((0, 0), (1, 1), (2, 2), (3, 3)), (1, 1)) for each in sheet.lines}
+        return Places(left, 200, boxes, {}, lines)
+
+
+def areas(found):
+    return {
+        each["key"]: (each["x"], each["y"], each["x"] + each["width"], each["y"] + each["height"])
+        for each in found["nodes"]
+    }
+
+
+def corners(found):
+    return {each["key"]: (each["x"], each["y"]) for each in found["nodes"]}
+
+
+def assert_apart(found):
+    moved = {each["key"] for each in found["nodes"] if each["moved"]}
+    known = list(areas(found).items())
+    for index, (one, a) in enumerate(known):
+        for other, b in known[index + 1 :]:
+            apart = a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+            assert apart or {one, other} <= moved, (one, a, other, b)
+
+
+def assert_framed(found):
+    groups = {each["id"]: each for each in found["groups"]}
+    for node in found["nodes"]:
+        around = groups.get(node["group"])
+        while around:
+            assert around["x"] <= node["x"]
+            assert around["y"] <= node["y"]
+            assert node["x"] + node["width"] <= around["x"] + around["width"]
+            assert node["y"] + node["height"] <= around["y"] + around["height"]
+            around = groups.get(around["parent"])
+
+
+@pytest.mark.parametrize(
+    ("path", "view"),
+    [
+        (CAR, "system"),
+        (CAR, "map:velocity_state"),
+        (CAR, "service:PrimitiveDriver"),
+        (MODELS / "examples" / "winch" / "service.xmi", "machine:ReceiveFSM"),
+    ],
+)
+def test_boxes_are_apart_in_their_frames_and_the_same_each_time(path, view):
+    shown = graph(path, view)
+    found = values.render(shown, Graphviz())
+    assert_apart(found)
+    assert_framed(found)
+    assert json.loads(json.dumps(found)) == found
+    assert values.render(shown, Graphviz()) == found
+    for edge in found["edges"]:
+        assert len(edge["route"]) % 3 == 1
+
+
+def test_a_bundled_system():
+    shown = bundled(large())
+    found = values.render(shown, Graphviz(), packed=True)
+    assert_apart(found)
+    assert len(found["groups"]) == 6
+
+
+def test_nothing_to_show():
+    found = values.render(Graph("system", "nothing"), Graphviz())
+    assert (found["nodes"], found["width"], found["height"]) == ([], 0, 0)
+
+
+def test_ports_are_rows_of_their_box():
+    found = values.render(graph(), Graphviz())
+    for node in found["nodes"]:
+        ends = [node["head"], *(each["y"] + each["height"] for each in node["ports"])]
+        assert [each["y"] for each in node["ports"]] == ends[:-1]
+        assert ends[-1] == node["height"]
+
+
+def test_no_box_grows_by_what_is_wrong_with_it():
+    shown = graph()
+    wrong = (Finding("error", "JML1", "is wrong " * 10),)
+    marked = replace(
+        shown,
+        nodes=tuple(
+            replace(n, findings=wrong, ports=tuple(replace(p, findings=wrong) for p in n.ports))
+            for n in shown.nodes
+        ),
+    )
+    plain, found = (values.render(each, Rows()) for each in (shown, marked))
+    assert areas(plain) == areas(found)
+    assert found["nodes"][0]["findings"][0]["message"] == wrong[0].message
+
+
+def box(name, kind="component", rows=1, group=""):
+    ports = tuple(Port(f"p{n}", f"row {n}", key=f"p{n}") for n in range(rows))
+    column = KINDS.index(kind)
+    return Node(name, kind, name, ports=ports, group=group, column=column, key=f"{kind}:{name}")
+
+
+def line(source, target):
+    return Edge(f"{source}-{target}", End(source), End(target), "message", "m", ("m",))
+
+
+def test_a_new_box_comes_beside_its_peer_and_nothing_else_moves():
+    old = Graph(
+        "system",
+        "s",
+        (box("a"), box("b", "bridge", 6), box("n", "node")),
+        (),
+        (line("a", "b"), line("b", "n")),
+    )
+    standing = values.Standing()
+    before = values.render(old, Graphviz(), standing=standing)
+    new = replace(
+        old, nodes=(box("x"), *old.nodes, box("y", "node")), edges=(*old.edges, line("x", "b"))
+    )
+    after = values.render(new, Graphviz(), standing=standing)
+    assert_apart(after)
+    assert corners(before).items() <= corners(after).items()
+    where = areas(after)
+    assert where["component:x"][2] <= where["bridge:b"][0]
+    assert where["bridge:b"][2] <= where["node:y"][0]
+    kept = {each["id"]: each["route"] for each in after["edges"]}
+    assert all(kept[each["id"]] == each["route"] != [] for each in before["edges"])
+    assert kept["x-b"] == []
+
+
+def test_what_comes_back_stands_where_it_stood():
+    old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
+    standing = values.Standing()
+    before = values.render(old, Graphviz(), standing=standing)
+    values.render(replace(old, nodes=old.nodes[:2]), Graphviz(), standing=standing)
+    assert values.render(old, Graphviz(), standing=standing) == before
+
+
+def test_a_renamed_box_stays():
+    old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
+    standing = values.Standing()
+    before = values.render(old, Graphviz(), standing=standing)
+    new = replace(old, nodes=(box("z"), *old.nodes[1:]), edges=(line("z", "b"),))
+    after = values.render(new, Graphviz(), standing=standing)
+    assert corners(after)["component:z"] == corners(before)["component:a"]
+    assert after["edges"][0]["route"] == before["edges"][0]["route"] != []
+
+
+def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
+    shown = graph()
+    before = values.render(shown, Graphviz())
+    key = next(each["key"] for each in before["nodes"] if each["kind"] == "bridge")
+    other = next(each for each in before["nodes"] if each["kind"] == "node")
+    after = values.render(shown, Graphviz(), {key: (other["x"] + 3, other["y"] + 5)})
+    assert corners(after)[key] == (other["x"] + 3, other["y"] + 5)
+    assert [each["key"] for each in after["nodes"] if each["moved"]] == [key]
+    assert_apart(after)
+    bridge = next(each["id"] for each in after["nodes"] if each["key"] == key)
+    for edge in after["edges"]:
+        assert not edge["route"] or bridge not in (edge["source"]["node"], edge["target"]["node"])
+    # Opened again it is the same.
+    assert values.render(shown, Graphviz(), {key: corners(after)[key]}) == after
+
+
+def test_a_box_that_grows_makes_room_for_itself_alone():
+    nodes = (box("a", rows=1), box("b"), box("c"), box("d", "bridge"))
+    old = Graph("system", "s", nodes, (), tuple(line(each, "d") for each in "abc"))
+    standing = values.Standing()
+    before = values.render(old, Graphviz(), standing=standing)
+    first = min("abc", key=lambda each: corners(before)[f"component:{each}"][1])
+    grown = tuple(box(first, rows=8) if each.id == first else each for each in nodes)
+    after = values.render(replace(old, nodes=grown), Graphviz(), standing=standing)
+    assert_apart(after)
+    assert corners(after)[f"component:{first}"] == corners(before)[f"component:{first}"]
+    assert corners(after)["bridge:d"] == corners(before)["bridge:d"]
+
+
+def test_of_frames_none_covers_what_is_not_in_it():
+    groups = (Group("g", "host", "host g"), Group("h", "host", "host h"))
+    nodes = (
+        *(box(f"{kind}g", kind, 3, "g") for kind in KINDS),
+        *(box(f"{kind}h", kind, 3, "h") for kind in KINDS),
+    )
+    edges = tuple(line(f"{a}{g}", f"bridge{g}") for a in ("component", "node") for g in "gh")
+    old = Graph("system", "s", nodes, groups, edges)
+    standing = values.Standing()
+    values.render(old, Graphviz(), standing=standing)
+    new = old
+    for number in range(4):
+        group = "gh"[number % 2]
+        new = replace(
+            new,
+            nodes=(*new.nodes, box(f"n{number}", KINDS[number % 3], 4, group)),
+            edges=(*new.edges, line(f"n{number}", f"bridge{group}")),
+        )
+        found = values.render(new, Graphviz(), standing=standing)
+        assert_apart(found)
+        assert_framed(found)
+    g, h = found["groups"]
+    assert (
+        g["x"] + g["width"] <= h["x"]
+        or h["x"] + h["width"] <= g["x"]
+        or (g["y"] + g["height"] <= h["y"] or h["y"] + h["height"] <= g["y"])
+    )
+
+
+@settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_whatever_is_done_boxes_are_apart_and_stay(data):
+    def draw(what):
+        return data.draw(what)
+
+    nodes = [box(f"s{n}", KINDS[n % 3], n % 4) for n in range(draw(st.integers(1, 6)))]
+    groups = tuple(Group(each, "host", each, "", key=each) for each in "gh")
+    edges, moved, standing = [], {}, values.Standing()
+    known = {}
+    downwards = draw(st.booleans())
+    for step in range(draw(st.integers(2, 9))):
+        grown = False
+        match draw(st.sampled_from(("add", "add", "remove", "grow", "move", "join"))):
+            case "add":
+                kind, group = draw(st.sampled_from(KINDS)), draw(st.sampled_from(("", "g", "h")))
+                nodes.append(box(f"x{step}", kind, draw(st.integers(0, 6)), group))
+                if len(nodes) > 1 and draw(st.booleans()):
+                    edges.append(line(nodes[-1].id, draw(st.sampled_from(nodes[:-1])).id))
+            case "remove" if len(nodes) > 1:
+                gone = nodes.pop(draw(st.integers(0, len(nodes) - 1))).id
+                edges = [e for e in edges if gone not in (e.source.node, e.target.node)]
+            case "grow":
+                index, grown = draw(st.integers(0, len(nodes) - 1)), True
+                old = nodes[index]
+                nodes[index] = box(old.id, old.kind, len(old.ports) + 3, old.group)
+            case "move":
+                key = draw(st.sampled_from(nodes)).key
+                moved[key] = (draw(st.integers(-300, 900)), draw(st.integers(-300, 900)))
+                # What stands where it is put makes room.
+                grown = True
+            case _:
+                pair = draw(st.permutations([each.id for each in nodes]))[:2]
+                edges += [line(*pair)] if len(pair) == 2 else []
+        edges = list({each.id: each for each in edges}.values())
+        shown = Graph("system", "s", tuple(nodes), groups, tuple(edges), downwards)
+        found = values.render(shown, Rows(), moved, standing)
+        assert_apart(found)
+        assert_framed(found)
+        now = corners(found)
+        assert all(now[each] == moved[each] for each in moved if each in now)
+        if not grown:
+            assert all(now[each] == place for each, place in known.items() if each in now)
+        known = now
