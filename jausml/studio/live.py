@@ -84,6 +84,8 @@ class LiveSystem:
             expected(declarations_of(watched.model), components_of(watched.model), time.monotonic())
         )
         self._places = places_of(watched.model)
+        self._changed: Model | None = None
+        self._is_wanted = False
         self._looking: Looking | None = None
         self._glanced: float | None = None
         self._lock = Lock()
@@ -100,15 +102,18 @@ class LiveSystem:
         self._thread.join()
 
     def follow(self, model: Model) -> None:
-        """Goes on with the model as it is now.
+        """Goes on with the model as it is now, from the next look at the state on.
 
         Args:
             model: The model of the same file; it may have errors.
         """
-        places = places_of(model)
-        self._observation.take_model(declarations_of(model), components_of(model))
         with self._lock:
-            self._places = places
+            self._changed = model
+
+    def tell_again(self) -> None:
+        """Tells the state soon, changed or not: somebody new looks."""
+        with self._lock:
+            self._is_wanted = True
 
     def message(self, row: str) -> dict[str, Any]:
         """Returns the last message of a connection on both sides, and all that its bridge tells.
@@ -191,14 +196,25 @@ class LiveSystem:
 
     def _look(self, before: tuple[object, ...] | None) -> tuple[object, ...]:
         """Tells the state if it is another than before, and returns what is compared."""
+        self._take_model()
         state = self._observation.state()
         with self._lock:
             places = self._places
+            is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
         present = (places, *_facts(state))
-        if present != before:
+        if is_wanted or present != before:
             self._tell({"file": self.file, "state": live_values(state, places)})
         return present
+
+    def _take_model(self) -> None:
+        with self._lock:
+            model, self._changed = self._changed, None
+        if model is not None:
+            places = places_of(model)
+            self._observation.take_model(declarations_of(model), components_of(model))
+            with self._lock:
+                self._places = places
 
     def _look_away(self) -> None:
         """Looks at no connection any more when nobody asks for its last message."""

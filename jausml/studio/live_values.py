@@ -176,6 +176,6 @@ def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> di
     return {
         "level": level.value,
         "state": component.state,
-        "controller": component.controller,
+        "controller": component.controller or "",
         "text": cell("; ".join(texts)),
     }
