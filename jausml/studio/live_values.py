@@ -79,16 +79,20 @@ def places_of(model: Model) -> Places:
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:
     """Returns what `jausml top --json` tells, and the same by ids of the system view.
 
-    What was told with each status in full is left to who asks about one connection.
+    Connections have the id of their `row`, components that of their `box`; empty for none. What was
+    told with each status in full is left to who asks about one connection.
 
     Args:
         state: The state.
         places: Where the page shows what.
     """
     values = as_values(state)
-    for each in values["connections"]:
+    for each, connection in zip(values["connections"], state.connections.values(), strict=True):
         del each["values"]
         each["history"] = each["history"][-HISTORY:]
+        each["row"] = row_of(connection, places) or ""
+    for each in values["components"]:
+        each["box"] = places.boxes.get(each["id"], "")
     return {
         **values,
         "edges": {**_edges(state, places), **_controls(state, places)},

@@ -73,6 +73,8 @@ def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places,
     }
     edges = edges_of(model, row)
     assert len(edges) == 3
+    assert row in [each["row"] for each in values["connections"]]
+    assert "vehicle" in [each["box"] for each in values["components"]]
     assert all(values["edges"][each] == values["edges"][row] for each in edges)
     json.dumps(values, allow_nan=False)
 
