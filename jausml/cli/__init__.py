@@ -26,6 +26,7 @@ VERBS = {
     "run": "Start the processes of a generated workspace.",
     "report": "Tell what load and which worst-case times a system has.",
     "diagram": "Draw a system, a map, a service or a state machine.",
+    "studio": "Show and edit models in the browser.",
     "partition": "Propose how to split bridges over several.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",
@@ -39,14 +40,13 @@ VERBS = {
     "latency": "Measure the reports of a running system.",
     "top": "Watch a running system.",
     "conformance": "Check the conformance of a running component.",
-    "doctor": "Tell what this machine lacks, and how to mend it.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
     "language-server": "Serve editors of ros2jaus text.",
 }
 """The verbs in the order of use, with what `--help` says of them before their module is loaded."""
 
-LASTING = {"run", "decode", "ocu", "top", "conformance", "language-server"}
+LASTING = {"run", "decode", "ocu", "top", "conformance", "studio", "language-server"}
 """The verbs that may run for days."""
 
 ENVIRONMENT_FAULT = 2

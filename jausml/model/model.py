@@ -51,6 +51,11 @@ class Model:
         self._made.clear()
         self._origin[node.obj] = (document, node)
 
+    def node_of(self, obj: EObject) -> Node | None:
+        """Returns the light node of which an element was built, None for one that was not read."""
+        origin = self._origin.get(obj)
+        return None if origin is None else origin[1]
+
     def name_by_id(self, obj: EObject, identifier: str) -> None:
         """Remembers the id of an element; for the reader."""
         self._ids.setdefault(obj, identifier)
@@ -78,11 +83,6 @@ class Model:
                 return origin[0]
             obj = obj.eContainer()
         return None
-
-    def node_of(self, obj: EObject) -> Node | None:
-        """Returns the light node of which an element was built; None for one that was not read."""
-        origin = self._origin.get(obj)
-        return origin[1] if origin is not None else None
 
     def is_library(self, obj: EObject) -> bool:
         """Tells whether an element belongs to the shipped library."""

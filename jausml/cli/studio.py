@@ -1,0 +1,69 @@
+"""`jausml studio`: shows and edits models in the browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from importlib.util import find_spec
+
+import click
+
+from jausml.cli.common import EnvironmentFault
+
+_NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "pygls")
+
+
+@click.command("studio")
+@click.argument("path", metavar="[MODEL|FOLDER]", default=".")
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    metavar="ADDRESS",
+    help="Address to serve at; others than this computer's own are open to the network.",
+)
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="PORT",
+    help="Port to serve at; by default a free one.",
+)
+@click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
+@click.option("--out", default="", metavar="DIR", help="Folder that the page generates into.")
+def command(path: str, host: str, port: int, no_browser: bool, out: str) -> None:
+    """Show and edit models in the browser: a file, or a folder of them.
+
+    Serves a page at this computer alone, and opens the browser. Whoever has the printed address may
+    change the model files of the folder. It needs the extra `studio`.
+
+    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (a port that is taken, the
+    extra or the page is missing), 3 internal error.
+    """
+    missing = [each for each in _NEEDED if find_spec(each) is None]
+    if missing:
+        raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
+    from jausml.editing.project import Project
+    from jausml.studio.desk import Desk
+    from jausml.studio.serving import PageMissingError, require_page, serve
+    from jausml.studio.session import Session
+
+    try:
+        session = Session(Desk(Project(path), out))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
+
+    def opened(address: str) -> None:
+        click.echo(f"jausml studio: {address}")
+        click.echo("Ctrl-C ends it.", err=True)
+        if not no_browser:
+            webbrowser.open(address)
+
+    try:
+        require_page()
+        serve(session, host, port, opened)
+    except PageMissingError as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise EnvironmentFault(f"cannot serve at {host} port {port}: {reason}") from error

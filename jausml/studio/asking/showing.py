@@ -1,0 +1,146 @@
+"""Questions about what there is: the project, its views, its problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from jausml import __version__
+from jausml.diagrams.layout.sheet import LayoutError
+from jausml.diagrams.views import UnknownViewError, graph_of, view_names
+from jausml.model.refs import file_of
+from jausml.studio.methods import Method
+from jausml.studio.rpc import REFUSED, RpcError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.editing.records import FileInfo
+    from jausml.model.diagnostics import Diagnostic
+    from jausml.studio.checking import Verdict
+    from jausml.studio.desk import Desk
+
+
+@dataclass(frozen=True)
+class Hello:
+    """Nothing but the token, which was looked at before."""
+
+    token: str = ""
+
+
+@dataclass(frozen=True)
+class OfFile:
+    """A file, relative to the root."""
+
+    file: str
+
+
+@dataclass(frozen=True)
+class OfView:
+    """A view of a file, such as `system` or `map:odometry`."""
+
+    file: str
+    view: str
+
+
+def methods(desk: Desk) -> Mapping[str, Method[Any]]:
+    """Returns the methods by name."""
+    return {
+        "hello": Method(Hello, lambda _: _hello(desk)),
+        "views": Method(OfFile, lambda asked: _views(desk, asked)),
+        "view": Method(OfView, lambda asked: _view(desk, asked)),
+        "problems": Method(OfFile, lambda asked: problems(desk, desk.verdicts.of(asked.file))),
+    }
+
+
+def files(desk: Desk) -> list[dict[str, Any]]:
+    """Returns the files of the project as pages know them."""
+    return [_file(each) for each in desk.project.files]
+
+
+def _file(info: FileInfo) -> dict[str, Any]:
+    return {
+        "path": info.path,
+        "notation": info.notation,
+        "revision": info.revision,
+        "stale": info.is_stale,
+        "dirty": info.is_dirty,
+    }
+
+
+def _hello(desk: Desk) -> dict[str, Any]:
+    project = desk.project
+    extras = {"live": find_spec("rclpy") is not None, "graphviz": _has_graphviz()}
+    return {
+        "name": project.root.name,
+        "root": str(project.root),
+        "version": __version__,
+        "revision": project.revision,
+        "files": files(desk),
+        "opened": project.opened,
+        "extras": extras,
+    }
+
+
+def _has_graphviz() -> bool:
+    return find_spec("pygraphviz") is not None
+
+
+def _views(desk: Desk, asked: OfFile) -> dict[str, Any]:
+    desk.shown.look(asked.file)
+    model = desk.project.model(asked.file).model
+    own = set(view_names(model, library=False))
+    views = []
+    for name in view_names(model):
+        kind, _, title = name.partition(":")
+        views.append({"name": name, "kind": kind, "title": title, "library": name not in own})
+    return {"views": views}
+
+
+def _view(desk: Desk, asked: OfView) -> dict[str, Any]:
+    desk.shown.look(asked.file)
+    verdict = desk.verdicts.of(asked.file)
+    try:
+        graph = graph_of(
+            verdict.result.model, asked.view, verdict.report.diagnostics, desk.project.root
+        )
+        drawn = desk.drawings.draw(asked.file, graph, {})
+    except (UnknownViewError, LayoutError) as error:
+        raise RpcError(REFUSED, str(error)) from error
+    return {"revision": verdict.revision, "graph": drawn}
+
+
+def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
+    """Returns a verdict as pages know it."""
+    desk.shown.look(verdict.file)
+    return {
+        "revision": verdict.revision,
+        "elapsed_ms": round(verdict.elapsed_ms, 1),
+        "files": [verdict.file],
+        "problems": [_problem(desk, verdict, each) for each in verdict.report.diagnostics],
+    }
+
+
+def _problem(desk: Desk, verdict: Verdict, found: Diagnostic) -> dict[str, Any]:
+    file = _file_at(desk, verdict, found.location.path)
+    return {
+        "file": file,
+        "line": found.location.line,
+        "column": found.location.column,
+        "severity": found.severity,
+        "rule": found.rule,
+        "message": found.message,
+        "hint": found.hint,
+        "element": f"{file}#{found.fragment}" if found.fragment else "",
+        "path": found.element,
+        "cures": [],
+    }
+
+
+def _file_at(desk: Desk, verdict: Verdict, path: str) -> str:
+    """Returns how pages name the file that a finding names."""
+    for document in verdict.report.model.documents:
+        if document.display == path:
+            return file_of(document, desk.project.root)
+    return path

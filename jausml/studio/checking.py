@@ -1,0 +1,140 @@
+"""Problems: what the rules say about a file, worked out once for each revision of the project."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import EditError
+from jausml.validation.engine import RuleError, check
+from jausml.validation.report import Report
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from jausml.editing.project import Project
+    from jausml.model.reading.reader import ReadResult
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found about a file and all that it refers to.
+
+    Attributes:
+        file: The file.
+        revision: Of the project, from which on it is true.
+        elapsed_ms: Milliseconds that reading and checking took.
+        result: What was read.
+        report: What was found.
+        fault: Why no rules were run, empty when they were.
+    """
+
+    file: str
+    revision: int
+    elapsed_ms: float
+    result: ReadResult
+    report: Report
+    fault: str = ""
+
+
+class Verdicts:
+    """The latest verdict on each file.
+
+    Args:
+        project: What is judged.
+    """
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._verdicts: dict[str, Verdict] = {}
+        self._judging: dict[str, threading.Lock] = {}
+        self._lock = threading.Lock()
+
+    @property
+    def revision(self) -> int:
+        """The revision of the project now."""
+        return self._project.revision
+
+    def of(self, file: str) -> Verdict:
+        """Returns the verdict on a file as it is now; who asks meanwhile gets the same.
+
+        Raises:
+            EditError: The project has no such file.
+        """
+        with self._lock:
+            judging = self._judging.setdefault(file, threading.Lock())
+        with judging:
+            verdict = self._verdicts.get(file)
+            if verdict is None or verdict.revision != self._project.revision:
+                verdict = self._verdicts[file] = self._judged(file)
+            return verdict
+
+    def _judged(self, file: str) -> Verdict:
+        started = time.perf_counter()
+        revision = self._project.revision
+        result = self._project.model(file)
+        report, fault = _checked(result)
+        elapsed = 1000 * (time.perf_counter() - started)
+        return Verdict(file, revision, elapsed, result, report, fault)
+
+
+def _checked(result: ReadResult) -> tuple[Report, str]:
+    try:
+        return check(result), ""
+    except RuleError as error:
+        # What was read is told all the same: an editor holds models that are half written.
+        return Report(result.model, (), tuple(result.diagnostics)), str(error)
+
+
+class Checking(threading.Thread):
+    """Judges files beside everything else, and tells each verdict that still holds.
+
+    Args:
+        verdicts: The verdicts.
+        files: Returns the files that someone looks at.
+        told: Takes each verdict.
+    """
+
+    def __init__(
+        self,
+        verdicts: Verdicts,
+        files: Callable[[], Iterable[str]],
+        told: Callable[[Verdict], None],
+    ) -> None:
+        super().__init__(name="checking", daemon=True)
+        self._verdicts = verdicts
+        self._files = files
+        self._told = told
+        self._wanted = threading.Event()
+        self._is_closed = False
+
+    def begin(self) -> None:
+        """Has all files judged that someone looks at; what is judged already is not told again."""
+        self._wanted.set()
+
+    def close(self) -> None:
+        """Ends it, after the file that is being judged."""
+        self._is_closed = True
+        self._wanted.set()
+
+    def run(self) -> None:
+        """Waits for wishes until it is closed."""
+        while True:
+            self._wanted.wait()
+            self._wanted.clear()
+            for file in self._files():
+                if self._is_closed:
+                    return
+                if self._wanted.is_set():
+                    break  # something has changed: begin anew
+                self._judge(file)
+
+    def _judge(self, file: str) -> None:
+        try:
+            verdict = self._verdicts.of(file)
+        except EditError:
+            return  # it has gone meanwhile
+        if verdict.revision == self._verdicts.revision:
+            self._told(verdict)

@@ -1,0 +1,61 @@
+"""What all answers work with: the project, what was found about it, and who is told."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from jausml.studio.audience import Audience
+from jausml.studio.checking import Verdicts
+from jausml.studio.drawing import Drawings
+
+if TYPE_CHECKING:
+    from jausml.editing.project import Project
+
+_MOST_SHOWN = 8
+
+
+class Shown:
+    """The files that someone looks at: those that were asked for last."""
+
+    def __init__(self) -> None:
+        self._files: OrderedDict[str, None] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def look(self, file: str) -> None:
+        """Remembers that someone looks at a file."""
+        with self._lock:
+            self._files[file] = None
+            self._files.move_to_end(file)
+            while len(self._files) > _MOST_SHOWN:
+                self._files.popitem(last=False)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files, the latest first."""
+        with self._lock:
+            return tuple(reversed(self._files))
+
+
+@dataclass
+class Desk:
+    """What answers work with.
+
+    Attributes:
+        project: The folder that was opened, and its models.
+        out: Where `generate` writes when nobody says otherwise, empty for its default.
+        audience: The pages.
+        shown: The files that someone looks at.
+        drawings: Where the boxes of views stand.
+    """
+
+    project: Project
+    out: str = ""
+    audience: Audience = field(default_factory=Audience)
+    shown: Shown = field(default_factory=Shown)
+    drawings: Drawings = field(default_factory=Drawings)
+
+    def __post_init__(self) -> None:
+        self.verdicts = Verdicts(self.project)

@@ -1,0 +1,66 @@
+"""Drawing: where the boxes of each view stand, as long as the session lasts."""
+
+from __future__ import annotations
+
+import threading
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from jausml.diagrams.bundling import bundled
+from jausml.diagrams.layout.graphviz import Graphviz
+from jausml.diagrams.writers import values
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.diagrams.graph import Graph
+
+
+@dataclass
+class _View:
+    """What is known of a view; the lock is held while it is drawn."""
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    standing: values.Standing = field(default_factory=values.Standing)
+
+
+class Drawings:
+    """Views as pages draw them: what stands stays until someone asks to arrange it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._views: dict[tuple[str, str], _View] = defaultdict(_View)
+        self._engine = Graphviz()
+
+    def draw(self, file: str, graph: Graph, moved: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
+        """Returns a graph with sizes and places.
+
+        Args:
+            file: The file that it is of.
+            graph: The graph; one of too many edges is bundled.
+            moved: Corners that users gave to boxes, by key.
+
+        Raises:
+            LayoutError: There is no layout.
+        """
+        view = self._view(file, graph.view)
+        shown = bundled(graph)
+        with view.lock:
+            is_bundled = shown is not graph
+            return values.render(shown, self._engine, moved, view.standing, packed=is_bundled)
+
+    def forget(self, file: str, name: str) -> None:
+        """Forgets where the boxes of a view stand.
+
+        Args:
+            file: The file.
+            name: Name of the view.
+        """
+        view = self._view(file, name)
+        with view.lock:
+            view.standing = values.Standing()
+
+    def _view(self, file: str, name: str) -> _View:
+        with self._lock:
+            return self._views[file, name]

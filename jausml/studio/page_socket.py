@@ -1,0 +1,152 @@
+"""The socket of a page: requests are answered beside each other, what happens is told."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocketDisconnect
+
+from jausml.studio import rpc
+from jausml.studio.rpc import Request, RpcError
+from jausml.studio.typed import TypedError, typed
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from starlette.websockets import WebSocket
+
+    from jausml.studio.security import Token
+    from jausml.studio.session import Session
+
+LARGEST_MESSAGE = 8 * 1024 * 1024
+"""Bytes of a message that a page sends; a text of a file is the longest."""
+
+_SECONDS_TO_GREET = 10.0
+_MOST_AT_ONCE = 64
+"""Requests of a page that wait for their answers."""
+
+_MOST_UNSENT = 1024
+"""Messages that a page has not taken; one that does not listen is left."""
+
+_POLICY_VIOLATION, _TRY_AGAIN_LATER = 1008, 1013
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Hello:
+    """Parameters of the first request."""
+
+    token: str
+
+
+async def greeted(socket: WebSocket, token: Token) -> Request | None:
+    """Returns the first request of a socket; None, and the socket is closed, without the token.
+
+    Args:
+        socket: The socket, accepted.
+        token: What it has to name.
+    """
+    try:
+        text = await asyncio.wait_for(socket.receive_text(), _SECONDS_TO_GREET)
+        request = rpc.parsed(text)
+        hello = typed(Hello, request.params)
+    except (WebSocketDisconnect, asyncio.TimeoutError, KeyError, RpcError, TypedError):
+        request, hello = None, None
+    if request is not None and hello is not None:
+        if request.method == "hello" and token.fits(hello.token):
+            return request
+        told = RpcError(rpc.UNAUTHORIZED, "the token is that of another session")
+        with suppress(WebSocketDisconnect, RuntimeError):
+            await socket.send_text(rpc.refusal(told, request.id))
+    with suppress(WebSocketDisconnect, RuntimeError):
+        await socket.close(_POLICY_VIOLATION)
+    return None
+
+
+class PageSocket:
+    """One page and what it asks.
+
+    Args:
+        socket: Its socket, accepted.
+        session: What answers.
+    """
+
+    def __init__(self, socket: WebSocket, session: Session) -> None:
+        self._socket = socket
+        self._session = session
+        self._loop = asyncio.get_running_loop()
+        self._unsent: asyncio.Queue[str] = asyncio.Queue(_MOST_UNSENT)
+        self._answering: set[asyncio.Task[None]] = set()
+
+    async def run(self, token: Token) -> None:
+        """Serves the page until it goes."""
+        hello = await greeted(self._socket, token)
+        if hello is None:
+            return
+        sending = asyncio.create_task(self._send_all())
+        with self._session.told(self._tell_soon):
+            self._start(self._answer(Request("hello", {}, hello.id)))
+            receiving = asyncio.create_task(self._receive_all())
+            await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
+        for task in (sending, receiving, *self._answering):
+            task.cancel()
+        await asyncio.gather(sending, receiving, *self._answering, return_exceptions=True)
+
+    async def _receive_all(self) -> None:
+        with suppress(WebSocketDisconnect):
+            while True:
+                message = await self._socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                self._take(message.get("text"))
+
+    def _take(self, text: str | None) -> None:
+        try:
+            if text is None:
+                raise RpcError(rpc.PARSE_ERROR, "messages are text")
+            request = rpc.parsed(text)
+            if len(self._answering) >= _MOST_AT_ONCE:
+                raise RpcError(rpc.BUSY, "too many requests wait", id_=request.id)
+        except RpcError as error:
+            self._tell(rpc.refusal(error))
+        else:
+            self._start(self._answer(request))
+
+    def _start(self, work: Coroutine[None, None, None]) -> None:
+        task = asyncio.create_task(work)
+        self._answering.add(task)
+        task.add_done_callback(self._answering.discard)
+
+    async def _answer(self, request: Request) -> None:
+        try:
+            told = rpc.answer(request.id, await self._session.answer(request))
+        except RpcError as error:
+            told = rpc.refusal(error, request.id)
+        except Exception:
+            _LOG.exception("%s failed", request.method)
+            fault = RpcError(rpc.INTERNAL_ERROR, "this is a fault of jausml; its log shows more")
+            told = rpc.refusal(fault, request.id)
+        if not request.is_notification:
+            self._tell(told)
+
+    # What is told
+
+    def _tell_soon(self, message: str) -> None:
+        """Tells a message from any thread."""
+        with suppress(RuntimeError):  # the loop has ended meanwhile
+            self._loop.call_soon_threadsafe(self._tell, message)
+
+    def _tell(self, message: str) -> None:
+        with suppress(asyncio.QueueFull):
+            self._unsent.put_nowait(message)
+
+    async def _send_all(self) -> None:
+        """Sends what there is to tell until the page goes, or takes nothing any more."""
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while not self._unsent.full():
+                await self._socket.send_text(await self._unsent.get())
+            await self._socket.close(_TRY_AGAIN_LATER)

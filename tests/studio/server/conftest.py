@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_client import serving
+
+from jausml.model.uris import LIBRARY_URI
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from studio_client import Page, Server
+
+MODELS = Path(__file__).parents[3] / "models"
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A page as small as one can be."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "index.html").write_text("<!doctype html><title>page</title>", encoding="utf-8")
+    (folder / "assets").mkdir()
+    (folder / "assets" / "page.js").write_text("'use strict'", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A project that may be changed."""
+    root = tmp_path / "project"
+    root.mkdir()
+    text = (MODELS / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
+    text = text.replace("../library/", LIBRARY_URI)
+    (root / "catvehicle.xmi").write_text(text, encoding="utf-8")
+    return root
+
+
+@pytest.fixture
+def server(folder: Path, built: Path) -> Iterator[Server]:
+    with serving(folder / "catvehicle.xmi", built) as server:
+        yield server
+
+
+@pytest.fixture
+def page(server: Server) -> Iterator[Page]:
+    with server.page() as page:
+        yield page

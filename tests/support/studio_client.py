@@ -1,0 +1,133 @@
+"""A page without a browser: a process that serves, and a socket that asks it."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from websockets.sync.client import ClientConnection, connect
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+PROCESS = Path(__file__).with_name("studio_process.py")
+LONGEST = 60.0
+
+
+class RefusedError(Exception):
+    """An answer that is an error."""
+
+    def __init__(self, error: dict[str, Any]) -> None:
+        super().__init__(error["message"])
+        self.code: int = error["code"]
+        self.data: dict[str, Any] = error.get("data", {})
+
+
+@dataclass
+class Server:
+    """A process that serves the studio."""
+
+    process: subprocess.Popen[str]
+    address: str
+
+    @property
+    def host(self) -> str:
+        return str(urlsplit(self.address).hostname)
+
+    @property
+    def port(self) -> int:
+        port = urlsplit(self.address).port
+        assert port is not None
+        return port
+
+    @property
+    def token(self) -> str:
+        return urlsplit(self.address).fragment.removeprefix("token=")
+
+    @property
+    def origin(self) -> str:
+        return f"http://{urlsplit(self.address).netloc}"
+
+    def connect(self, path: str = "/socket", **options: Any) -> ClientConnection:
+        options = {"origin": self.origin, "max_size": None, **options}
+        return connect(f"ws://{urlsplit(self.address).netloc}{path}", **options)
+
+    @contextmanager
+    def page(self) -> Iterator[Page]:
+        with self.connect() as socket:
+            page = Page(socket)
+            page.project = page.ask("hello", token=self.token)
+            yield page
+
+
+@dataclass
+class Page:
+    """A socket that asks, and keeps what it is told."""
+
+    socket: ClientConnection
+    project: dict[str, Any] = field(default_factory=dict)
+    told: list[dict[str, Any]] = field(default_factory=list)
+    _last: int = 0
+
+    def send(self, method: str, **params: Any) -> int:
+        self._last += 1
+        message = {"jsonrpc": "2.0", "id": self._last, "method": method, "params": params}
+        self.socket.send(json.dumps(message))
+        return self._last
+
+    def ask(self, method: str, **params: Any) -> Any:
+        return self.answer(self.send(method, **params))
+
+    def answer(self, id_: int) -> Any:
+        message = self._next(lambda each: each.get("id") == id_)
+        if "error" in message:
+            raise RefusedError(message["error"])
+        return message["result"]
+
+    def await_told(self, method: str, fits: Callable[[Any], bool] = lambda _: True) -> Any:
+        def wanted(message: dict[str, Any]) -> bool:
+            return message.get("method") == method and fits(message["params"])
+
+        for each in self.told:
+            if wanted(each):
+                self.told.remove(each)
+                return each["params"]
+        return self._next(wanted)["params"]
+
+    def _next(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        end = time.monotonic() + LONGEST
+        while True:
+            text = self.socket.recv(max(0.0, end - time.monotonic()))
+            message: dict[str, Any] = json.loads(text)
+            if wanted(message):
+                return message
+            self.told.append(message)
+
+
+@contextmanager
+def serving(path: Path, page: Path, *host: str) -> Iterator[Server]:
+    """Serves a folder as long as the context lasts."""
+    line = [sys.executable, "-W", "error", str(PROCESS), str(path), str(page), *host]
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        assert address, process.communicate()[1]
+        yield Server(process, address)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            _, log = process.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+    assert process.returncode == 0, log
+    assert "Traceback" not in log, log
