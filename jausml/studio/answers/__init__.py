@@ -1,0 +1,1 @@
+"""Answers to what the page asks about models: plain functions that return frozen dataclasses."""

@@ -1,0 +1,75 @@
+"""Connecting: what can flow from one end of the system view to another, and how."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.model.names import name_of
+from jausml.semantics.ways import TO_JAUS, TO_ROS
+from jausml.studio.answers.crossing import bridged, further_peer, through
+from jausml.studio.answers.linking import asked, topics_between
+from jausml.studio.answers.shapes import Options
+from jausml.studio.answers.spots import all_spots
+
+if TYPE_CHECKING:
+    from jausml.studio.answers.elements import Scope
+    from jausml.studio.answers.spots import Spot
+
+
+def connect(scope: Scope, source: Spot, target: Spot) -> Options:
+    """Returns the ways to connect two ends of the system view, the best first.
+
+    Args:
+        scope: The model.
+        source: Where the line starts.
+        target: Where it ends.
+    """
+    if source.owner is target.owner:
+        return Options(refusal=f"both ends are of {name_of(source.owner)}; draw to another box")
+    found = _ways(scope, source, target)
+    if found.options:
+        first, *others = found.options
+        return Options((replace(first, is_best=True), *others))
+    return found
+
+
+def _ways(scope: Scope, source: Spot, target: Spot) -> Options:
+    match source.owner, target.owner:
+        case ros.Node(), ros.Node():
+            return topics_between(scope, source, target)
+        case bridge.Bridge(), ros.Node():
+            return through(scope, source.owner, source, target, TO_ROS)
+        case ros.Node(), bridge.Bridge():
+            return through(scope, target.owner, target, source, TO_JAUS)
+        case jaus.Component(), ros.Node():
+            return bridged(scope, source, target, TO_ROS)
+        case ros.Node(), jaus.Component():
+            return bridged(scope, target, source, TO_JAUS)
+        case jaus.Component(), jaus.Component():
+            return _among_components(scope, source, target)
+    return Options(refusal="only components, bridges and nodes are connected")
+
+
+def _among_components(scope: Scope, source: Spot, target: Spot) -> Options:
+    if isinstance(target.element, bridge.Connection):
+        return further_peer(scope, source, target, TO_ROS)
+    if isinstance(source.element, bridge.Connection):
+        return further_peer(scope, target, source, TO_JAUS)
+    return asked(scope, source, target)
+
+
+def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:
+    """Returns the ends to which a line can be drawn from one, each with why.
+
+    Args:
+        scope: The model.
+        start: Where lines start.
+    """
+    found = []
+    for other in all_spots(scope):
+        answer = connect(scope, start, other)
+        if answer.options:
+            found.append((other, answer.options[0].why))
+    return found

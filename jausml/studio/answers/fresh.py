@@ -1,0 +1,76 @@
+"""What new elements are called, and where in JAUS they are: names and addresses that are free."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import count
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import jaus, system
+from jausml.model.names import name_of
+from jausml.model.words import snake_case
+from jausml.semantics.names import package_key
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model import Model
+
+_LAST = 254
+_FIRST = (100, 1)
+"""Subsystem and node of the first component of a model."""
+
+
+def free_name(wanted: str, taken: Iterable[str]) -> str:
+    """Returns a name in snake case that none of some elements has, whatever the case.
+
+    Args:
+        wanted: What it should be like.
+        taken: The names of the others.
+    """
+    used = {package_key(each) for each in taken if each}
+    name = snake_case(wanted) or "element"
+    if package_key(name) not in used:
+        return name
+    return next(each for n in count(2) if package_key(each := f"{name}_{n}") not in used)
+
+
+def name_among(wanted: str, siblings: Iterable[EObject]) -> str:
+    """Returns a name that none of some elements has."""
+    return free_name(wanted, map(name_of, siblings))
+
+
+def participant_name(wanted: str, whole: EObject) -> str:
+    """Returns a name for a component, bridge or node of a system, each of which is a package."""
+    if not isinstance(whole, system.System):
+        return free_name(wanted, ())
+    own = str(whole.name or "")
+    others: tuple[EObject, ...] = (*whole.components, *whole.bridges, *whole.nodes)
+    taken = [name_of(each) for each in others]
+    return free_name(wanted, [*taken, f"{own}_bringup", f"{own}_messages"])
+
+
+def free_address(model: Model) -> str:
+    """Returns a JAUS id in the subsystem of most components, which none of them has.
+
+    Args:
+        model: The model.
+    """
+    known = [_parts(each) for each in model.instances(jaus.Component, library=False)]
+    used = {each for each in known if each is not None}
+    places = Counter((subsystem, node) for subsystem, node, _ in sorted(used))
+    ((subsystem, node), _), *_ = places.most_common(1) or [(_FIRST, 0)]
+    for at in range(node, _LAST + 1):
+        for number in range(1, _LAST + 1):
+            if (subsystem, at, number) not in used:
+                return f"{subsystem}.{at}.{number}"
+    return f"{subsystem + 1}.1.1"
+
+
+def _parts(component: jaus.Component) -> tuple[int, int, int] | None:
+    try:
+        subsystem, node, number = map(int, str(component.address).split("."))
+    except ValueError:
+        return None
+    return subsystem, node, number
