@@ -7,7 +7,7 @@ READY := .venv/.ready
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo quick test test-slow coverage live lint format bench fuzz emf reference \
-	types release-check faults soak experiment clean
+	types release-check faults soak experiment studio clean
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -59,6 +59,9 @@ faults: $(READY)  ## every fault with real processes, some six minutes; writes d
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 
+studio: $(READY)  ## build the page of `jausml studio` with npm, and test it; node comes from PyPI if there is none
+	$(BIN)/python tools/build_studio.py
+
 MINUTES ?= 60
 
 soak: $(READY)  ## MINUTES of messages both ways through one bridge: nothing grows, nothing is lost unseen
@@ -90,4 +93,4 @@ release-check: $(READY)  ## version, changelog, wheel, sdist and the lowest depe
 	$(BIN)/python tools/release_check.py
 
 clean:  ## remove what make has made
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out experiment-out
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis demo-out experiment-out jausml/studio/page studio/node_modules

@@ -1,0 +1,105 @@
+import { useEffect } from "react";
+import { Canvas } from "./canvas/Canvas";
+import { Dialogs } from "./dialogs/Dialogs";
+import { Banners } from "./header/Banners";
+import { Header } from "./header/Header";
+import { onShortcut } from "./keyboard/shortcuts";
+import { PropertyForm } from "./panels/form/PropertyForm";
+import { Generate } from "./panels/generate/Generate";
+import { Live } from "./panels/live/Live";
+import { Log } from "./panels/log/Log";
+import { MapEditor } from "./panels/map/MapEditor";
+import { Palette } from "./panels/palette/Palette";
+import { Problems } from "./panels/problems/Problems";
+import { Source } from "./panels/source/Source";
+import { type BottomTab, type MiddleTab, update, useStudio } from "./store";
+import { Tabs } from "./Tabs";
+import { TableView } from "./table/TableView";
+
+/** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
+export function App() {
+  useEffect(() => {
+    document.addEventListener("keydown", onShortcut);
+    return () => document.removeEventListener("keydown", onShortcut);
+  }, []);
+  return (
+    <div className="studio">
+      <Header />
+      <Banners />
+      <aside className="left" aria-label="Palette">
+        <Palette />
+      </aside>
+      <Middle />
+      <aside className="right" aria-label="What is chosen">
+        <Right />
+      </aside>
+      <Bottom />
+      <Dialogs />
+      <Said />
+    </div>
+  );
+}
+
+function Middle() {
+  const middle = useStudio((studio) => studio.middle);
+  const isMap = useStudio((studio) => studio.view.startsWith("map:"));
+  const tabs: [MiddleTab, string][] = [
+    ["diagram", "Diagram"],
+    ["table", "Table"],
+  ];
+  return (
+    <main className="middle">
+      <Tabs label="View as" tabs={tabs} chosen={middle} onChoose={(tab) => update({ middle: tab })}>
+        {middle === "table" ? <TableView /> : <Canvas />}
+      </Tabs>
+      {isMap && <MapEditor />}
+    </main>
+  );
+}
+
+function Right() {
+  const right = useStudio((studio) => studio.right);
+  return (
+    <Tabs
+      label="Show of what is chosen"
+      tabs={[
+        ["form", "Properties"],
+        ["source", "Source"],
+      ]}
+      chosen={right}
+      onChoose={(tab) => update({ right: tab })}
+    >
+      {right === "form" ? <PropertyForm /> : <Source />}
+    </Tabs>
+  );
+}
+
+function Bottom() {
+  const bottom = useStudio((studio) => studio.bottom);
+  const tabs: [BottomTab, string][] = [
+    ["problems", "Problems"],
+    ["generate", "Generate"],
+    ["live", "Live"],
+    ["log", "History"],
+  ];
+  const panels = { problems: Problems, generate: Generate, live: Live, log: Log };
+  const Panel = panels[bottom];
+  return (
+    <section className="bottom" aria-label="Verdicts and work">
+      <Tabs label="Show" tabs={tabs} chosen={bottom} onChoose={(tab) => update({ bottom: tab })}>
+        <Panel />
+      </Tabs>
+    </section>
+  );
+}
+
+/** What was just done, spoken politely; faults at once. */
+function Said() {
+  const said = useStudio((studio) => studio.said);
+  return (
+    <footer className="said">
+      <output aria-live="polite">{said.isError ? "" : said.text}</output>
+      <span role="alert">{said.isError ? said.text : ""}</span>
+    </footer>
+  );
+}

@@ -1,0 +1,59 @@
+import { openFile, openView, redo, undo } from "../actions";
+import { update, useStudio } from "../store";
+
+/** What is open: the file, its view, and what can be done with the whole. */
+export function Header() {
+  const project = useStudio((studio) => studio.project);
+  const file = useStudio((studio) => studio.file);
+  const views = useStudio((studio) => studio.views);
+  const view = useStudio((studio) => studio.view);
+  const own = views.filter((each) => !each.library);
+  const library = views.filter((each) => each.library);
+  return (
+    <header className="header">
+      <h1>
+        jausml studio <small>{project?.name}</small>
+      </h1>
+      <label>
+        File
+        <select value={file} onChange={(event) => void openFile(event.currentTarget.value)}>
+          {project?.files.map((each) => (
+            <option key={each.path} value={each.path}>
+              {each.path}
+              {each.dirty ? " (cannot be parsed)" : each.stale ? " (stale)" : ""}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        View
+        <select value={view} onChange={(event) => void openView(event.currentTarget.value)}>
+          {own.map((each) => (
+            <option key={each.name} value={each.name}>
+              {each.title}
+            </option>
+          ))}
+          {library.length > 0 && (
+            <optgroup label="Library">
+              {library.map((each) => (
+                <option key={each.name} value={each.name}>
+                  {each.title}
+                </option>
+              ))}
+            </optgroup>
+          )}
+        </select>
+      </label>
+      <span className="spring" />
+      <button type="button" onClick={() => void undo()} title="Ctrl+Z">
+        Undo
+      </button>
+      <button type="button" onClick={() => void redo()} title="Ctrl+Shift+Z">
+        Redo
+      </button>
+      <button type="button" onClick={() => update({ dialog: { kind: "help" } })} title="?">
+        Keys
+      </button>
+    </header>
+  );
+}

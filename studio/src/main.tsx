@@ -1,0 +1,21 @@
+import { StrictMode } from "react";
+import { createRoot } from "react-dom/client";
+import { App } from "./App";
+import { listener, use } from "./actions";
+import { Connection, socketAddress, takeToken } from "./connection";
+import "@xyflow/react/dist/style.css";
+import "./styles/index.css";
+
+const token = takeToken(window.location, window.history, window.sessionStorage);
+const connection = new Connection(socketAddress(window.location, "/socket"), token, listener);
+use(connection);
+connection.open();
+
+const root = document.getElementById("root");
+if (root) {
+  createRoot(root).render(
+    <StrictMode>
+      <App />
+    </StrictMode>,
+  );
+}

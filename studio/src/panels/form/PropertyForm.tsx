@@ -1,0 +1,3 @@
+export function PropertyForm() {
+  return null;
+}

@@ -1,0 +1,3 @@
+export function MapEditor() {
+  return null;
+}

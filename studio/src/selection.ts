@@ -1,0 +1,127 @@
+// Parts of a graph under one kind of key each, which selection, keyboard and table share.
+
+import type { Graph, GraphEdge, GraphNode, GraphPort, Ref } from "./protocol";
+
+/** Key of a node, a port, an edge or a frame of the shown graph. */
+export type PartKey = string;
+
+export type Part =
+  | { of: "node"; id: string }
+  | { of: "port"; node: string; id: string }
+  | { of: "edge"; id: string }
+  | { of: "group"; id: string };
+
+// Ids hold no control characters that a reader let through unseen, so this cannot be part of one.
+const BETWEEN = "\u001f";
+
+export const nodeKey = (id: string): PartKey => `node${BETWEEN}${id}`;
+export const portKey = (node: string, id: string): PartKey =>
+  `port${BETWEEN}${node}${BETWEEN}${id}`;
+export const edgeKey = (id: string): PartKey => `edge${BETWEEN}${id}`;
+export const groupKey = (id: string): PartKey => `group${BETWEEN}${id}`;
+
+export function partOf(key: PartKey): Part {
+  const [of, first = "", second = ""] = key.split(BETWEEN);
+  if (of === "port") return { of, node: first, id: second };
+  return { of: of as "node" | "edge" | "group", id: first };
+}
+
+/** The parts of one graph by id, made once for each graph. */
+export interface Index {
+  nodes: Map<string, GraphNode>;
+  edges: Map<string, GraphEdge>;
+  /** Edges that end at a box or one of its rows, by id of the box. */
+  edgesOf: Map<string, GraphEdge[]>;
+  byElement: Map<Ref, PartKey>;
+  elements: Map<PartKey, Ref>;
+}
+
+const indexes = new WeakMap<Graph, Index>();
+
+export function indexOf(graph: Graph): Index {
+  const known = indexes.get(graph);
+  if (known) return known;
+  const made = makeIndex(graph);
+  indexes.set(graph, made);
+  return made;
+}
+
+function makeIndex(graph: Graph): Index {
+  const index: Index = {
+    nodes: new Map(graph.nodes.map((each) => [each.id, each])),
+    edges: new Map(graph.edges.map((each) => [each.id, each])),
+    edgesOf: new Map(graph.nodes.map((each) => [each.id, []])),
+    byElement: new Map(),
+    elements: new Map(),
+  };
+  const add = (key: PartKey, element: Ref) => {
+    if (!element) return;
+    index.elements.set(key, element);
+    if (!index.byElement.has(element)) index.byElement.set(element, key);
+  };
+  for (const node of graph.nodes) {
+    add(nodeKey(node.id), node.element);
+    for (const port of node.ports) add(portKey(node.id, port.id), port.element);
+  }
+  for (const edge of graph.edges) {
+    add(edgeKey(edge.id), edge.element);
+    index.edgesOf.get(edge.source.node)?.push(edge);
+    if (edge.target.node !== edge.source.node) index.edgesOf.get(edge.target.node)?.push(edge);
+  }
+  for (const group of graph.groups) add(groupKey(group.id), group.element);
+  return index;
+}
+
+export function portOf(graph: Graph, node: string, port: string): GraphPort | undefined {
+  return indexOf(graph)
+    .nodes.get(node)
+    ?.ports.find((each) => each.id === port);
+}
+
+/** Whether the graph has this part. */
+export function has(graph: Graph, key: PartKey): boolean {
+  const part = partOf(key);
+  if (part.of === "node") return indexOf(graph).nodes.has(part.id);
+  if (part.of === "edge") return indexOf(graph).edges.has(part.id);
+  if (part.of === "port") return portOf(graph, part.node, part.id) !== undefined;
+  return graph.groups.some((each) => each.id === part.id);
+}
+
+/** The element that a part shows, empty for none. */
+export function elementOf(graph: Graph, key: PartKey): Ref | "" {
+  return indexOf(graph).elements.get(key) ?? "";
+}
+
+/** What a part is called. */
+export function nameOf(graph: Graph, key: PartKey): string {
+  const part = partOf(key);
+  if (part.of === "node") return indexOf(graph).nodes.get(part.id)?.title ?? "";
+  if (part.of === "port") return portOf(graph, part.node, part.id)?.label ?? "";
+  if (part.of === "group") return graph.groups.find((each) => each.id === part.id)?.title ?? "";
+  const edge = indexOf(graph).edges.get(part.id);
+  return edge ? edge.title || edge.labels.join(", ") : "";
+}
+
+/**
+ * Finds parts again in a newer graph: by the names of boxes and rows, since ids shift when an
+ * earlier sibling goes.
+ */
+export function carriedOver(keys: PartKey[], before: Graph, after: Graph): PartKey[] {
+  return keys.flatMap((key) => {
+    const found = carried(partOf(key), key, before, after);
+    return found ? [found] : [];
+  });
+}
+
+function carried(part: Part, key: PartKey, before: Graph, after: Graph): PartKey | null {
+  if (part.of === "edge" || part.of === "group") return has(after, key) ? key : null;
+  const old = indexOf(before).nodes.get(part.of === "node" ? part.id : part.node);
+  const node = old && after.nodes.find((each) => each.key === old.key);
+  if (!node) return null;
+  if (part.of === "node") return nodeKey(node.id);
+  const label = old.ports.find((each) => each.id === part.id)?.label;
+  const port =
+    node.ports.find((each) => each.id === part.id && each.label === label) ??
+    node.ports.find((each) => each.label === label);
+  return port ? portKey(node.id, port.id) : nodeKey(node.id);
+}

@@ -1,0 +1,132 @@
+// What the page knows, in one store; what it does with it stands in actions.ts.
+
+import { create } from "zustand";
+import type { Link } from "./connection";
+import type {
+  Command,
+  ConnectOption,
+  Entry,
+  Graph,
+  GraphEnd,
+  LegalEnd,
+  LiveState,
+  Problems,
+  Project,
+  Ref,
+  Referrer,
+  ViewInfo,
+} from "./protocol";
+import type { PartKey } from "./selection";
+
+/** A dialog that is open; one at a time. */
+export type Dialog =
+  | { kind: "help" }
+  | { kind: "find" }
+  | { kind: "delete"; commands: Command[]; label: string; referrers: Referrer[]; diff: string }
+  | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] }
+  | {
+      kind: "connect";
+      source: GraphEnd;
+      target: GraphEnd;
+      options: ConnectOption[];
+      refusal: string;
+    }
+  | { kind: "rename"; element: Ref; name: string }
+  | { kind: "diff"; title: string; diff: string };
+
+/** Something that another program did to a file. */
+export interface Outside {
+  file: string;
+  diff: string;
+  isConflict: boolean;
+}
+
+export interface Said {
+  text: string;
+  isError: boolean;
+  /** Tells two equal sentences apart. */
+  number: number;
+}
+
+export type BottomTab = "problems" | "generate" | "live" | "log";
+export type MiddleTab = "diagram" | "table";
+export type RightTab = "form" | "source";
+
+export interface Studio {
+  link: Link;
+  refusal: string;
+  project: Project | null;
+  file: string;
+  views: ViewInfo[];
+  view: string;
+  graph: Graph | null;
+  /** Revision that the graph shows. */
+  revision: number;
+  /** Why there is no graph, empty if there is one. */
+  graphFault: string;
+  /** Selected parts of the graph, the last one is where the keyboard stands. */
+  selection: PartKey[];
+  /** The element that forms and sources show; it need not be part of the graph. */
+  chosen: Ref | "";
+  problems: Problems | null;
+  live: LiveState | null;
+  dialog: Dialog | null;
+  /** The part whose name is being edited in place. */
+  renaming: { key: PartKey; element: Ref; name: string } | null;
+  outside: Outside[];
+  said: Said;
+  clip: Command[];
+  undoable: Entry | null;
+  /** Parts that stay bright while all others fade; null without a focus. */
+  bright: Set<PartKey> | null;
+  /** Ends to which the line that is being drawn may go. */
+  legal: Set<PartKey> | null;
+  filter: string;
+  bottom: BottomTab;
+  middle: MiddleTab;
+  right: RightTab;
+}
+
+export const BEGINNING: Studio = {
+  link: "opening",
+  refusal: "",
+  project: null,
+  file: "",
+  views: [],
+  view: "",
+  graph: null,
+  revision: 0,
+  graphFault: "",
+  selection: [],
+  chosen: "",
+  problems: null,
+  live: null,
+  dialog: null,
+  renaming: null,
+  outside: [],
+  said: { text: "", isError: false, number: 0 },
+  clip: [],
+  undoable: null,
+  bright: null,
+  legal: null,
+  filter: "",
+  bottom: "problems",
+  middle: "diagram",
+  right: "form",
+};
+
+/** `useStudio(state => state.graph)` in components, `useStudio.getState()` elsewhere. */
+export const useStudio = create<Studio>(() => BEGINNING);
+
+export const state = (): Studio => useStudio.getState();
+export const update = (change: Partial<Studio>): void => useStudio.setState(change);
+
+/** Tells the user something, which screen readers speak. */
+export function say(text: string, isError = false): void {
+  update({ said: { text, isError, number: state().said.number + 1 } });
+}
+
+/** Where the keyboard stands. */
+export function active(studio: Studio): PartKey | null {
+  return studio.selection.at(-1) ?? null;
+}
