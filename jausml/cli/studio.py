@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 import click
 
+from jausml.cli.choices import GROUP, INTERFACE, PORT
 from jausml.cli.common import EnvironmentFault
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "pygls")
@@ -30,7 +31,45 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygraphviz", "py
 )
 @click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
 @click.option("--out", default="", metavar="DIR", help="Folder that the page generates into.")
-def command(path: str, host: str, port: int, no_browser: bool, out: str) -> None:
+@click.option(
+    "--jaus-interface",
+    default=INTERFACE,
+    show_default=True,
+    metavar="ADDRESS",
+    help="IPv4 address of the network interface of the JAUS system that is watched.",
+)
+@click.option(
+    "--jaus-port",
+    type=click.IntRange(1, 65535),
+    default=PORT,
+    show_default=True,
+    help="UDP port of JUDP.",
+)
+@click.option(
+    "--jaus-multicast-group",
+    default=GROUP,
+    show_default=True,
+    metavar="ADDRESS",
+    help="Multicast group of JUDP.",
+)
+@click.option(
+    "--jaus-peer",
+    "jaus_peers",
+    multiple=True,
+    metavar="ID=HOST:PORT",
+    help="Where a component is, when multicast does not reach it; may be repeated.",
+)
+def command(
+    path: str,
+    host: str,
+    port: int,
+    no_browser: bool,
+    out: str,
+    jaus_interface: str,
+    jaus_port: int,
+    jaus_multicast_group: str,
+    jaus_peers: tuple[str, ...],
+) -> None:
     """Show and edit models in the browser: a file, or a folder of them.
 
     Serves a page at this computer alone, and opens the browser. Whoever has the printed address may
@@ -42,13 +81,15 @@ def command(path: str, host: str, port: int, no_browser: bool, out: str) -> None
     missing = [each for each in _NEEDED if find_spec(each) is None]
     if missing:
         raise EnvironmentFault(f"the studio needs {missing[0]}: pip install 'jausml[studio]'")
+    from jausml.cli.network import network_from
     from jausml.editing.project import Project
     from jausml.studio.desk import Desk
     from jausml.studio.serving import PageMissingError, require_page, serve
     from jausml.studio.session import Session
 
+    network = network_from(None, jaus_interface, jaus_port, jaus_multicast_group, jaus_peers)
     try:
-        session = Session(Desk(Project(path), out))
+        session = Session(Desk(Project(path), out, network))
     except OSError as error:
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error

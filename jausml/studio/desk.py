@@ -7,6 +7,13 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from jausml.live.peers.network import (
+    DEFAULT_GROUP,
+    DEFAULT_INTERFACE,
+    DEFAULT_PORT,
+    Network,
+    make_network,
+)
 from jausml.studio.audience import Audience
 from jausml.studio.checking import Verdicts
 from jausml.studio.drawing import Drawings
@@ -39,6 +46,11 @@ class Shown:
             return tuple(reversed(self._files))
 
 
+def usual_network() -> Network:
+    """Returns the network of this computer alone."""
+    return make_network(None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
+
+
 @dataclass
 class Desk:
     """What answers work with.
@@ -46,6 +58,7 @@ class Desk:
     Attributes:
         project: The folder that was opened, and its models.
         out: Where `generate` writes when nobody says otherwise, empty for its default.
+        network: Where the JAUS components of a running system are.
         audience: The pages.
         shown: The files that someone looks at.
         drawings: Where the boxes of views stand.
@@ -53,6 +66,7 @@ class Desk:
 
     project: Project
     out: str = ""
+    network: Network = field(default_factory=usual_network)
     audience: Audience = field(default_factory=Audience)
     shown: Shown = field(default_factory=Shown)
     drawings: Drawings = field(default_factory=Drawings)

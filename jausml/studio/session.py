@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from jausml.studio.asking import showing
+from jausml.studio.asking.living import Living
 from jausml.studio.checking import Checking
 from jausml.studio.methods import Answering
 
@@ -27,7 +28,9 @@ class Session:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        self._answering = Answering(showing.methods(desk))
+        self._living = Living(desk)
+        desk.audience.left = self._living.leave
+        self._answering = Answering({**showing.methods(desk), **self._living.methods()})
         self._checking = Checking(desk.verdicts, lambda: desk.shown.files, self._tell)
 
     def told(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
@@ -49,6 +52,7 @@ class Session:
         try:
             yield
         finally:
+            self._living.stop()
             self._checking.close()
             self._answering.close()
 

@@ -71,7 +71,7 @@ def _file(info: FileInfo) -> dict[str, Any]:
 
 def _hello(desk: Desk) -> dict[str, Any]:
     project = desk.project
-    extras = {"live": find_spec("rclpy") is not None, "graphviz": _has_graphviz()}
+    extras = {"live": True, "graphviz": _has_graphviz()}
     return {
         "name": project.root.name,
         "root": str(project.root),
