@@ -151,7 +151,7 @@ export class Connection implements Caller {
   }
 }
 
-const TOKEN_KEY = "jausml-token";
+export const TOKEN_KEY = "jausml-token";
 
 /** Takes the token out of the address, where a history would keep it, or from this tab. */
 export function takeToken(location: Location, history: History, storage: Storage): string {

@@ -264,6 +264,8 @@ export interface ChildKind {
   kind: string;
   label: string;
   documentation: string;
+  /** What a new one begins with, such as a name that nobody has. */
+  values?: Record<string, string[]>;
 }
 
 export interface FormChildren {
@@ -365,6 +367,22 @@ export interface FileText {
   editable: boolean;
 }
 
+export interface MapMember {
+  path: string;
+  label: string;
+  /** Type, unit and range. */
+  note: string;
+  mark: string;
+  depth: number;
+}
+
+/** All members of one end of a map; the graph has only those of interest. */
+export interface MapSide {
+  /** Id of the box in the graph. */
+  node: string;
+  members: MapMember[];
+}
+
 export type Direction = "to_ros" | "to_jaus";
 
 export interface TriedInput {
@@ -409,12 +427,41 @@ export interface LiveBox {
   text: string;
 }
 
+/** What is known of a connection, as `jausml top --json` tells it. */
+export interface LiveConnection {
+  bridge: string;
+  connection: string;
+  /** Id of its row in the system view, empty where the model has none. */
+  row: string;
+  level: string;
+  state: string | null;
+  reason: string;
+  rate: number | null;
+  declared_rate: number | null;
+  age: number | null;
+  latency_us: Record<string, number>;
+  drops: Record<string, number>;
+  /** Seconds since its bridge told something. */
+  told: number | null;
+}
+
+export interface LiveComponent {
+  id: string;
+  name: string;
+  level: string;
+  reason: string;
+  state: string | null;
+  controller: string | null;
+  authority: number | null;
+  round_trip_ms: number | null;
+}
+
 export interface LiveState {
   health?: string;
   heard?: boolean;
   sources?: Record<string, string>;
-  connections?: Record<string, unknown>[];
-  components?: Record<string, unknown>[];
+  connections?: LiveConnection[];
+  components?: LiveComponent[];
   ignored?: number;
   /** By id of an edge or a port of the system view. */
   edges: Record<string, LiveEdge>;
@@ -452,6 +499,9 @@ export interface Methods {
   problems: [{ file: string }, Problems];
   source: [{ element: Ref }, Source];
   text: [{ file: string }, FileText];
+  /** The innermost element whose text has the character at an offset of a file. */
+  at: [{ file: string; offset: number }, { element: Ref | "" }];
+  members: [{ file: string; view: string }, { sides: MapSide[] }];
   write: [{ file: string; text: string; base: number }, { revision: number }];
   try: [
     { file: string; map: string; direction: Direction; values: Record<string, string> },

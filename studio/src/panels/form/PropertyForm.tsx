@@ -1,3 +1,111 @@
+import { useState } from "react";
+import { change, choose, messageOf, remove } from "../../actions";
+import type { ChildKind, Command, FormChildren, FormField, Ref } from "../../protocol";
+import { useStudio } from "../../store";
+import { Fault, Help, Quiet } from "../base/parts";
+import { revisionOf } from "../base/studio";
+import { useAnswer } from "../base/useAnswer";
+import { ChildrenRow } from "./ChildrenRow";
+import { FieldRow } from "./FieldRow";
+
+/** The properties of the chosen element: what the metamodel knows about it, to be read and changed. */
 export function PropertyForm() {
-  return null;
+  const element = useStudio((state) => state.chosen);
+  const revision = useStudio(revisionOf);
+  const {
+    value: form,
+    error,
+    isPending,
+  } = useAnswer("form", element ? { element } : null, revision);
+  const [fault, setFault] = useState("");
+
+  if (!element) return <Quiet>Choose something in the diagram to see its properties.</Quiet>;
+  if (error) return <Fault>{error}</Fault>;
+  if (form === null) return <Quiet>{isPending ? "Reading…" : "There are no properties."}</Quiet>;
+
+  /** Makes one edit; resolves to why it was refused, or nothing. */
+  async function make(command: Command, label: string): Promise<string> {
+    try {
+      await change([command], label);
+      return "";
+    } catch (error) {
+      return messageOf(error);
+    }
+  }
+
+  function set(field: FormField, values: string[]): Promise<string> {
+    const name = values[0];
+    if (field.feature === "name" && name !== undefined)
+      return make({ kind: "rename", element, name }, `Rename ${form?.title} to ${name}`);
+    const label = `${values.length > 0 ? "Set" : "Unset"} ${field.label} of ${form?.title}`;
+    return make({ kind: "set", element, feature: field.feature, values }, label);
+  }
+
+  async function add(held: FormChildren, kind: ChildKind) {
+    const command: Command = {
+      kind: "add",
+      owner: element,
+      feature: held.feature,
+      type: kind.kind,
+      values: kind.values ?? {},
+    };
+    try {
+      await change([command], `Add ${kind.label}`);
+      setFault("");
+    } catch (error) {
+      setFault(messageOf(error));
+    }
+  }
+
+  async function move(moved: Ref, feature: string, position: number) {
+    setFault(
+      await make({ kind: "move", element: moved, owner: element, feature, position }, "Reorder"),
+    );
+  }
+
+  return (
+    <form
+      className="property-form"
+      aria-label={`Properties of ${form.title}`}
+      onSubmit={(event) => event.preventDefault()}
+    >
+      <header>
+        <h3>{form.title}</h3>
+        <span className="class">{form.class}</span>
+        <Help subject={form.class}>{form.documentation}</Help>
+        {form.owner !== "" && (
+          <button
+            type="button"
+            className="small"
+            title="Go to what holds it"
+            aria-label="Go to what holds it"
+            onClick={() => choose(form.owner)}
+          >
+            ↑
+          </button>
+        )}
+      </header>
+      {form.readonly && <Quiet>This belongs to the library and is not changed here.</Quiet>}
+      <Fault>{fault}</Fault>
+      {form.fields.map((each) => (
+        <FieldRow
+          key={`${element} ${each.feature}`}
+          field={form.readonly ? { ...each, changeable: false } : each}
+          onSet={(values) => set(each, values)}
+          onJump={(target) => choose(target)}
+        />
+      ))}
+      {form.children.map((each) => (
+        <ChildrenRow
+          key={`${element} ${each.feature}`}
+          held={each}
+          readonly={form.readonly}
+          onAdd={(kind) => add(each, kind)}
+          onRemove={(target, label) => remove([target], label)}
+          onMove={(target, position) => move(target, each.feature, position)}
+          onJump={(target) => choose(target)}
+        />
+      ))}
+    </form>
+  );
 }

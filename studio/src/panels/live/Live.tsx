@@ -1,3 +1,216 @@
+import { useState } from "react";
+import { ask, messageOf } from "../../actions";
+import type { LiveComponent, LiveConnection } from "../../protocol";
+import { state, update, useStudio } from "../../store";
+import { Fault, figure, Quiet } from "../base/parts";
+import { useAnswer } from "../base/useAnswer";
+
+const SIGNS: Record<string, string> = {
+  ok: "✔",
+  warning: "▲",
+  error: "✖",
+  silent: "◌",
+  unknown: "?",
+};
+
+/** What the running system says of itself: its connections, its components, and the last messages. */
 export function Live() {
-  return null;
+  const project = useStudio((state) => state.project);
+  const file = useStudio((state) => state.file);
+  const live = useStudio((state) => state.live);
+  const [fault, setFault] = useState("");
+  const [isStarting, setStarting] = useState(false);
+  const [open, setOpen] = useState("");
+
+  async function turn(isOn: boolean) {
+    setStarting(true);
+    setFault("");
+    try {
+      await (isOn ? ask("live.start", { file }) : ask("live.stop", {}));
+      // The first state comes a moment later.
+      update({ live: isOn ? (state().live ?? { edges: {}, boxes: {} }) : null });
+    } catch (error) {
+      setFault(messageOf(error));
+    } finally {
+      setStarting(false);
+    }
+  }
+
+  if (project && !project.extras.live)
+    return <Quiet>Watching a system is not possible here.</Quiet>;
+  return (
+    <section className="live" aria-label="Live">
+      <header>
+        <button
+          type="button"
+          className="primary"
+          disabled={!file || isStarting}
+          onClick={() => turn(live === null)}
+        >
+          {live === null ? "Watch" : "Stop watching"}
+        </button>
+        {live === null ? (
+          <span className="quiet">
+            Listens to /diagnostics and asks JAUS components as an observer; it takes no control.
+          </span>
+        ) : (
+          <>
+            <strong>{live.health ?? ""}</strong>
+            {Object.entries(live.sources ?? {}).map(([name, said]) => (
+              <span key={name} className="badge">
+                {name}: {said}
+              </span>
+            ))}
+          </>
+        )}
+      </header>
+      <Fault>{fault}</Fault>
+      {live !== null && (
+        <>
+          <Connections connections={live.connections ?? []} open={open} onOpen={setOpen} />
+          <Components components={live.components ?? []} />
+        </>
+      )}
+    </section>
+  );
+}
+
+function Level({ level }: { level: string }) {
+  return (
+    <span className={`level level-${level}`}>
+      <span aria-hidden="true">{SIGNS[level] ?? "●"}</span> {level}
+    </span>
+  );
+}
+
+/** Names with their counts: `late 3, invalid 1`; those of nothing are left out. */
+export function counted(counts: Record<string, number>): string {
+  const told = Object.entries(counts).filter(([, count]) => count > 0);
+  return told.length === 0 ? "–" : told.map(([name, count]) => `${name} ${count}`).join(", ");
+}
+
+/** A rate beside what was declared. */
+export function rates(connection: Pick<LiveConnection, "rate" | "declared_rate">): string {
+  const declared = connection.declared_rate ? ` of ${figure(connection.declared_rate)}` : "";
+  return `${figure(connection.rate)}${declared} Hz`;
+}
+
+interface ConnectionsProps {
+  connections: LiveConnection[];
+  open: string;
+  onOpen: (name: string) => void;
+}
+
+function Connections({ connections, open, onOpen }: ConnectionsProps) {
+  if (connections.length === 0) return <Quiet>No bridge has told anything yet.</Quiet>;
+  return (
+    <table>
+      <caption>Connections</caption>
+      <thead>
+        <tr>
+          <th scope="col">connection</th>
+          <th scope="col">state</th>
+          <th scope="col">rate</th>
+          <th scope="col">age</th>
+          <th scope="col">latency</th>
+          <th scope="col">drops</th>
+        </tr>
+      </thead>
+      {connections.map((each) => {
+        const name = `${each.bridge}/${each.connection}`;
+        const isOpen = open === name;
+        return (
+          <tbody key={name}>
+            <tr className={`is-${each.level}`}>
+              <th scope="row">
+                <button
+                  type="button"
+                  className="link"
+                  aria-expanded={isOpen}
+                  onClick={() => onOpen(isOpen ? "" : name)}
+                >
+                  {name}
+                </button>
+              </th>
+              <td title={each.reason}>
+                <Level level={each.level} /> {each.reason}
+              </td>
+              <td className="number">{rates(each)}</td>
+              <td className="number">{figure(each.age, "s")}</td>
+              <td className="number">{latency(each.latency_us)}</td>
+              <td>{counted(each.drops)}</td>
+            </tr>
+            {isOpen && (
+              <tr>
+                <td colSpan={6}>
+                  <LastMessage connection={each.row} told={each.told} />
+                </td>
+              </tr>
+            )}
+          </tbody>
+        );
+      })}
+    </table>
+  );
+}
+
+function latency(microseconds: Record<string, number>): string {
+  const told = Object.entries(microseconds);
+  return told.length === 0
+    ? "–"
+    : told.map(([name, value]) => `${name} ${figure(value, "µs")}`).join(", ");
+}
+
+function LastMessage({ connection, told }: { connection: string; told: number | null }) {
+  const { value, error } = useAnswer("live.message", { connection }, told);
+  if (error) return <Fault>{error}</Fault>;
+  if (value === null) return <Quiet>Waiting for a message…</Quiet>;
+  return (
+    <div className="last-message">
+      <span className="quiet last-age">
+        {value.age === null ? "no message yet" : `${figure(value.age, "s")} ago`}
+      </span>
+      <div>
+        <h5>JAUS</h5>
+        <pre>{value.jaus}</pre>
+      </div>
+      <div>
+        <h5>ROS</h5>
+        <pre>{value.ros}</pre>
+      </div>
+    </div>
+  );
+}
+
+function Components({ components }: { components: LiveComponent[] }) {
+  if (components.length === 0) return null;
+  return (
+    <table>
+      <caption>Components</caption>
+      <thead>
+        <tr>
+          <th scope="col">component</th>
+          <th scope="col">level</th>
+          <th scope="col">state</th>
+          <th scope="col">controlled by</th>
+          <th scope="col">round trip</th>
+        </tr>
+      </thead>
+      <tbody>
+        {components.map((each) => (
+          <tr key={each.id} className={`is-${each.level}`}>
+            <th scope="row">
+              {each.name || each.id} <small className="quiet">{each.id}</small>
+            </th>
+            <td title={each.reason}>
+              <Level level={each.level} />
+            </td>
+            <td>{each.state ?? "–"}</td>
+            <td>{each.controller ?? "nobody"}</td>
+            <td className="number">{figure(each.round_trip_ms, "ms")}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
 }

@@ -1,3 +1,64 @@
+import { useState } from "react";
+import { redo, undo } from "../../actions";
+import { Fault, Quiet } from "../base/parts";
+import { useRevision } from "../base/studio";
+import { useAnswer } from "../base/useAnswer";
+
+/** What was done, and how far it is undone: go back to any point of it. */
 export function Log() {
-  return null;
+  const revision = useRevision();
+  const { value, error } = useAnswer("log", {}, revision);
+  const [isGoing, setGoing] = useState(false);
+  if (error) return <Fault>{error}</Fault>;
+  if (value === null) return <Quiet>Reading…</Quiet>;
+  const { entries, at } = value;
+
+  /** Undoes or redoes, one after the other, until so many entries are done. */
+  async function go(target: number) {
+    setGoing(true);
+    try {
+      for (let done = at; done > target; done--) await undo();
+      for (let done = at; done < target; done++) await redo();
+    } finally {
+      setGoing(false);
+    }
+  }
+
+  if (entries.length === 0) return <Quiet>Nothing was changed yet.</Quiet>;
+  return (
+    <section className="log" aria-label="Changes">
+      <ol>
+        <li className={at === 0 ? "is-now" : ""}>
+          <button
+            type="button"
+            className="link"
+            disabled={isGoing || at === 0}
+            onClick={() => go(0)}
+          >
+            As it was opened
+          </button>
+        </li>
+        {entries.map((each, index) => (
+          <li
+            key={each.number}
+            className={index >= at ? "is-undone" : index === at - 1 ? "is-now" : ""}
+            aria-current={index === at - 1 ? "step" : undefined}
+          >
+            <button
+              type="button"
+              className="link"
+              disabled={isGoing || index === at - 1}
+              onClick={() => go(index + 1)}
+            >
+              {each.label}
+            </button>{" "}
+            <small className="quiet">
+              {each.files.join(", ")}
+              {index >= at && " · undone"}
+            </small>
+          </li>
+        ))}
+      </ol>
+    </section>
+  );
 }

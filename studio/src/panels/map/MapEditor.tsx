@@ -1,3 +1,84 @@
+import { type KeyboardEvent, useMemo, useState } from "react";
+import { choose, connect, remove } from "../../actions";
+import type { GraphEnd } from "../../protocol";
+import { useStudio } from "../../store";
+import { Quiet } from "../base/parts";
+import { useRevision } from "../base/studio";
+import { useAnswer } from "../base/useAnswer";
+import { MemberTree } from "./MemberTree";
+import { type Filter, sides } from "./rows";
+import { TryIt } from "./TryIt";
+
+/** An attribute map: all members of both ends, what fills them, and what they give when tried. */
 export function MapEditor() {
-  return null;
+  const file = useStudio((state) => state.file);
+  const view = useStudio((state) => state.view);
+  const element = useStudio((state) => state.chosen);
+  const revision = useRevision();
+  const isMap = view.startsWith("map:");
+  const question = isMap ? { file, view } : null;
+  const graph = useStudio((state) => state.graph);
+  const { value: members } = useAnswer("members", question, revision);
+  const [query, setQuery] = useState("");
+  const [filter, setFilter] = useState<Filter>("all");
+  const [begun, setBegun] = useState<GraphEnd | null>(null);
+
+  const ends = useMemo(() => (graph ? sides(graph, members?.sides ?? []) : []), [graph, members]);
+
+  if (!isMap) return <Quiet>Open the view of a map to edit its assignments.</Quiet>;
+  if (!graph) return <Quiet>Reading…</Quiet>;
+
+  function onKeyDown(event: KeyboardEvent) {
+    if (event.key !== "Escape" || begun === null) return;
+    event.stopPropagation();
+    setBegun(null);
+  }
+
+  const tree = (side: (typeof ends)[number]) => (
+    <MemberTree
+      key={`${view} ${side.node}`}
+      side={side}
+      query={query}
+      filter={filter}
+      begun={begun}
+      chosen={element}
+      onBegin={setBegun}
+      onConnect={connect}
+      onChoose={choose}
+      onRemove={(use, label) => remove([use], label)}
+    />
+  );
+
+  return (
+    <section className="map-editor" aria-label="Map" onKeyDown={onKeyDown}>
+      <header>
+        <input
+          type="search"
+          aria-label="Filter members"
+          placeholder="Filter members"
+          value={query}
+          onChange={(event) => setQuery(event.currentTarget.value)}
+        />
+        <select
+          aria-label="Members shown"
+          value={filter}
+          onChange={(event) => setFilter(event.currentTarget.value as Filter)}
+        >
+          <option value="all">all members</option>
+          <option value="mapped">mapped members</option>
+          <option value="unmapped">unmapped members</option>
+        </select>
+        <span className="quiet" role="status">
+          {begun
+            ? `From ${begun.port}: choose where it goes, or press Esc.`
+            : "Drag a member onto one of the other side, or press c on both; f fills one with a constant."}
+        </span>
+      </header>
+      <div className="map-sides">
+        <div>{ends.filter((each) => each.side === "jaus").map(tree)}</div>
+        <div>{ends.filter((each) => each.side === "ros").map(tree)}</div>
+      </div>
+      <TryIt key={view} file={file} map={view.slice("map:".length)} revision={revision} />
+    </section>
+  );
 }

@@ -1,3 +1,148 @@
+import { useMemo, useState } from "react";
+import { change, messageOf, reveal } from "../../actions";
+import type { Cure, Problem, Severity } from "../../protocol";
+import { useStudio } from "../../store";
+import { Fault, Quiet, SeverityMark } from "../base/parts";
+
+const SEVERITIES: Severity[] = ["error", "warning", "info"];
+const NAMES: Record<Severity, [string, string]> = {
+  error: ["error", "errors"],
+  warning: ["warning", "warnings"],
+  info: ["remark", "remarks"],
+};
+const MOST_SHOWN = 500;
+
+/** What is wrong by severity, gravest first; then by file and line. */
+export function ordered(problems: readonly Problem[]): Problem[] {
+  return [...problems].sort(
+    (left, right) =>
+      SEVERITIES.indexOf(left.severity) - SEVERITIES.indexOf(right.severity) ||
+      left.file.localeCompare(right.file) ||
+      left.line - right.line ||
+      left.column - right.column,
+  );
+}
+
+function count(problems: readonly Problem[], severity: Severity): string {
+  const number = problems.filter((each) => each.severity === severity).length;
+  return `${number} ${NAMES[severity][number === 1 ? 0 : 1]}`;
+}
+
+/** The verdict in one line. */
+export function verdict(problems: readonly Problem[]): string {
+  if (problems.length === 0) return "No problems.";
+  const counts = SEVERITIES.filter((each) => problems.some((problem) => problem.severity === each));
+  return `${counts.map((each) => count(problems, each)).join(", ")}.`;
+}
+
+/** What the rules say about the file, as it is told after each change. */
 export function Problems() {
-  return null;
+  const told = useStudio((state) => state.problems);
+  const [hidden, setHidden] = useState<readonly Severity[]>([]);
+  const [filter, setFilter] = useState("");
+  const [fault, setFault] = useState("");
+
+  const all = useMemo(() => ordered(told?.problems ?? []), [told]);
+  const words = filter.toLowerCase().split(/\s+/).filter(Boolean);
+  const shown = all.filter((each) => {
+    const text = `${each.message} ${each.rule} ${each.path} ${each.file}`.toLowerCase();
+    return !hidden.includes(each.severity) && words.every((word) => text.includes(word));
+  });
+
+  async function cure(taken: Cure) {
+    try {
+      await change(taken.commands, taken.label);
+      setFault("");
+    } catch (error) {
+      setFault(messageOf(error));
+    }
+  }
+
+  if (told === null) return <Quiet>Nothing has been checked yet.</Quiet>;
+  return (
+    <section className="problems" aria-label="Problems">
+      <header>
+        <span className="verdict" role="status">
+          {verdict(all)}
+        </span>
+        <span className="quiet">checked in {Math.round(told.elapsed_ms)} ms</span>
+        <fieldset aria-label="Severities shown">
+          {SEVERITIES.map((each) => (
+            <label key={each}>
+              <input
+                type="checkbox"
+                checked={!hidden.includes(each)}
+                onChange={() =>
+                  setHidden(
+                    hidden.includes(each)
+                      ? hidden.filter((one) => one !== each)
+                      : [...hidden, each],
+                  )
+                }
+              />
+              {count(all, each)}
+            </label>
+          ))}
+        </fieldset>
+        <input
+          type="search"
+          aria-label="Filter problems"
+          placeholder="Filter"
+          value={filter}
+          onChange={(event) => setFilter(event.currentTarget.value)}
+        />
+      </header>
+      <Fault>{fault}</Fault>
+      <ul>
+        {shown.slice(0, MOST_SHOWN).map((each) => (
+          <Row key={keyOf(each)} problem={each} onCure={cure} />
+        ))}
+      </ul>
+      {shown.length > MOST_SHOWN && (
+        <Quiet>{`${shown.length - MOST_SHOWN} more; filter to see them.`}</Quiet>
+      )}
+      {all.length > 0 && shown.length === 0 && <Quiet>All problems are filtered out.</Quiet>}
+    </section>
+  );
+}
+
+function keyOf(problem: Problem): string {
+  return [
+    problem.file,
+    problem.line,
+    problem.column,
+    problem.rule,
+    problem.element,
+    problem.message,
+  ].join(" ");
+}
+
+function Row({ problem, onCure }: { problem: Problem; onCure: (cure: Cure) => void }) {
+  const place = problem.line > 0 ? `${problem.file}:${problem.line}` : problem.file;
+  return (
+    <li className="problem">
+      <SeverityMark severity={problem.severity} />
+      <div className="problem-text">
+        <button
+          type="button"
+          className="link"
+          disabled={problem.element === ""}
+          onClick={() => reveal(problem.element, problem.file)}
+        >
+          {problem.message}
+        </button>
+        {problem.hint && <span className="hint">{problem.hint}</span>}
+        <span className="quiet">
+          {[problem.path, place, problem.rule].filter(Boolean).join(" · ")}
+        </span>
+      </div>
+      <span className="buttons">
+        {problem.cures.map((each) => (
+          <button type="button" key={each.label} onClick={() => onCure(each)}>
+            {each.label}
+          </button>
+        ))}
+      </span>
+    </li>
+  );
 }

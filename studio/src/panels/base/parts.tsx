@@ -1,0 +1,100 @@
+import { type ReactNode, useEffect, useId, useState } from "react";
+import type { Severity } from "../../protocol";
+
+const SIGNS: Record<Severity, string> = { error: "✖", warning: "▲", info: "●" };
+
+/** Severity as a sign and a word, never as a colour alone. */
+export function SeverityMark({ severity }: { severity: Severity }) {
+  return (
+    <span className={`severity severity-${severity}`}>
+      <span aria-hidden="true">{SIGNS[severity]}</span> {severity}
+    </span>
+  );
+}
+
+/** What is wrong, beside the thing that is wrong. */
+export function Messages({ id, messages }: { id?: string; messages: readonly string[] }) {
+  return (
+    <ul className="messages" id={id} hidden={messages.length === 0}>
+      {messages.map((each) => (
+        <li key={each}>
+          <span aria-hidden="true">✖</span> {each}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** A button that shows and hides a text about its subject; by mouse, touch and keyboard alike. */
+export function Help({ subject, children }: { subject: string; children: string }) {
+  const [isOpen, setOpen] = useState(false);
+  const id = useId();
+  if (!children) return null;
+  return (
+    <>
+      <button
+        type="button"
+        className="help-button"
+        aria-expanded={isOpen}
+        aria-controls={id}
+        aria-label={`What is ${subject}?`}
+        onClick={() => setOpen(!isOpen)}
+        onKeyDown={(event) => {
+          if (event.key !== "Escape" || !isOpen) return;
+          event.stopPropagation();
+          setOpen(false);
+        }}
+      >
+        ?
+      </button>
+      <p className="help-text" id={id} hidden={!isOpen}>
+        {children}
+      </p>
+    </>
+  );
+}
+
+/** A text to be copied, and the button that does it. */
+export function Copyable({ label, text }: { label: string; text: string }) {
+  const [isCopied, setCopied] = useState(false);
+  useEffect(() => {
+    if (!isCopied) return;
+    const timer = setTimeout(() => setCopied(false), 2000);
+    return () => clearTimeout(timer);
+  }, [isCopied]);
+  return (
+    <div className="copyable">
+      <code>{text}</code>
+      <button
+        type="button"
+        aria-label={`Copy ${label}`}
+        onClick={() => navigator.clipboard.writeText(text).then(() => setCopied(true))}
+      >
+        {isCopied ? "Copied" : "Copy"}
+      </button>
+    </div>
+  );
+}
+
+/** What a panel says when it has nothing to show. */
+export function Quiet({ children }: { children: ReactNode }) {
+  return <p className="quiet">{children}</p>;
+}
+
+/** Why something did not work. */
+export function Fault({ children }: { children: string }) {
+  if (!children) return null;
+  return (
+    <p className="fault" role="alert">
+      <SeverityMark severity="error" /> {children}
+    </p>
+  );
+}
+
+/** Numbers as people read them: three figures that count. */
+export function figure(value: number | null | undefined, unit = ""): string {
+  if (value === null || value === undefined) return "–";
+  const text =
+    Math.abs(value) >= 100 ? String(Math.round(value)) : String(Number(value.toPrecision(3)));
+  return unit ? `${text} ${unit}` : text;
+}

@@ -1,0 +1,252 @@
+import { render, screen, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { beforeEach, describe, expect, it } from "vitest";
+import { CallError } from "../../connection";
+import type { Form, FormField } from "../../protocol";
+import { state, update } from "../../store";
+import { type FakeServer, serve } from "../../testing/fakeServer";
+import { PropertyForm } from "./PropertyForm";
+
+const ELEMENT = "robot.xmi#drive";
+
+function field(feature: string, more: Partial<FormField> = {}): FormField {
+  return {
+    feature,
+    label: feature,
+    kind: "text",
+    many: false,
+    required: false,
+    values: [],
+    shown: [],
+    default: "",
+    documentation: "",
+    unit: "",
+    choices: [],
+    problems: [],
+    changeable: true,
+    ...more,
+  };
+}
+
+const FIELDS = [
+  field("name", { values: ["drive"], required: true }),
+  field("rate", {
+    kind: "number",
+    unit: "Hz",
+    documentation: "How often it is sent.",
+    values: ["10"],
+  }),
+  field("isMandatory", { kind: "boolean", default: "true" }),
+  field("reliability", {
+    kind: "choice",
+    default: "reliable",
+    choices: [
+      { value: "reliable", label: "reliable", documentation: "" },
+      { value: "bestEffort", label: "best effort", documentation: "Lost is lost." },
+    ],
+  }),
+  field("message", {
+    kind: "reference",
+    values: ["lib#a"],
+    shown: ["SetWrenchEffort"],
+    choices: [
+      { value: "lib#a", label: "SetWrenchEffort", documentation: "" },
+      { value: "lib#b", label: "ReportVelocityState", documentation: "" },
+    ],
+    problems: ["the message is not provided"],
+  }),
+  field("topics", { many: true, values: ["a", "b", "c"] }),
+];
+
+const FORM: Form = {
+  element: ELEMENT,
+  class: "bridge.Connection",
+  title: "drive",
+  documentation: "Carries one message.",
+  readonly: false,
+  owner: "robot.xmi#bridge",
+  fields: FIELDS,
+  children: [
+    {
+      feature: "joins",
+      label: "joins",
+      many: true,
+      documentation: "",
+      kinds: [
+        { kind: "bridge.Join", label: "join", documentation: "", values: { name: ["join_2"] } },
+      ],
+      elements: [
+        { element: "robot.xmi#join", label: "attitude", kind: "join" },
+        { element: "robot.xmi#other", label: "speed", kind: "join" },
+      ],
+    },
+  ],
+};
+
+let server: FakeServer;
+
+function show(form: Form = FORM) {
+  server = serve({
+    form: () => form,
+    edit: () => ({ revision: 1, created: [] }),
+  });
+  update({ chosen: ELEMENT });
+  render(<PropertyForm />);
+}
+
+const commands = () => server.params("edit").flatMap((each) => each.commands);
+const set = (feature: string, ...values: string[]) => ({
+  kind: "set",
+  element: ELEMENT,
+  feature,
+  values,
+});
+
+describe("the property form", () => {
+  beforeEach(() => show());
+
+  it("changes once, on Enter and not again when the focus goes", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "25{Enter}");
+    await userEvent.tab();
+    expect(commands()).toEqual([set("rate", "25")]);
+  });
+
+  it("changes when the focus goes", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "0");
+    expect(commands()).toEqual([]);
+    await userEvent.tab();
+    expect(commands()).toEqual([set("rate", "100")]);
+  });
+
+  it("restores on Escape, and keeps the key to itself then", async () => {
+    const rate = await screen.findByLabelText<HTMLInputElement>("rate");
+    await userEvent.type(rate, "7{Escape}");
+    expect(rate.value).toBe("10");
+    await userEvent.tab();
+    expect(commands()).toEqual([]);
+  });
+
+  it("tells a wrong number where it is, and sends nothing", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.clear(rate);
+    await userEvent.type(rate, "fast{Enter}");
+    expect(screen.getByText("'fast' is no number")).toBeVisible();
+    expect(rate).toHaveAttribute("aria-invalid", "true");
+    expect(commands()).toEqual([]);
+  });
+
+  it("tells where it is what the server refuses", async () => {
+    server.answer("edit", () => {
+      throw new CallError(-32000, "a rate is more than 0");
+    });
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "{Control>}a{/Control}0{Enter}");
+    expect(await screen.findByText("a rate is more than 0")).toBeVisible();
+  });
+
+  it("unsets what is emptied, but not what must have a value", async () => {
+    await userEvent.clear(await screen.findByLabelText("rate"));
+    await userEvent.tab();
+    expect(commands()).toEqual([set("rate")]);
+    await userEvent.clear(screen.getByLabelText("name"));
+    await userEvent.tab();
+    expect(screen.getByText("name must have a value")).toBeVisible();
+    expect(commands()).toHaveLength(1);
+  });
+
+  it("renames by the command that takes references along", async () => {
+    const name = await screen.findByLabelText("name");
+    await userEvent.type(name, "_2{Enter}");
+    expect(commands()).toEqual([{ kind: "rename", element: ELEMENT, name: "drive_2" }]);
+  });
+
+  it("sets truths and choices at once", async () => {
+    await userEvent.click(await screen.findByLabelText("isMandatory"));
+    await userEvent.selectOptions(screen.getByLabelText("reliability"), "best effort");
+    expect(commands()).toEqual([set("isMandatory", "false"), set("reliability", "bestEffort")]);
+  });
+
+  it("finds references as one types, by keyboard alone", async () => {
+    const message = await screen.findByRole("combobox", { name: "message" });
+    expect(message).toHaveValue("SetWrenchEffort");
+    await userEvent.type(message, "veloc{Enter}");
+    expect(commands()).toEqual([set("message", "lib#b")]);
+  });
+
+  it("shows what is wrong beside the field, and describes the field with it", async () => {
+    const message = await screen.findByRole("combobox", { name: "message" });
+    expect(message).toHaveAccessibleDescription(/the message is not provided/);
+  });
+
+  it("tells what a field means on request, by keyboard too", async () => {
+    const help = await screen.findByRole("button", { name: "What is rate?" });
+    expect(screen.getByText("How often it is sent.")).not.toBeVisible();
+    help.focus();
+    await userEvent.keyboard("{Enter}");
+    expect(screen.getByText("How often it is sent.")).toBeVisible();
+    expect(screen.getByText("Hz")).toBeVisible();
+  });
+
+  it("adds, removes and reorders values of lists", async () => {
+    const list = await screen.findByRole("list", { name: "topics" });
+    await userEvent.click(within(list).getByRole("button", { name: "Move b up" }));
+    await userEvent.click(within(list).getByRole("button", { name: "Remove b" }));
+    await userEvent.type(within(list).getByLabelText("Add to topics"), "d{Enter}");
+    expect(commands()).toEqual([
+      set("topics", "b", "a", "c"),
+      set("topics", "a", "c"),
+      set("topics", "a", "b", "c", "d"),
+    ]);
+  });
+
+  it("adds children with what they begin with, moves them, and goes to them", async () => {
+    await userEvent.click(await screen.findByRole("button", { name: "Add join" }));
+    await userEvent.click(screen.getByRole("button", { name: "Move speed up" }));
+    expect(commands()).toEqual([
+      {
+        kind: "add",
+        owner: ELEMENT,
+        feature: "joins",
+        type: "bridge.Join",
+        values: { name: ["join_2"] },
+      },
+      { kind: "move", element: "robot.xmi#other", owner: ELEMENT, feature: "joins", position: 0 },
+    ]);
+    await userEvent.click(screen.getByRole("button", { name: "attitude join" }));
+    expect(state().chosen).toBe("robot.xmi#join");
+  });
+
+  it("deletes children as the diagram does, which asks where others refer to them", async () => {
+    await userEvent.click(await screen.findByRole("button", { name: "Delete speed" }));
+    expect(server.params("edit")[0]).toMatchObject({ dry: true });
+  });
+});
+
+it("changes nothing of the library", async () => {
+  show({ ...FORM, readonly: true });
+  const rate = await screen.findByLabelText("rate");
+  expect(rate).toHaveAttribute("readonly");
+  expect(screen.queryByRole("button", { name: "Add join" })).toBeNull();
+  expect(screen.queryByRole("button", { name: "Remove b" })).toBeNull();
+});
+
+it("shows hostile text as text", async () => {
+  const hostile = "<script>alert(1)</script><img src=x onerror=alert(1)>";
+  show({
+    ...FORM,
+    title: hostile,
+    documentation: hostile,
+    fields: [field("note", { values: [hostile], documentation: hostile, problems: [hostile] })],
+  });
+  expect(await screen.findByDisplayValue(hostile)).toBeVisible();
+  expect(document.querySelector("script, img")).toBeNull();
+});
+
+it("asks for a choice while nothing is chosen", () => {
+  serve();
+  render(<PropertyForm />);
+  expect(screen.getByText(/Choose something/)).toBeVisible();
+});

@@ -1,0 +1,177 @@
+import { type KeyboardEvent, useId, useState } from "react";
+import type { FormField } from "../../protocol";
+import { Combobox } from "../base/Combobox";
+import { fault, shownAs } from "./values";
+
+interface Props {
+  id?: string;
+  field: FormField;
+  /** Which value of the field; past the last one: a new one. */
+  index: number;
+  label: string;
+  describedBy: string;
+  isWrong: boolean;
+  /** Takes the new value; what it returns is why it was refused. */
+  onChange: (value: string) => void;
+  onFault: (message: string) => void;
+}
+
+/** The control of one value of a field. */
+export function ValueInput(props: Props) {
+  switch (props.field.kind) {
+    case "boolean":
+      return <Checkbox {...props} />;
+    case "choice":
+      return <Select {...props} />;
+    case "reference":
+      return <Reference {...props} />;
+    default:
+      return <Typed {...props} />;
+  }
+}
+
+function Checkbox({ id, field, index, label, describedBy, onChange }: Props) {
+  const value = field.values[index] ?? (field.many ? "false" : field.default);
+  return (
+    <input
+      id={id}
+      type="checkbox"
+      aria-label={label}
+      aria-describedby={describedBy}
+      disabled={!field.changeable}
+      checked={value === "true"}
+      onChange={(event) => onChange(event.currentTarget.checked ? "true" : "false")}
+    />
+  );
+}
+
+function Select({ id, field, index, label, describedBy, isWrong, onChange }: Props) {
+  const value = field.values[index] ?? "";
+  const usual = field.choices.find((each) => each.value === field.default)?.label ?? field.default;
+  const chosen = field.choices.find((each) => each.value === (value || field.default));
+  const isKnown = value === "" || field.choices.some((each) => each.value === value);
+  return (
+    <div className="chooser">
+      <select
+        id={id}
+        aria-label={label}
+        aria-describedby={describedBy}
+        aria-invalid={isWrong || undefined}
+        disabled={!field.changeable}
+        value={value}
+        onChange={(event) => onChange(event.currentTarget.value)}
+      >
+        <option value="">{usual ? `${usual} (default)` : "– none –"}</option>
+        {!isKnown && <option value={value}>{value}</option>}
+        {field.choices.map((each) => (
+          <option key={each.value} value={each.value}>
+            {each.label}
+          </option>
+        ))}
+      </select>
+      {chosen?.documentation && <small className="quiet">{chosen.documentation}</small>}
+    </div>
+  );
+}
+
+function Reference({ id, field, index, label, describedBy, isWrong, onChange }: Props) {
+  return (
+    <Combobox
+      {...(id === undefined ? {} : { id })}
+      label={label}
+      choices={field.choices}
+      shown={shownAs(field, index)}
+      placeholder={field.default || "type to search"}
+      disabled={!field.changeable}
+      isWrong={isWrong}
+      describedBy={describedBy}
+      onChoose={onChange}
+    />
+  );
+}
+
+/** What is typed, and for which value. */
+interface Draft {
+  of: string;
+  text: string;
+  /** It was handed on, and is not to be handed on again when the focus goes. */
+  isSent: boolean;
+}
+
+function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFault }: Props) {
+  const given = field.values[index] ?? "";
+  const [draft, setDraft] = useState<Draft | null>(null);
+  const usual = useId();
+  // What the server says wins over what was typed before it came.
+  const typed = draft?.of === given ? draft : null;
+
+  function type(text: string) {
+    setDraft({ of: given, text, isSent: false });
+  }
+
+  function commit() {
+    if (typed === null || typed.isSent) return;
+    const isNumber = field.kind === "number" || field.kind === "integer";
+    const text = isNumber ? typed.text.trim() : typed.text;
+    if (text === given) return restore();
+    const why = fault(field, text);
+    onFault(why);
+    if (why) return;
+    setDraft({ ...typed, isSent: true });
+    onChange(text);
+  }
+
+  function restore() {
+    setDraft(null);
+    onFault("");
+  }
+
+  function onKeyDown(event: KeyboardEvent) {
+    if (event.key === "Escape" && typed !== null) {
+      event.stopPropagation();
+      restore();
+    }
+    if (event.key === "Enter" && (field.kind !== "multiline" || event.ctrlKey || event.metaKey)) {
+      event.preventDefault();
+      commit();
+    }
+  }
+
+  const common = {
+    id,
+    "aria-label": label,
+    "aria-describedby": describedBy,
+    "aria-invalid": isWrong || undefined,
+    "aria-required": field.required || undefined,
+    readOnly: !field.changeable,
+    placeholder: field.default,
+    value: typed?.text ?? given,
+    spellCheck: field.kind === "multiline",
+    onBlur: commit,
+    onKeyDown,
+  };
+  if (field.kind === "multiline")
+    return <textarea {...common} rows={3} onChange={(event) => type(event.currentTarget.value)} />;
+  const isNumber = field.kind === "number" || field.kind === "integer";
+  return (
+    <>
+      <input
+        {...common}
+        type="text"
+        list={field.choices.length > 0 ? usual : undefined}
+        autoComplete="off"
+        inputMode={isNumber ? "decimal" : "text"}
+        onChange={(event) => type(event.currentTarget.value)}
+      />
+      {field.choices.length > 0 && (
+        <datalist id={usual}>
+          {field.choices.map((each) => (
+            <option key={each.value} value={each.value}>
+              {each.documentation || each.label}
+            </option>
+          ))}
+        </datalist>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,103 @@
+import { render, screen, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { expect, it } from "vitest";
+import type { Plan } from "../../protocol";
+import { serve } from "../../testing/fakeServer";
+import { kindOf } from "./Diff";
+import { Generate, quoted } from "./Generate";
+
+const PLAN: Plan = {
+  out: "robot_ws/src",
+  files: [
+    { path: "bridge/main.py", action: "create", reason: "" },
+    { path: "bridge/mine.py", action: "keep", reason: "" },
+    { path: "bridge/old.py", action: "same", reason: "" },
+  ],
+  drift: [],
+  problems: "",
+  digest: "d1",
+};
+const REFUSING: Plan = {
+  ...PLAN,
+  files: [...PLAN.files, { path: "bridge/edited.py", action: "refuse", reason: "it was edited" }],
+  drift: ["vehicle.py lacks on_stop"],
+};
+
+function show(plan: Plan) {
+  const server = serve({
+    plan: () => plan,
+    diff: () => ({
+      diff: "--- a\n+++ b\n@@ -1 +1 @@\n-old <b>\n+new <script>alert(1)</script>\n same\n",
+    }),
+    generate: () => ({ written: 1, message: "1 file written." }),
+  });
+  render(<Generate />);
+  return server;
+}
+
+it("shows what would happen to which file", async () => {
+  show(REFUSING);
+  expect(await screen.findByText("1 created")).toBeVisible();
+  expect(screen.getByText("1 refused")).toBeVisible();
+  expect(screen.getByText("1 kept")).toBeVisible();
+  expect(screen.getByText("vehicle.py lacks on_stop")).toBeVisible();
+  expect(screen.getByText("jausml run robot_ws/src")).toBeVisible();
+});
+
+it("shows the diff of a file as text", async () => {
+  show(PLAN);
+  await userEvent.click(await screen.findByRole("button", { name: "bridge/main.py" }));
+  const added = await screen.findByText("+new <script>alert(1)</script>");
+  expect(added).toHaveClass("diff-added");
+  expect(screen.getByText("-old <b>")).toHaveClass("diff-removed");
+  expect(document.querySelector("pre script, pre b")).toBeNull();
+});
+
+it("generates what was shown", async () => {
+  const server = show(PLAN);
+  await screen.findByText("1 created");
+  await userEvent.click(screen.getByRole("button", { name: "Generate" }));
+  expect(server.params("generate")).toEqual([
+    { file: "robot.xmi", out: "robot_ws/src", digest: "d1" },
+  ]);
+  expect(await screen.findByText("1 file written.")).toBeVisible();
+});
+
+it("asks first where files are refused", async () => {
+  const server = show(REFUSING);
+  await screen.findByText("1 created");
+  await userEvent.click(screen.getByRole("button", { name: "Generate" }));
+  expect(server.params("generate")).toEqual([]);
+  const dialog = screen.getByRole("alertdialog");
+  await userEvent.click(within(dialog).getByRole("button", { name: "Generate the others" }));
+  expect(server.params("generate")).toHaveLength(1);
+});
+
+it("plans for another folder", async () => {
+  const server = show(PLAN);
+  await screen.findByText("1 created");
+  await userEvent.type(screen.getByLabelText("Folder"), "my out{Enter}");
+  expect(server.params("plan").at(-1)).toEqual({ file: "robot.xmi", out: "my out" });
+});
+
+it("does nothing while there are problems, or nothing to do", async () => {
+  show({ ...PLAN, problems: "2 errors in the model" });
+  expect(await screen.findByRole("alert")).toHaveTextContent("2 errors in the model");
+  expect(screen.getByRole("button", { name: "Generate" })).toBeDisabled();
+});
+
+it("writes words of a shell", () => {
+  expect(quoted("robot_ws/src")).toBe("robot_ws/src");
+  expect(quoted("my out's")).toBe(`'my out'\\''s'`);
+});
+
+it("knows the lines of a diff", () => {
+  expect(["+a", "-a", " a", "@@ -1 +1 @@", "+++ b", "--- a"].map(kindOf)).toEqual([
+    "added",
+    "removed",
+    "same",
+    "place",
+    "place",
+    "place",
+  ]);
+});

@@ -1,0 +1,86 @@
+import { act, render, screen } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { expect, it } from "vitest";
+import type { LiveState } from "../../protocol";
+import { state, update } from "../../store";
+import { serve } from "../../testing/fakeServer";
+import { counted, Live, rates } from "./Live";
+
+const LIVE: LiveState = {
+  health: "warning",
+  sources: { "/diagnostics": "heard", JAUS: "port in use" },
+  connections: [
+    {
+      bridge: "bridge",
+      connection: "velocity",
+      row: "conn1",
+      level: "warning",
+      state: "active",
+      reason: "too slow",
+      rate: 4.21,
+      declared_rate: 10,
+      age: 0.2,
+      latency_us: { mean: 120.4 },
+      drops: { late: 3, invalid: 0 },
+      told: 0.1,
+    },
+  ],
+  components: [
+    {
+      id: "100.1.1",
+      name: "vehicle",
+      level: "ok",
+      reason: "",
+      state: "Ready",
+      controller: "200.1.1",
+      authority: 200,
+      round_trip_ms: 1.5,
+    },
+  ],
+  edges: {},
+  boxes: {},
+};
+
+function show() {
+  const server = serve({
+    "live.start": () => null,
+    "live.stop": () => null,
+    "live.message": () => ({ jaus: "VelocityX: 1.0 m/s", ros: "twist.linear.x: 1.0", age: 0.25 }),
+  });
+  render(<Live />);
+  return server;
+}
+
+it("watches, and stops to watch", async () => {
+  const server = show();
+  await userEvent.click(screen.getByRole("button", { name: "Watch" }));
+  expect(server.params("live.start")).toEqual([{ file: "robot.xmi" }]);
+  await userEvent.click(await screen.findByRole("button", { name: "Stop watching" }));
+  expect(server.params("live.stop")).toHaveLength(1);
+  expect(state().live).toBeNull();
+});
+
+it("tells connections and components, with what is wrong in words", () => {
+  show();
+  act(() => update({ live: LIVE }));
+  expect(screen.getByText("4.21 of 10 Hz")).toBeVisible();
+  expect(screen.getByText("late 3")).toBeVisible();
+  expect(screen.getByText("mean 120 µs")).toBeVisible();
+  expect(screen.getByRole("row", { name: /velocity/ })).toHaveTextContent("warning too slow");
+  expect(screen.getByRole("row", { name: /vehicle/ })).toHaveTextContent("200.1.1");
+  expect(screen.getByText("JAUS: port in use")).toBeVisible();
+});
+
+it("shows the last message on both sides", async () => {
+  const server = show();
+  act(() => update({ live: LIVE }));
+  await userEvent.click(screen.getByRole("button", { name: "bridge/velocity" }));
+  expect(await screen.findByText("VelocityX: 1.0 m/s")).toBeVisible();
+  expect(screen.getByText("twist.linear.x: 1.0")).toBeVisible();
+  expect(server.params("live.message")[0]).toEqual({ connection: "conn1" });
+});
+
+it("says nothing where nothing is known", () => {
+  expect(rates({ rate: null, declared_rate: null })).toBe("– Hz");
+  expect(counted({ late: 0 })).toBe("–");
+});

@@ -1,0 +1,254 @@
+import { type DragEvent, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
+import type { GraphEnd, Ref } from "../../protocol";
+import { type Filter, type MemberRow, openAtFirst, type SideRows, shownRows } from "./rows";
+
+const DRAGGED_MEMBER = "application/x-jausml-member";
+
+interface Props {
+  side: SideRows;
+  query: string;
+  filter: Filter;
+  /** Where a connection begins, while one is drawn. */
+  begun: GraphEnd | null;
+  chosen: Ref;
+  onBegin: (end: GraphEnd | null) => void;
+  /** A connection was drawn; without a source the member is to be filled with something else. */
+  onConnect: (source: GraphEnd, target: GraphEnd) => void;
+  onChoose: (element: Ref) => void;
+  onRemove: (element: Ref, label: string) => void;
+}
+
+const NOTHING: GraphEnd = { node: "", port: "" };
+
+/** One end of a map: its members as a tree, each with what fills or reads it. */
+export function MemberTree(props: Props) {
+  const { side, begun } = props;
+  const { rows } = side;
+  const [opened, setOpened] = useState(() => openAtFirst(rows));
+  const [at, setAt] = useState("");
+  const tree = useRef<HTMLDivElement>(null);
+  const shown = useMemo(
+    () => shownRows(rows, props.query, props.filter, opened),
+    [rows, props.query, props.filter, opened],
+  );
+  const active = shown.find((each) => each.path === at) ?? shown[0];
+
+  // What is mapped for the first time is seen.
+  useEffect(() => {
+    setOpened((before) => {
+      const missing = [...openAtFirst(rows)].filter((each) => !before.has(each));
+      return missing.length > 0 ? new Set([...before, ...missing]) : before;
+    });
+  }, [rows]);
+
+  function focus(row: MemberRow | undefined) {
+    if (!row) return;
+    setAt(row.path);
+    tree.current?.querySelector<HTMLElement>(`[data-path="${CSS.escape(row.path)}"]`)?.focus();
+  }
+
+  function toggle(path: string, isOpen: boolean) {
+    setOpened((before) => {
+      const after = new Set(before);
+      if (isOpen) after.add(path);
+      else after.delete(path);
+      return after;
+    });
+  }
+
+  function finish(row: MemberRow) {
+    const end = { node: row.node, port: row.path };
+    if (begun === null) return;
+    props.onConnect(begun, end);
+    props.onBegin(null);
+  }
+
+  function onKeyDown(event: KeyboardEvent, row: MemberRow) {
+    if (event.target !== event.currentTarget || event.ctrlKey || event.metaKey || event.altKey)
+      return;
+    if (!act(event.key, row)) return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** Does what a key means on a row; false for keys that mean nothing. */
+  function act(key: string, row: MemberRow): boolean {
+    const index = shown.indexOf(row);
+    const isOpen = row.hasInner && opened.has(row.path);
+    const use = row.uses[0];
+    if (key === "ArrowDown") focus(shown[index + 1]);
+    else if (key === "ArrowUp") focus(shown[index - 1]);
+    else if (key === "Home") focus(shown[0]);
+    else if (key === "End") focus(shown.at(-1));
+    else if (key === "ArrowRight" && row.hasInner && !isOpen) toggle(row.path, true);
+    else if (key === "ArrowRight") focus(shown[index + 1]);
+    else if (key === "ArrowLeft" && isOpen) toggle(row.path, false);
+    else if (key === "ArrowLeft") focus(around(row, shown));
+    else if ((key === "c" || key === "Enter") && begun !== null) finish(row);
+    else if (key === "c") props.onBegin({ node: row.node, port: row.path });
+    else if (key === "f") props.onConnect(NOTHING, { node: row.node, port: row.path });
+    else if (key === "Enter" && use) props.onChoose(use.element);
+    else if (key === "Enter" && row.hasInner) toggle(row.path, !isOpen);
+    else if (key === "Delete" && use) props.onRemove(use.element, use.edge.title);
+    else return false;
+    return true;
+  }
+
+  return (
+    <div className="member-tree" ref={tree}>
+      <h4>
+        {side.title} <small>{side.side === "jaus" ? "JAUS" : "ROS"}</small>
+      </h4>
+      <div role="tree" aria-label={`Members of ${side.title}`}>
+        {shown.map((row) => (
+          <Member
+            key={row.path}
+            {...props}
+            row={row}
+            isOpen={opened.has(row.path)}
+            isActive={row === active}
+            onFocus={() => setAt(row.path)}
+            onToggle={(isOpen) => toggle(row.path, isOpen)}
+            onFinish={() => finish(row)}
+            onKeyDown={(event) => onKeyDown(event, row)}
+          />
+        ))}
+        {shown.length === 0 && <p className="quiet">No member fits.</p>}
+      </div>
+    </div>
+  );
+}
+
+/** The member that a row lies in. */
+function around(row: MemberRow, rows: readonly MemberRow[]): MemberRow | undefined {
+  return rows.slice(0, rows.indexOf(row)).findLast((each) => each.depth < row.depth);
+}
+
+interface MemberProps extends Props {
+  row: MemberRow;
+  isOpen: boolean;
+  isActive: boolean;
+  onFocus: () => void;
+  onToggle: (isOpen: boolean) => void;
+  onFinish: () => void;
+  onKeyDown: (event: KeyboardEvent) => void;
+}
+
+function Member(props: MemberProps) {
+  const { row, isOpen, isActive, begun } = props;
+  const [isOver, setOver] = useState(false);
+  const isBegun = begun?.node === row.node && begun.port === row.path;
+  const isFilled = row.uses.length > 0 || row.mark.startsWith("=") || row.mark === "ignored";
+
+  function onDrop(event: DragEvent) {
+    setOver(false);
+    const text = event.dataTransfer.getData(DRAGGED_MEMBER);
+    if (!text) return;
+    event.preventDefault();
+    props.onConnect(JSON.parse(text) as GraphEnd, { node: row.node, port: row.path });
+  }
+
+  return (
+    <div
+      role="treeitem"
+      aria-label={[row.label, row.note, row.mark, ...row.uses.map((each) => each.text)]
+        .filter(Boolean)
+        .join(", ")}
+      aria-level={row.depth + 1}
+      aria-expanded={row.hasInner ? isOpen : undefined}
+      aria-selected={row.uses.some((each) => each.element === props.chosen)}
+      tabIndex={isActive ? 0 : -1}
+      data-path={row.path}
+      className={`member depth-${Math.min(row.depth, 8)} ${isOver ? "is-over" : ""} ${isBegun ? "is-begun" : ""} ${isFilled ? "" : "is-unmapped"}`}
+      draggable
+      onFocus={props.onFocus}
+      onKeyDown={props.onKeyDown}
+      onDragStart={(event) => {
+        event.dataTransfer.effectAllowed = "link";
+        event.dataTransfer.setData(
+          DRAGGED_MEMBER,
+          JSON.stringify({ node: row.node, port: row.path }),
+        );
+      }}
+      onDragOver={(event) => {
+        if (!event.dataTransfer.types.includes(DRAGGED_MEMBER)) return;
+        event.preventDefault();
+        event.dataTransfer.dropEffect = "link";
+        setOver(true);
+      }}
+      onDragLeave={() => setOver(false)}
+      onDrop={onDrop}
+    >
+      <span className="member-name">
+        {row.hasInner ? (
+          <button
+            type="button"
+            className="twist"
+            tabIndex={-1}
+            aria-label={`${isOpen ? "Close" : "Open"} ${row.label}`}
+            onClick={() => props.onToggle(!isOpen)}
+          >
+            {isOpen ? "▾" : "▸"}
+          </button>
+        ) : (
+          <span className="twist" />
+        )}
+        {row.label} <small className="quiet">{row.note}</small>
+        {row.mark && (
+          <span className={`badge ${row.mark.startsWith("required") ? "badge-strong" : ""}`}>
+            {row.mark}
+          </span>
+        )}
+      </span>
+      <span className="member-uses">
+        {row.uses.map((each) => (
+          <span key={each.edge.id} className={`use use-${each.edge.kind}`}>
+            <button
+              type="button"
+              tabIndex={-1}
+              className="link"
+              onClick={() => props.onChoose(each.element)}
+            >
+              {each.text}
+            </button>
+            <button
+              type="button"
+              tabIndex={-1}
+              className="small"
+              aria-label={`Delete ${each.edge.title}`}
+              onClick={() => props.onRemove(each.element, each.edge.title)}
+            >
+              ×
+            </button>
+          </span>
+        ))}
+        <span className="on-demand">
+          {begun !== null && !isBegun ? (
+            <button type="button" tabIndex={-1} onClick={props.onFinish}>
+              to here
+            </button>
+          ) : (
+            <button
+              type="button"
+              tabIndex={-1}
+              title="Begin an assignment here (c)"
+              onClick={() => props.onBegin(isBegun ? null : { node: row.node, port: row.path })}
+            >
+              {isBegun ? "cancel" : "map…"}
+            </button>
+          )}
+          {begun === null && row.uses.length === 0 && (
+            <button
+              type="button"
+              tabIndex={-1}
+              title="Fill it with a constant or the clock, or ignore it (f)"
+              onClick={() => props.onConnect(NOTHING, { node: row.node, port: row.path })}
+            >
+              fill…
+            </button>
+          )}
+        </span>
+      </span>
+    </div>
+  );
+}

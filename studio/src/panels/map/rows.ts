@@ -1,0 +1,102 @@
+import type { Graph, GraphEdge, GraphNode, MapSide, Ref } from "../../protocol";
+
+/** What fills or reads a member. */
+export interface Use {
+  edge: GraphEdge;
+  element: Ref;
+  /** How people read it: `-> pose.x: degrees_to_radians`. */
+  text: string;
+  /** Whether the member is where it goes. */
+  isTarget: boolean;
+}
+
+export interface MemberRow {
+  node: string;
+  path: string;
+  label: string;
+  note: string;
+  mark: string;
+  depth: number;
+  hasInner: boolean;
+  uses: Use[];
+}
+
+export interface SideRows {
+  node: string;
+  title: string;
+  side: "jaus" | "ros";
+  rows: MemberRow[];
+}
+
+/** Returns both ends of a map as rows, all members of them where the server tells them all. */
+export function sides(graph: Graph, all: readonly MapSide[]): SideRows[] {
+  return graph.nodes.map((node) => {
+    const whole = all.find((each) => each.node === node.id);
+    const marks = new Map(node.ports.map((each) => [each.id, each.mark]));
+    const members = whole
+      ? whole.members.map((each) => ({ ...each, mark: marks.get(each.path) ?? each.mark }))
+      : node.ports.map((each) => ({ ...each, path: each.id }));
+    const rows = members.map((each, index) => ({
+      node: node.id,
+      path: each.path,
+      label: each.label,
+      note: each.note,
+      mark: each.mark,
+      depth: each.depth,
+      hasInner: (members[index + 1]?.depth ?? 0) > each.depth,
+      uses: usesOf(graph, node, each.path),
+    }));
+    return { node: node.id, title: node.title, side: node.column === 0 ? "jaus" : "ros", rows };
+  });
+}
+
+function usesOf(graph: Graph, node: GraphNode, path: string): Use[] {
+  return graph.edges.flatMap((edge) => {
+    const isTarget = edge.target.node === node.id && edge.target.port === path;
+    const isSource = edge.source.node === node.id && edge.source.port === path;
+    if (!isTarget && !isSource) return [];
+    const other = isTarget ? edge.source.port : edge.target.port;
+    const conversions = edge.labels.length > 0 ? `: ${edge.labels.join(", ")}` : "";
+    const text = `${isTarget ? "←" : "→"} ${other || "all"}${conversions}`;
+    return [{ edge, element: edge.element, text, isTarget }];
+  });
+}
+
+export type Filter = "all" | "mapped" | "unmapped";
+
+/** Returns the rows to show: found by a query, and with all that they lie in open. */
+export function shownRows(
+  rows: readonly MemberRow[],
+  query: string,
+  filter: Filter,
+  opened: ReadonlySet<string>,
+) {
+  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
+  const isWanted = (row: MemberRow) => {
+    const text = `${row.path} ${row.note}`.toLowerCase();
+    const isUsed = row.uses.length > 0 || row.mark.startsWith("=") || row.mark === "ignored";
+    return (
+      words.every((word) => text.includes(word)) &&
+      (filter === "all" || (filter === "mapped") === isUsed)
+    );
+  };
+  if (words.length > 0 || filter !== "all") return rows.filter(isWanted);
+  let closedAt = Number.POSITIVE_INFINITY;
+  return rows.filter((row) => {
+    if (row.depth > closedAt) return false;
+    closedAt = row.hasInner && !opened.has(row.path) ? row.depth : Number.POSITIVE_INFINITY;
+    return true;
+  });
+}
+
+/** Returns the members that are open at first: those with something mapped within. */
+export function openAtFirst(rows: readonly MemberRow[]): Set<string> {
+  const used = rows.filter(
+    (each) => each.uses.length > 0 || each.mark.startsWith("=") || each.mark === "ignored",
+  );
+  return new Set(
+    rows
+      .filter((row) => row.hasInner && used.some((each) => each.path.startsWith(`${row.path}.`)))
+      .map((each) => each.path),
+  );
+}

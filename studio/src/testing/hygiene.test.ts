@@ -1,0 +1,39 @@
+// What models say is text. Nothing on this page makes markup or code of it.
+
+import { expect, it } from "vitest";
+
+const SOURCES = import.meta.glob<string>("../**/*.{ts,tsx}", {
+  query: "?raw",
+  import: "default",
+  eager: true,
+});
+const FORBIDDEN = new RegExp(
+  [
+    "dangerouslySet" + "InnerHTML",
+    "inner" + "HTML",
+    "outer" + "HTML",
+    "insertAdjacent" + "HTML",
+    "document\\.wr" + "ite",
+    "createContextual" + "Fragment",
+    "srcd" + "oc",
+    "\\bev" + "al\\(",
+    "new Func" + "tion\\(",
+  ].join("|"),
+);
+
+it("takes model text into the page as text alone", () => {
+  expect(Object.keys(SOURCES).length).toBeGreaterThan(20);
+  const guilty = Object.entries(SOURCES).filter(([, text]) => FORBIDDEN.test(text));
+  expect(guilty.map(([path]) => path)).toEqual([]);
+});
+
+it("asks nobody but its own server", () => {
+  const addresses = Object.entries(SOURCES).flatMap(([path, text]) =>
+    [...text.matchAll(/\b(?:https?|wss?):\/\/(?!\$\{)[^\s"'`]*/g)].map(
+      (each) => `${path}: ${each[0]}`,
+    ),
+  );
+  expect(
+    addresses.filter((each) => !each.includes("127.0.0.1") && !each.includes("localhost")),
+  ).toEqual([]);
+});
