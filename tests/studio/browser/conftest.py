@@ -1,0 +1,129 @@
+"""One browser for all tests of a worker, and a studio for each test."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from browsers import browser, build_page, missing
+
+from jausml.model.uris import LIBRARY_URI
+
+MODELS = Path(__file__).parents[3] / "models"
+PATIENCE = 30_000
+"""Milliseconds: long enough for a computer that is busy with other tests."""
+
+_ADDRESS = re.compile(r"http://\S+#token=\S+")
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A browser without windows."""
+    if missing():
+        pytest.skip(missing())
+    build_page()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=browser())
+        yield started
+        started.close()
+
+
+class Studio:
+    """A running `jausml studio`."""
+
+    def __init__(self, target: Path, log: Path) -> None:
+        self.log = log
+        command = [sys.executable, "-m", "jausml", "studio", str(target), "--no-browser"]
+        with log.open("w") as errors:
+            self.process = subprocess.Popen(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+            )
+        self.address = self._address()
+
+    def _address(self) -> str:
+        said = ""
+        for line in self.process.stdout:
+            said += line
+            if found := _ADDRESS.search(line):
+                return found[0]
+        raise AssertionError(f"no address: {said}{self.log.read_text()}")
+
+    def close(self) -> None:
+        """Ends it as Ctrl-C does."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+        try:
+            assert self.process.wait(timeout=20) == 0, self.log.read_text()
+        finally:
+            self.process.kill()
+            self.process.wait()
+            self.process.stdout.close()
+        assert "Traceback" not in self.log.read_text(), self.log.read_text()
+
+
+@pytest.fixture
+def example(tmp_path):
+    """The example vehicle in a folder of its own."""
+    text = (MODELS / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
+    path = tmp_path / "project" / "catvehicle.xmi"
+    path.parent.mkdir()
+    path.write_text(text.replace("../library/", LIBRARY_URI), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def open_studio(chromium, tmp_path_factory):
+    """Returns a function that opens a model or folder in a page; both end with the test.
+
+    No page may say anything in its console, be refused by its policy, or ask another host.
+    """
+    opened, contexts, complaints = [], [], []
+
+    def open_(target, **options):
+        studio = Studio(target, tmp_path_factory.mktemp("log") / "studio.log")
+        opened.append(studio)
+        return page_of(studio.address, **options)
+
+    def page_of(address, **options):
+        size = {"width": 1440, "height": 900}
+        context = chromium.new_context(**{"viewport": size, "reduced_motion": "reduce", **options})
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE)
+        host = urlsplit(address).netloc
+
+        def note_request(request):
+            if urlsplit(request.url).netloc not in (host, ""):  # data: has none
+                complaints.append(f"request to {request.url}")
+
+        page.on("request", note_request)
+        page.on("pageerror", lambda error: complaints.append(f"page error: {error}"))
+        page.on("console", lambda said: _note(said, complaints))
+        page.goto(address)
+        return page
+
+    open_.page_of = page_of
+    open_.studios, open_.complaints = opened, complaints
+    yield open_
+    for context in contexts:
+        context.close()
+    for studio in opened:
+        studio.close()
+    assert complaints == []
+
+
+def _note(said, complaints):
+    if said.type in ("error", "warning"):
+        complaints.append(f"console: {said.text}")

@@ -1,0 +1,63 @@
+"""What a real browser lets the page do, and what the page keeps to itself."""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+import pytest
+from browsers import BROWSER
+from playwright.sync_api import expect
+
+pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+
+
+def test_the_token_leaves_the_address_and_lasts_for_the_tab(open_studio, example):
+    page = open_studio(example)
+    address = open_studio.studios[0].address
+    expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
+    assert page.url == f"http://{urlsplit(address).netloc}/"
+    page.reload()
+    expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
+    token = urlsplit(address).fragment.removeprefix("token=")
+    assert token not in open_studio.studios[0].log.read_text()
+
+
+def test_without_the_token_nothing_is_shown(open_studio, example):
+    page = open_studio(example)
+    expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
+    stranger = open_studio.page_of(page.url)
+    expect(stranger.get_by_text("catvehicle")).to_have_count(0)
+    expect(stranger.get_by_text("token").first).to_be_visible()
+
+
+ASKING = """address => Promise.all([
+    new Promise(done => {
+        const socket = new WebSocket(`ws://${address}/socket`);
+        socket.onopen = () => done("open");
+        socket.onerror = () => done("refused");
+    }),
+    fetch(`http://${address}/`).then(() => "read", () => "refused"),
+])"""
+
+
+@pytest.mark.parametrize("site", ["http://127.0.0.1:9/", "http://other.test/"])
+def test_the_page_of_another_site_can_ask_nothing(open_studio, example, chromium, site):
+    page = open_studio(example)
+    expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
+    context = chromium.new_context()
+    other = context.new_page()
+    other.route(site, lambda route: route.fulfill(body="<!doctype html>", content_type="text/html"))
+    other.goto(site)
+    assert other.evaluate(ASKING, urlsplit(page.url).netloc) == ["refused", "refused"]
+    context.close()
+
+
+def test_the_page_can_ask_no_other_site(open_studio, example):
+    page = open_studio(example)
+    expect(page.get_by_label("File")).to_have_value("catvehicle.xmi")
+    other = open_studio(example)
+    expect(other.get_by_label("File")).to_have_value("catvehicle.xmi")
+    address = urlsplit(other.url).netloc
+    assert page.evaluate(ASKING, address) == ["refused", "refused"]
+    assert any("Content Security Policy" in each for each in open_studio.complaints)
+    open_studio.complaints.clear()

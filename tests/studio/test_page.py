@@ -1,0 +1,54 @@
+"""The page of the studio, tested without a server and without a browser."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from browsers import PAGE, SOURCES, build_page
+
+pytestmark = pytest.mark.timeout(300)
+NPM = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _built():
+    build_page()
+
+
+@pytest.mark.parametrize("script", ["lint", "types", "test"])
+def test_its_own_checks_pass(script):
+    npm = shutil.which("npm") or shutil.which("npm", path=NPM)
+    result = subprocess.run(
+        [npm, "run", script],
+        cwd=SOURCES,
+        env={**os.environ, "NO_COLOR": "1", "CI": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert result.returncode == 0, result.stdout[-4000:]
+
+
+def test_nothing_stands_in_the_page_itself():
+    """The policy forbids scripts and styles in the page; each file that it names is there."""
+    text = PAGE.read_text(encoding="utf-8")
+    assert "<style" not in text
+    assert "style=" not in text
+    named = [
+        part.partition('"')[0] for key in ("src", "href") for part in text.split(f'{key}="')[1:]
+    ]
+    own = [each for each in named if not each.startswith("data:")]
+    assert len(own) > 1
+    assert all((PAGE.parent / each).is_file() for each in own)
+    assert text.count("<script") == text.count('<script type="module" crossorigin src="./')
+
+
+def test_licences_of_what_is_in_it_are_beside_it():
+    text = (PAGE.parent / "licenses.md").read_text(encoding="utf-8")
+    for name in ("react", "@xyflow/react", "zustand"):
+        assert name in text
