@@ -1,0 +1,407 @@
+"""Assigning: how a member of one side of a map becomes one of the other, as the rules accept it.
+
+The conversions are found by trying: each conversion of the catalogue that takes what the source is
+and yields what the target is, with those that may stand before or behind it, is judged by the rules
+themselves, so that what is proposed is what `jausml validate` accepts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING
+
+from jausml.editing.commands import Add, Child, Remove
+from jausml.metamodel.classes import bridge
+from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
+from jausml.semantics.conversions import CONVERSIONS, UnitEffect
+from jausml.semantics.frames import axis_of
+from jausml.semantics.paths import is_many, outer_scope, parse_path, source_paths, target_paths
+from jausml.semantics.units import attribute_measure
+from jausml.studio.answers.elements import AnswerError
+from jausml.studio.answers.members import Member, member
+from jausml.studio.answers.shapes import Option, Options
+from jausml.studio.answers.trial import Judged, judge
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from jausml.editing.commands import Command
+    from jausml.semantics.conversions import Conversion
+    from jausml.studio.answers.elements import Scope
+
+_MOST = 8
+_OF_NO_NEED = frozenset(
+    {"square", "square_root", "wrap_angle", "covariance_to_rms", "reverse_rows"}
+)
+"""Conversions that make another quantity: they are proposed where nothing simpler is accepted."""
+_OF_AUTHORS = ("percent_to_value", "value_to_percent", "scale")
+"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others."""
+_POLICIES: tuple[Mapping[str, str], ...] = (
+    {},
+    {"whenAbsent": "dropMessage"},
+    {"outOfRange": "clamp"},
+    {"whenAbsent": "dropMessage", "outOfRange": "clamp"},
+)
+_MANY = (LIST, NUMBERS)
+_SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
+_TO_ROS, _TO_JAUS = "toRos", "toJaus"
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """An assignment that is to be.
+
+    Attributes:
+        sources: Paths of its sources.
+        targets: Paths of its targets.
+        conversions: Names of its conversions.
+        policy: What becomes of what is absent or out of range.
+    """
+
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+    conversions: tuple[str, ...] = ()
+    policy: tuple[tuple[str, str], ...] = ()
+
+    def child(self, feature: str) -> Child:
+        """Returns what adds it."""
+        values = {
+            "target": (", ".join(self.targets),),
+            "source": (", ".join(self.sources),),
+            **{name: (value,) for name, value in self.policy},
+        }
+        steps = tuple(map(_conversion, self.conversions))
+        return Child(feature, "bridge.FieldAssignment", values, steps)
+
+
+def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
+    """Returns the ways to assign a member to one of the other side, the best first.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+        target: Where it goes.
+    """
+    if source.is_jaus is target.is_jaus:
+        return Options(refusal="both are of one side; draw to a member of the other side")
+    source, target = _in_elements(used, source, target), _in_elements(used, target, source)
+    if bool(source.outer) is not bool(target.outer):
+        inside, outside = (source, target) if source.outer else (target, source)
+        return Options(
+            refusal=f"'{inside.path}' is of each element of '{inside.outer}', '{outside.path}' is"
+            " there once; draw between members of elements, or name one element by its index"
+        )
+    feature = _TO_ROS if source.is_jaus else _TO_JAUS
+    found = _found(scope, used, source, target)
+    if not found.good:
+        return Options(refusal=found.plain.said or "no conversion leads from one to the other")
+    options = [
+        Option(
+            label=_label(each),
+            why=_why(each, found.plain, source, target),
+            preview=statement(each.assignment),
+            commands=_commands(scope, used, each.assignment, source, target, feature),
+            is_best=index == 0 and not set(_steps(each.assignment)) & set(_OF_AUTHORS),
+        )
+        for index, each in enumerate(_distinct(found.good)[:_MOST])
+    ]
+    return Options(tuple(options))
+
+
+def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:
+    """Returns how a member becomes a constant, or why it cannot have the value."""
+    values = {"target": (target.inner,), "value": (value,)}
+    return _sourceless(scope, used, target, "bridge.ConstantAssignment", values, "constant")
+
+
+def clock(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+    """Returns how a member becomes the present time, or why it cannot."""
+    return _sourceless(
+        scope, used, target, "bridge.ClockAssignment", {"target": (target.inner,)}, "present time"
+    )
+
+
+def ignore(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+    """Returns how a member is left out on purpose."""
+    return _sourceless(
+        scope, used, target, "bridge.Ignore", {"target": (target.inner,)}, "leave out"
+    )
+
+
+def _sourceless(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    target: Member,
+    kind: str,
+    values: Mapping[str, tuple[str, ...]],
+    label: str,
+) -> Options:
+    feature = _TO_JAUS if target.is_jaus else _TO_ROS
+    if target.outer:
+        return Options(refusal=f"'{target.path}' is of each element of '{target.outer}'")
+    child = Child(feature, kind, values)
+    [found] = judge(scope.model.metamodels, used, [child])
+    if not found.is_possible:
+        return Options(refusal=found.said)
+    commands = _commands(scope, used, child, None, target, feature)
+    return Options((Option(label, found.said or label, statement(child), commands, is_best=True),))
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What was found.
+
+    Attributes:
+        plain: The assignment without any conversion.
+        good: What the rules accept; where they accept nothing without a word, what is possible.
+    """
+
+    plain: Judged
+    good: list[Judged]
+
+
+def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> _Found:
+    own = (source.inner,), (target.inner,)
+    direct = [_Draft(*own, (), tuple(each.items())) for each in _POLICIES]
+    judged = _judged(scope, used, source, target, direct)
+    plain, accepted = judged[0], [each for each in judged if each.is_accepted]
+    if accepted:
+        if source.attribute.kind == NUMBER and not _axes_are_known(source, target):
+            turned = [_Draft(*own, ("negate",), tuple(each.items())) for each in _POLICIES]
+            accepted += _judged(scope, used, source, target, turned)
+        return _Found(plain, [each for each in accepted if each.is_accepted])
+    judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
+    good = [each for each in judged if each.is_accepted]
+    return _Found(plain, good or [each for each in judged if each.is_possible])
+
+
+def _axes_are_known(source: Member, target: Member) -> bool:
+    return axis_of(source.attribute) is not None and axis_of(target.attribute) is not None
+
+
+def _in_elements(used: bridge.AttributeMap, one: Member, other: Member) -> Member:
+    """Returns the elements of a list or array, where the other end is a list or lies in one."""
+    if one.attribute.kind not in _MANY or one.outer:
+        return one
+    if not other.outer and other.attribute.kind not in _MANY:
+        return one
+    place = outer_scope(used, to_ros=one.is_jaus).find_source(one.path)
+    element = place.element() if is_many(place) else None
+    if element is None:
+        return one
+    return replace(one, outer=one.path, inner=".", attribute=element.attribute())
+
+
+def _judged(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    source: Member,
+    target: Member,
+    drafts: Sequence[_Draft],
+) -> list[Judged]:
+    """Has drafts judged where they would stand, in a list if their members lie in one."""
+    feature = _TO_ROS if source.is_jaus else _TO_JAUS
+    children = [
+        _in_list(each, source, target, feature) if source.outer else each.child(feature)
+        for each in drafts
+    ]
+    return judge(scope.model.metamodels, used, children)
+
+
+def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Child:
+    values = {"target": (target.outer,), "source": (source.outer,)}
+    return Child(feature, "bridge.ListAssignment", values, (draft.child("assignments"),))
+
+
+def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
+    """Yields what might do with conversions, the simplest first."""
+    own = (source.inner,), (target.inner,)
+    for chain, policy in product(_chains(source, target), _POLICIES):
+        yield _Draft(*own, tuple(each.name for each in chain), tuple(policy.items()))
+    for conversion in _SIMPLE:
+        for sources, targets in _with_siblings(used, source, target, conversion):
+            for policy in _POLICIES:
+                yield _Draft(sources, targets, (conversion.name,), tuple(policy.items()))
+
+
+def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
+    """Yields the chains that take what the source is, and yield one value.
+
+    What is known of the unit of both ends shall not be lost on the way.
+    """
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    of_authors = [CONVERSIONS[each] for each in _OF_AUTHORS]
+    is_of_ratios = any(each is None or not each.unit.dimension for each in (own, other))
+    chains: list[tuple[Conversion, ...]] = [(each,) for each in _SIMPLE]
+    chains += [pair for pair in product(_SIMPLE, _SIMPLE) if _may_follow(*pair)]
+    for chain in chains:
+        forgets = any(each.units is UnitEffect.ANY for each in chain)
+        fitting = chain[0].takes([source.attribute.kind]) and len(chain[-1].outputs) == 1
+        if fitting and not (forgets and own is not None and other is not None):
+            yield chain
+    if source.attribute.kind == target.attribute.kind == NUMBER and is_of_ratios:
+        yield from ((each,) for each in of_authors)
+        yield from ((CONVERSIONS["negate"], each) for each in of_authors)
+
+
+def _may_follow(first: Conversion, second: Conversion) -> bool:
+    """Tells whether two conversions in a row may mean something: a sign, and something else."""
+    if (first.name == "negate") is (second.name == "negate"):
+        return False
+    fitting = second.takes(list(first.outputs))
+    return fitting and not {first.name, second.name} & _OF_NO_NEED
+
+
+def _with_siblings(
+    used: bridge.AttributeMap, source: Member, target: Member, conversion: Conversion
+) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Yields ends of a conversion of several values, such as three angles to an orientation."""
+    several = len(conversion.inputs) > 1, len(conversion.outputs) > 1
+    if not any(several) or source.outer:
+        return
+    sources = _along(used, source, conversion.takes_axes) if several[0] else (source.inner,)
+    targets = _along(used, target, conversion.gives_axes) if several[1] else (target.inner,)
+    if len(sources) == len(conversion.inputs) and len(targets) == len(conversion.outputs):
+        yield sources, targets
+
+
+def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple[str, ...]:
+    """Returns the members beside one that are the angles about some axes; none if one lacks."""
+    before, dot, _ = one.inner.rpartition(".")
+    place = outer_scope(used, to_ros=one.is_jaus).find_source(before or ".")
+    names = [str(each.name) for each in getattr(place, "members", list)() or () if each.name]
+    found: dict[str, str] = {}
+    for name in names:
+        path = f"{before}{dot}{name}"
+        try:
+            axis = axis_of(member(used, path, is_jaus=one.is_jaus).attribute)
+        except AnswerError:
+            continue
+        if axis is not None and axis.is_angle and axis.name:
+            found.setdefault(axis.name, path)
+    paths = tuple(found[each] for each in axes if each in found)
+    return paths if len(paths) == len(axes) and one.inner in paths else ()
+
+
+def _distinct(found: Iterable[Judged]) -> list[Judged]:
+    """Returns what was found with one policy for each chain, plain ones first."""
+    kept: dict[tuple[object, ...], Judged] = {}
+    for each in found:
+        kept.setdefault((_steps(each.assignment), statement(each.assignment).count(",")), each)
+    return sorted(kept.values(), key=_effort)
+
+
+def _effort(found: Judged) -> tuple[int, int]:
+    steps = _steps(found.assignment)
+    odd = sum(each in _OF_NO_NEED for each in steps)
+    return odd + 2 * sum(each in _OF_AUTHORS for each in steps), len(steps)
+
+
+def _innermost(child: Child) -> Child:
+    nested = [each for each in child.children if each.feature == "assignments"]
+    return nested[0] if nested else child
+
+
+def _steps(child: Child) -> tuple[str, ...]:
+    inner = _innermost(child)
+    return tuple(each.values["kind"][0] for each in inner.children if "kind" in each.values)
+
+
+def _label(found: Judged) -> str:
+    return ", then ".join(_steps(found.assignment)) or "as it is"
+
+
+def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
+    steps = _steps(found.assignment)
+    reasons = [plain.said.partition("; ")[0]] if plain.said and found is not plain else []
+    reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in steps]
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    if not steps and own is not None and other is not None:
+        if own.unit != other.unit:
+            reasons.append(f"{own.text} becomes {other.text} without being asked")
+        else:
+            reasons.append(f"both are in {other.text}, along the same axis")
+    if any(each in _OF_AUTHORS for each in steps):
+        reasons.append("write the number of your vehicle in the place of 1")
+    inner = _innermost(found.assignment)
+    if "whenAbsent" in inner.values:
+        reasons.append(f"without '{source.path}' the message is dropped")
+    if "outOfRange" in inner.values:
+        reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")
+    if not found.is_accepted:
+        reasons.append(found.said)
+    return "; ".join(dict.fromkeys(reasons)) or "both are alike"
+
+
+def _conversion(name: str) -> Child:
+    values: dict[str, tuple[str, ...]] = {"kind": (name,)}
+    if name in _OF_AUTHORS:
+        values["arguments"] = ("1",)
+    return Child("conversions", "bridge.Conversion", values)
+
+
+def statement(child: Child) -> str:
+    """Returns an assignment in the text notation."""
+    values = {name: texts[0] for name, texts in child.values.items() if texts}
+    target = values.get("target", "")
+    if child.kind == "bridge.Ignore":
+        return f"ignore {target}"
+    if child.kind == "bridge.ClockAssignment":
+        return f"clock -> {target}"
+    if child.kind == "bridge.ConstantAssignment":
+        return f"{_literal(values['value'])} -> {target}"
+    head = f"{values['source']} -> {target}"
+    if child.kind == "bridge.ListAssignment":
+        return f"{head} {{ {statement(_innermost(child))} }}"
+    steps = _steps(child)
+    more = [f"{name}: {values[name]}" for name in ("whenAbsent", "outOfRange") if name in values]
+    calls = [f"{each}(1)" if each in _OF_AUTHORS else each for each in steps]
+    head += f" : {', '.join(calls)}" if calls else ""
+    return f"{head} {{ {'  '.join(more)} }}" if more else head
+
+
+def _literal(value: str) -> str:
+    try:
+        float(value)
+    except ValueError:
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return value
+
+
+def _commands(
+    scope: Scope,
+    used: bridge.AttributeMap,
+    child: Child,
+    source: Member | None,
+    target: Member,
+    feature: str,
+) -> tuple[Command, ...]:
+    """Returns what adds an assignment, in the place of what fills the same."""
+    owner: bridge.AttributeMap | bridge.ListAssignment = used
+    if source is not None and source.outer:
+        around = _list_of(used, source, target, feature)
+        if around is not None:
+            owner, child, feature = around, _innermost(child), "assignments"
+    add = Add(scope.ref(owner), feature, child.kind, child.values, child.children)
+    filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
+    gone = [
+        each
+        for each in getattr(owner, feature)
+        if any(parse_path(path) in filled for path in target_paths(each))
+    ]
+    # What is added stands behind what goes, whose places so stay until it goes.
+    return (add, *(Remove(scope.ref(each)) for each in reversed(gone)))
+
+
+def _list_of(
+    used: bridge.AttributeMap, source: Member, target: Member, feature: str
+) -> bridge.ListAssignment | None:
+    """Returns the assignment of the lists in which two members lie, if there is one."""
+    for each in getattr(used, feature):
+        if isinstance(each, bridge.ListAssignment):
+            ends = source_paths(each)[:1], target_paths(each)[:1]
+            if ends == ([source.outer], [target.outer]):
+                return each
+    return None

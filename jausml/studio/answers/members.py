@@ -1,0 +1,99 @@
+"""Members of the two sides of a map: what a row of the map view stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from jausml.metamodel.classes import bridge
+from jausml.semantics.jaus_paths import JausPlace
+from jausml.semantics.paths import is_many, outer_scope
+from jausml.semantics.ros_paths import RosPlace
+from jausml.studio.answers.elements import AnswerError
+
+if TYPE_CHECKING:
+    from jausml.semantics.attributes import Attribute
+    from jausml.semantics.paths import PathPlace
+    from jausml.studio.answers.elements import Scope
+
+JAUS_END, ROS_END = "!jaus", "!ros"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of one side of a map.
+
+    Attributes:
+        is_jaus: On which side it is.
+        path: Its path from the message, or behind the name of a join.
+        outer: Path of the list or array that it lies in; empty for none.
+        inner: Its path from an element of that; the whole path without one.
+        attribute: What it is.
+    """
+
+    is_jaus: bool
+    path: str
+    outer: str
+    inner: str
+    attribute: Attribute
+
+
+def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
+    """Returns a member of a map.
+
+    Args:
+        used: The map.
+        path: Its path as the map view has it: names, without indices.
+        is_jaus: On which side.
+
+    Raises:
+        AnswerError: There is none.
+    """
+    if used.message is None or used.type is None:
+        raise AnswerError("the map has no message or no type yet")
+    scope = outer_scope(used, to_ros=is_jaus)
+    place = scope.find_source(path)
+    if isinstance(place, JausPlace | RosPlace):
+        return Member(is_jaus, path, "", path, place.attribute())
+    steps = path.split(".")
+    for count in range(1, len(steps) + 1):
+        outer = ".".join(steps[:count])
+        around = scope.find_source(outer)
+        if is_many(around):
+            inner = ".".join(steps[count:]) or "."
+            found = _within(around, inner)
+            if found is not None:
+                return Member(is_jaus, path, outer, inner, found.attribute())
+            break
+    raise AnswerError(f"there is no member {path!a} that can be assigned by itself")
+
+
+def _within(around: PathPlace, path: str) -> PathPlace | None:
+    element = around.element()
+    found = element.follow(path) if element is not None else None
+    return found if isinstance(found, JausPlace | RosPlace) else None
+
+
+def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:
+    """Returns the member that ids of the map view name.
+
+    Args:
+        scope: The model.
+        used: The map.
+        node: Id of a box: of an end, or of a join.
+        port: The path of a row.
+
+    Raises:
+        AnswerError: They stand for no member.
+    """
+    if not port:
+        raise AnswerError("draw from a member to a member")
+    if node.endswith(JAUS_END):
+        return member(used, port, is_jaus=True)
+    if node.endswith(ROS_END):
+        return member(used, port, is_jaus=False)
+    for join in (*used.joins, *used.reportJoins):
+        if scope.model.fragment(join) == node.rpartition("#")[2]:
+            is_jaus = isinstance(join, bridge.ReportJoin)
+            return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
+    raise AnswerError("that box is no end of the map")

@@ -1,0 +1,175 @@
+"""Proposed assignments: as authors of the shipped maps have them, and none that is wrong."""
+
+from __future__ import annotations
+
+import pytest
+from answers_support import CAR, SHIPPED, scope_of
+
+from jausml.editing.commands import Add, Remove
+from jausml.metamodel.classes import bridge
+from jausml.semantics.conversions import CONVERSIONS
+from jausml.studio.answers.assigning import assign, clock, constant, ignore
+from jausml.studio.answers.elements import AnswerError
+from jausml.studio.answers.members import end_of, member
+
+CHANGES_VALUES = {"deadband", "clamp", "limit"}
+
+
+class Map:
+    """A map of a shipped model."""
+
+    def __init__(self, file, name):
+        self.scope = scope_of(file)
+        [self.map] = [
+            each
+            for each in self.scope.model.instances(bridge.AttributeMap)
+            if each.name == name and self.scope.model.document_of(each).path.name in file
+        ]
+
+    def member(self, path, *, is_jaus):
+        return member(self.map, path, is_jaus=is_jaus)
+
+    def to_ros(self, source, target):
+        ends = self.member(source, is_jaus=True), self.member(target, is_jaus=False)
+        return assign(self.scope, self.map, *ends)
+
+    def to_jaus(self, source, target):
+        ends = self.member(source, is_jaus=False), self.member(target, is_jaus=True)
+        return assign(self.scope, self.map, *ends)
+
+
+@pytest.fixture
+def velocity():
+    return Map(CAR, "velocity_state")
+
+
+def previews(found):
+    return [each.preview for each in found.options]
+
+
+def test_like_goes_to_like(velocity):
+    [option] = velocity.to_ros("Velocity_X", "twist.twist.linear.x").options
+    assert option.is_best
+    assert option.preview == "Velocity_X -> twist.twist.linear.x"
+    assert "same axis" in option.why
+
+
+def test_axes_of_other_signs_are_negated_and_it_is_said_why(velocity):
+    [option] = velocity.to_ros("Velocity_Y", "twist.twist.linear.y").options
+    assert option.preview == "Velocity_Y -> twist.twist.linear.y : negate"
+    assert "opposite signs" in option.why
+    add, remove = option.commands
+    assert isinstance(add, Add)
+    assert isinstance(remove, Remove)
+    assert velocity.scope.find(add.owner) is velocity.map
+    assert velocity.scope.find(remove.element).source == "Velocity_Y"
+
+
+def test_types_are_converted(velocity):
+    assert previews(velocity.to_ros("TimeStamp", "header.stamp")) == [
+        "TimeStamp -> header.stamp : timestamp_to_time"
+    ]
+
+
+def test_what_no_conversion_makes_of_another_is_refused(velocity):
+    found = velocity.to_ros("YawRate", "twist.twist.linear.x")
+    assert not found.options
+    assert "radian per second" in found.refusal
+    found = velocity.to_ros("Velocity_X", "pose.pose")
+    assert "geometry_msgs/Pose" in found.refusal
+    side = velocity.member("Velocity_X", is_jaus=True)
+    assert "one side" in assign(velocity.scope, velocity.map, side, side).refusal
+    with pytest.raises(AnswerError, match="no member"):
+        velocity.member("Velocity_W", is_jaus=True)
+
+
+def test_an_absent_coordinate_drops_the_message():
+    pose = Map(CAR, "local_pose")
+    [option] = pose.to_ros("Y", "pose.position.y").options
+    assert option.preview == "Y -> pose.position.y : negate { whenAbsent: dropMessage }"
+    assert "dropped" in option.why
+
+
+def test_three_angles_become_an_orientation_and_one_becomes_three():
+    pose = Map(CAR, "local_pose")
+    found = previews(pose.to_ros("Yaw", "pose.orientation"))
+    assert found[0] == "Yaw -> pose.orientation : frd_yaw_to_flu_quaternion"
+    assert "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion" in found
+    back = Map(CAR, "dead_reckoning")
+    found = previews(back.to_jaus("pose.pose.orientation", "Yaw"))
+    assert found[0] == "pose.pose.orientation -> Yaw : flu_quaternion_to_frd_yaw"
+
+
+def test_a_number_that_only_the_author_knows_is_asked_for():
+    effort = Map("library/mappings/primitive_driver.ros2jaus", "wrench_effort")
+    first = effort.to_ros("PropulsiveLinearEffortX", "linear.x").options[0]
+    assert first.preview.endswith("percent_to_value(1)")
+    assert "in the place of 1" in first.why
+    assert not first.is_best
+
+
+def test_members_of_elements_make_an_assignment_of_lists():
+    joints = Map("library/mappings/joint_positions.ros2jaus", "joint_positions")
+    best = joints.to_ros("JointPositionList.JointPosition.radian", "position").options[0]
+    assert best.preview == "JointPositionList -> position { JointPosition.radian -> . }"
+    # There is such a list already: its element is replaced in it.
+    assert best.commands[0].feature == "assignments"
+    found = joints.to_ros("JointPositionList.JointPosition.radian", "header.frame_id")
+    assert "each element" in found.refusal
+
+
+def test_constants_the_clock_and_nothing(velocity):
+    scope, own = velocity.scope, velocity.map
+
+    def end(path):
+        return velocity.member(path, is_jaus=False)
+
+    [option] = constant(scope, own, end("header.frame_id"), 'a "b"').options
+    assert option.preview == '"a \\"b\\"" -> header.frame_id'
+    found = constant(scope, own, end("twist.twist.linear.x"), "fast")
+    assert "not a number" in found.refusal
+    assert previews(clock(scope, own, end("header.stamp"))) == ["clock -> header.stamp"]
+    assert "takes no time" in clock(scope, own, end("child_frame_id")).refusal
+    assert previews(ignore(scope, own, end("pose.pose"))) == ["ignore pose.pose"]
+
+
+def test_ids_of_the_map_view_name_members():
+    velocity = Map(CAR, "velocity_state")
+    identifier = velocity.scope.model.fragment(velocity.map)
+    found = end_of(velocity.scope, velocity.map, f"{identifier}!jaus", "Velocity_X")
+    assert found.is_jaus
+    found = end_of(velocity.scope, velocity.map, f"{identifier}!ros", "twist.twist")
+    assert not found.is_jaus
+    with pytest.raises(AnswerError, match="no end"):
+        end_of(velocity.scope, velocity.map, "bridge", "x")
+
+
+@pytest.mark.parametrize("name", [each for each in SHIPPED if not each.endswith(".xmi")])
+def test_what_authors_wrote_is_among_what_is_proposed(name):
+    scope = scope_of(name)
+    missing, count = [], 0
+    for used in scope.model.instances(bridge.AttributeMap):
+        if scope.model.document_of(used) is not scope.model.documents[0]:
+            continue
+        for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
+            for each in assignments:
+                if not is_plain(each):
+                    continue
+                count += 1
+                source = member(used, each.source, is_jaus=to_ros)
+                target = member(used, each.target, is_jaus=not to_ros)
+                found = assign(scope, used, source, target)
+                wanted = [step.kind.name for step in each.conversions]
+                label = ", then ".join(wanted) or "as it is"
+                if label not in [option.label for option in found.options]:
+                    missing.append((used.name, each.source, each.target, label, found))
+    assert not missing, missing[0]
+
+
+def is_plain(assignment):
+    """Tells whether an assignment is one of one member to one, without arguments."""
+    if not isinstance(assignment, bridge.FieldAssignment):
+        return False
+    if "," in assignment.source + assignment.target or "[" in assignment.source + assignment.target:
+        return False
+    return not any(CONVERSIONS[each.kind.name].arguments for each in assignment.conversions)
