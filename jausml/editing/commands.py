@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+# The types of commands are asked for at run time, where commands come as JSON.
+from collections.abc import Mapping  # noqa: TC003
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.model.refs import Ref
+from jausml.model.refs import Ref  # noqa: TC001
 
 LayoutKey: TypeAlias = str
 """Name of a box of a view that survives shifts of positions, such as `bridge:main/velocity`."""

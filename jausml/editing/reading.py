@@ -122,12 +122,12 @@ class Reader:
         names = frozenset(files)
         for each in kept:
             if each.names == names and _is_current(each, files):
-                return each.result
+                return self._with_faults(each.result, file, files)
         result = self._read(file, files)
         held = {file_of(each, self._root) for each in result.model.documents} & files.keys()
         kept.insert(0, _Kept(result, {each: files[each].good for each in held}, names))
         del kept[_KEPT:]
-        return result
+        return self._with_faults(result, file, files)
 
     def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""
@@ -136,13 +136,18 @@ class Reader:
 
     def _read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
         contents = {self._root / each.file: each.good for each in files.values()}
-        result = read_models(
+        return read_models(
             [self._root / file],
             project_root=self._root,
             notations=NOTATIONS,
             contents=contents,
         )
-        return replace(result, diagnostics=[*self._faults(file, files), *result.diagnostics])
+
+    def _with_faults(
+        self, result: ReadResult, file: str, files: Mapping[str, Stored]
+    ) -> ReadResult:
+        faults = self._faults(file, files)
+        return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
     def _faults(self, file: str, files: Mapping[str, Stored]) -> list[Diagnostic]:
         """Returns why a file cannot be parsed as it is, when its model is an earlier one."""

@@ -14,17 +14,21 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
+from jausml.studio import shown
 from jausml.studio.audience import Audience
 from jausml.studio.checking import Verdicts
 from jausml.studio.drawing import Drawings
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from jausml.editing.project import Project
+    from jausml.editing.records import Entry
 
 _MOST_SHOWN = 8
 
 
-class Shown:
+class LookedAt:
     """The files that someone looks at: those that were asked for last."""
 
     def __init__(self) -> None:
@@ -60,7 +64,7 @@ class Desk:
         out: Where `generate` writes when nobody says otherwise, empty for its default.
         network: Where the JAUS components of a running system are.
         audience: The pages.
-        shown: The files that someone looks at.
+        looked_at: The files that someone looks at.
         drawings: Where the boxes of views stand.
     """
 
@@ -68,8 +72,29 @@ class Desk:
     out: str = ""
     network: Network = field(default_factory=usual_network)
     audience: Audience = field(default_factory=Audience)
-    shown: Shown = field(default_factory=Shown)
+    looked_at: LookedAt = field(default_factory=LookedAt)
     drawings: Drawings = field(default_factory=Drawings)
 
     def __post_init__(self) -> None:
         self.verdicts = Verdicts(self.project)
+        self.followers: list[Callable[[], None]] = []
+        """Are called when the project has changed."""
+
+    def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
+        """Tells pages and followers that the project has changed.
+
+        Args:
+            entry: What was done; one without changes is not told.
+            by: Who did it: `edit` or `outside`.
+        """
+        if entry is not None and not entry.changes:
+            return
+        told = {
+            "revision": self.project.revision,
+            "files": shown.files(self.project),
+            "entry": shown.entry(entry),
+            "by": by,
+        }
+        self.audience.tell("changed", told)
+        for each in self.followers:
+            each()

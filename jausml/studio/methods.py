@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from jausml.editing.commands import EditError
+from jausml.studio.answers.elements import AnswerError
 from jausml.studio.rpc import INVALID_PARAMS, METHOD_NOT_FOUND, REFUSED, RpcError
 from jausml.studio.typed import TypedError, typed
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from jausml.studio.rpc import Request
 
 ParamsT = TypeVar("ParamsT")
+ResultT = TypeVar("ResultT")
 
 _THREADS = 8
 
@@ -52,7 +54,7 @@ class Answering:
     def __init__(self, methods: Mapping[str, Method[Any]]) -> None:
         self._methods = methods
         self._threads = ThreadPoolExecutor(_THREADS, "answer")
-        self._in_turn = ThreadPoolExecutor(1, "change")
+        self._changes = ThreadPoolExecutor(1, "change")
 
     async def answer(self, request: Request) -> object:
         """Returns the result of a request.
@@ -67,15 +69,24 @@ class Answering:
             params = typed(method.params, dict(request.params))
         except TypedError as fault:
             raise RpcError(INVALID_PARAMS, str(fault)) from fault
-        threads = self._in_turn if method.in_turn else self._threads
-        loop = asyncio.get_running_loop()
         try:
-            return await loop.run_in_executor(threads, method.answer, params)
+            if method.in_turn:
+                return await self.in_turn(method.answer, params)
+            loop = asyncio.get_running_loop()
+            return await loop.run_in_executor(self._threads, method.answer, params)
         except EditError as error:
             told = RpcError(REFUSED, str(error), {"conflict": error.conflict})
             raise told from error
+        except TypedError as error:
+            raise RpcError(INVALID_PARAMS, str(error)) from error
+        except AnswerError as error:
+            raise RpcError(REFUSED, str(error)) from error
+
+    async def in_turn(self, work: Callable[[ParamsT], ResultT], params: ParamsT) -> ResultT:
+        """Does something when all that was asked for before and changes something is done."""
+        return await asyncio.get_running_loop().run_in_executor(self._changes, work, params)
 
     def close(self) -> None:
         """Begins nothing more; what was begun is done."""
         self._threads.shutdown(wait=False, cancel_futures=True)
-        self._in_turn.shutdown(wait=False, cancel_futures=True)
+        self._changes.shutdown(wait=False, cancel_futures=True)

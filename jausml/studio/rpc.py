@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, fields, is_dataclass
-from enum import Enum
-from pathlib import PurePath
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
+
+from jausml.studio.encoding import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -113,21 +113,3 @@ def notification(method: str, params: object) -> str:
 
 def _text(message: Mapping[str, Any]) -> str:
     return json.dumps({"jsonrpc": "2.0", **message}, allow_nan=False, separators=(",", ":"))
-
-
-def as_json(value: Any) -> Any:
-    """Returns what JSON can hold of a value: dataclasses become objects, paths posix text."""
-    if isinstance(value, str | int | float | bool | None):
-        return value.value if isinstance(value, Enum) else value
-    if is_dataclass(value):
-        # A name of Python's own has an underscore behind it.
-        return {each.name.rstrip("_"): as_json(getattr(value, each.name)) for each in fields(value)}
-    if isinstance(value, dict):
-        return {str(name): as_json(each) for name, each in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [as_json(each) for each in value]
-    if isinstance(value, Enum):
-        return as_json(value.value)
-    if isinstance(value, PurePath):
-        return value.as_posix()
-    raise TypeError(f"{type(value).__name__} has no place in JSON")

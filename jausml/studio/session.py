@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from jausml.studio.asking import showing
+from jausml.studio import watching
+from jausml.studio.asking import answering, editing, showing
 from jausml.studio.asking.living import Living
 from jausml.studio.checking import Checking
 from jausml.studio.methods import Answering
@@ -17,6 +20,9 @@ if TYPE_CHECKING:
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
     from jausml.studio.rpc import Request
+
+_MODULES = (showing, editing, answering)
+_LOG = logging.getLogger(__name__)
 
 
 class Session:
@@ -30,8 +36,10 @@ class Session:
         self._desk = desk
         self._living = Living(desk)
         desk.audience.left = self._living.leave
-        self._answering = Answering({**showing.methods(desk), **self._living.methods()})
-        self._checking = Checking(desk.verdicts, lambda: desk.shown.files, self._tell)
+        methods = {name: each for module in _MODULES for name, each in module.methods(desk).items()}
+        self._answering = Answering({**methods, **self._living.methods()})
+        self._checking = Checking(desk.verdicts, lambda: desk.looked_at.files, self._judged)
+        desk.followers.extend((self._checking.begin, self._living.changed))
 
     def told(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts; see `Audience`."""
@@ -48,13 +56,32 @@ class Session:
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """Looks after the project as long as the context lasts."""
+        end = asyncio.Event()
+        watched = asyncio.create_task(self._watch(end))
         self._checking.start()
         try:
             yield
         finally:
-            self._living.stop()
+            end.set()
             self._checking.close()
             self._answering.close()
+            await watched
+            await asyncio.to_thread(self._living.stop)
 
-    def _tell(self, verdict: Verdict) -> None:
+    async def _watch(self, end: asyncio.Event) -> None:
+        try:
+            async for files in watching.changes(self._desk.project.root, end):
+                await self._answering.in_turn(self._refresh, files)
+        except OSError:
+            _LOG.exception("changes by other programs are not seen any more")
+
+    def _refresh(self, files: list[str]) -> None:
+        found = self._desk.project.refresh(files)
+        for each in found:
+            if each.is_conflict:
+                self._desk.audience.tell("conflict", {"file": each.file, "diff": each.diff})
+        if found:
+            self._desk.changed(self._desk.project.log[-1], by="outside")
+
+    def _judged(self, verdict: Verdict) -> None:
         self._desk.audience.tell("problems", showing.problems(self._desk, verdict))

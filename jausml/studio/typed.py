@@ -41,6 +41,8 @@ def typed(kind: type[ParamsT], value: object, where: str = "params") -> ParamsT:
 
 def _typed(kind: Any, value: Any, where: str) -> Any:
     origin = get_origin(kind)
+    if kind is object:
+        return value
     if is_dataclass(kind):
         return _object(kind, value, where)
     if origin in (Union, types.UnionType):

@@ -10,13 +10,13 @@ from jausml import __version__
 from jausml.diagrams.layout.sheet import LayoutError
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.model.refs import file_of
+from jausml.studio import shown
 from jausml.studio.methods import Method
 from jausml.studio.rpc import REFUSED, RpcError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from jausml.editing.records import FileInfo
     from jausml.model.diagnostics import Diagnostic
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
@@ -49,23 +49,8 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     return {
         "hello": Method(Hello, lambda _: _hello(desk)),
         "views": Method(OfFile, lambda asked: _views(desk, asked)),
-        "view": Method(OfView, lambda asked: _view(desk, asked)),
+        "view": Method(OfView, lambda asked: view(desk, asked)),
         "problems": Method(OfFile, lambda asked: problems(desk, desk.verdicts.of(asked.file))),
-    }
-
-
-def files(desk: Desk) -> list[dict[str, Any]]:
-    """Returns the files of the project as pages know them."""
-    return [_file(each) for each in desk.project.files]
-
-
-def _file(info: FileInfo) -> dict[str, Any]:
-    return {
-        "path": info.path,
-        "notation": info.notation,
-        "revision": info.revision,
-        "stale": info.is_stale,
-        "dirty": info.is_dirty,
     }
 
 
@@ -77,7 +62,7 @@ def _hello(desk: Desk) -> dict[str, Any]:
         "root": str(project.root),
         "version": __version__,
         "revision": project.revision,
-        "files": files(desk),
+        "files": shown.files(project),
         "opened": project.opened,
         "extras": extras,
     }
@@ -88,7 +73,7 @@ def _has_graphviz() -> bool:
 
 
 def _views(desk: Desk, asked: OfFile) -> dict[str, Any]:
-    desk.shown.look(asked.file)
+    desk.looked_at.look(asked.file)
     model = desk.project.model(asked.file).model
     own = set(view_names(model, library=False))
     views = []
@@ -98,8 +83,9 @@ def _views(desk: Desk, asked: OfFile) -> dict[str, Any]:
     return {"views": views}
 
 
-def _view(desk: Desk, asked: OfView) -> dict[str, Any]:
-    desk.shown.look(asked.file)
+def view(desk: Desk, asked: OfView) -> dict[str, Any]:
+    """Returns a view, drawn as it stands."""
+    desk.looked_at.look(asked.file)
     verdict = desk.verdicts.of(asked.file)
     try:
         graph = graph_of(
@@ -113,7 +99,7 @@ def _view(desk: Desk, asked: OfView) -> dict[str, Any]:
 
 def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
     """Returns a verdict as pages know it."""
-    desk.shown.look(verdict.file)
+    desk.looked_at.look(verdict.file)
     return {
         "revision": verdict.revision,
         "elapsed_ms": round(verdict.elapsed_ms, 1),

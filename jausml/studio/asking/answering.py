@@ -1,0 +1,122 @@
+"""Questions that need thought: forms, the palette, what can be connected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.diagrams.views.context import Context
+from jausml.model import refs
+from jausml.studio.answers.connecting import connect, ends
+from jausml.studio.answers.elements import Scope, label_of
+from jausml.studio.answers.forms import form
+from jausml.studio.answers.palette import MOST, palette
+from jausml.studio.answers.spots import spot
+from jausml.studio.methods import Method
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from jausml.studio.desk import Desk
+
+
+@dataclass(frozen=True)
+class OfElement:
+    """An element."""
+
+    element: str
+
+
+@dataclass(frozen=True)
+class Search:
+    """What shall be added.
+
+    Attributes:
+        file: The file that takes it.
+        query: Words to look for.
+        kinds: The groups of the palette that are meant; None for all.
+        limit: How many at most; None for as many as are usual.
+        onto: The element that it is dropped on; empty for the system.
+    """
+
+    file: str
+    query: str = ""
+    kinds: tuple[str, ...] | None = None
+    limit: int | None = None
+    onto: str = ""
+
+
+@dataclass(frozen=True)
+class Port:
+    """An end in the system view: ids of a box and of a row of it, empty for the box."""
+
+    node: str
+    port: str = ""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line that was drawn in a view."""
+
+    file: str
+    view: str
+    source: Port
+    target: Port
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a line starts in a view."""
+
+    file: str
+    view: str
+    node: str
+    port: str = ""
+
+
+def methods(desk: Desk) -> Mapping[str, Method[Any]]:
+    """Returns the methods by name."""
+    return {
+        "form": Method(OfElement, lambda asked: _form(desk, asked)),
+        "palette": Method(Search, lambda asked: _palette(desk, asked)),
+        "connect": Method(Line, lambda asked: _connect(desk, asked)),
+        "ends": Method(Start, lambda asked: _ends(desk, asked)),
+    }
+
+
+def scope_of(desk: Desk, file: str) -> Scope:
+    """Returns the model of a file as answers see it."""
+    return Scope(desk.project.model(file).model, desk.project.root)
+
+
+def _form(desk: Desk, asked: OfElement) -> object:
+    file, _ = refs.split(asked.element)
+    if not file.startswith(refs.LIBRARY):
+        verdict = desk.verdicts.of(file)
+        scope = Scope(verdict.report.model, desk.project.root)
+        return form(scope, asked.element, verdict.report.diagnostics)
+    _, model = desk.project.find(asked.element)
+    return form(Scope(model, desk.project.root), asked.element)
+
+
+def _palette(desk: Desk, asked: Search) -> object:
+    scope = scope_of(desk, asked.file)
+    limit = MOST if asked.limit is None else max(0, asked.limit)
+    return {"items": palette(scope, asked.query, asked.kinds, limit, asked.onto)}
+
+
+def _connect(desk: Desk, asked: Line) -> object:
+    scope = scope_of(desk, asked.file)
+    source = spot(scope, asked.source.node, asked.source.port)
+    return connect(scope, source, spot(scope, asked.target.node, asked.target.port))
+
+
+def _ends(desk: Desk, asked: Start) -> object:
+    scope = scope_of(desk, asked.file)
+    ids = Context(scope.model, asked.view, ())
+    found = []
+    for end, why in ends(scope, spot(scope, asked.node, asked.port)):
+        port = ids.id_of(end.element) if end.element is not None else ""
+        label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
+        found.append({"node": ids.id_of(end.owner), "port": port, "label": label, "why": why})
+    return {"ends": found}

@@ -1,0 +1,114 @@
+"""Requests that change the project, and what they are told to have done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from jausml.studio import shown
+from jausml.studio.asking import showing
+from jausml.studio.encoding import command
+from jausml.studio.methods import Method, Nothing
+
+if TYPE_CHECKING:
+    from jausml.editing.commands import Command
+    from jausml.editing.records import Entry
+    from jausml.studio.desk import Desk
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Commands to be carried out, all or none.
+
+    Attributes:
+        commands: The commands.
+        label: What they do, for people.
+        base: The revision of which their refs are; None for the present one.
+        dry: Whether only to tell what they would do.
+    """
+
+    commands: tuple[Mapping[str, object], ...]
+    label: str
+    base: int | None = None
+    dry: bool = False
+
+
+@dataclass(frozen=True)
+class Write:
+    """What somebody typed.
+
+    Attributes:
+        file: A text file.
+        text: All of its text.
+        base: The revision of which the text was changed.
+    """
+
+    file: str
+    text: str
+    base: int
+
+
+def methods(desk: Desk) -> Mapping[str, Method[Any]]:
+    """Returns the methods by name."""
+    return {
+        "edit": Method(Edit, lambda asked: _edit(desk, asked), in_turn=True),
+        "undo": Method(Nothing, lambda _: _undo(desk), in_turn=True),
+        "redo": Method(Nothing, lambda _: _redo(desk), in_turn=True),
+        "log": Method(Nothing, lambda _: _log(desk)),
+        "write": Method(Write, lambda asked: _write(desk, asked), in_turn=True),
+        "arrange": Method(showing.OfView, lambda asked: _arrange(desk, asked), in_turn=True),
+    }
+
+
+def _edit(desk: Desk, asked: Edit) -> dict[str, Any]:
+    commands = [command(each, f"commands[{i}]") for i, each in enumerate(asked.commands)]
+    return edit(desk, commands, asked.label, asked.base, dry=asked.dry)
+
+
+def edit(
+    desk: Desk, commands: list[Command], label: str, base: int | None, *, dry: bool
+) -> dict[str, Any]:
+    """Carries out commands, or tells what they would do; see `Edit`."""
+    project = desk.project
+    if dry:
+        seen = project.preview(commands)
+        return {
+            "revision": project.revision,
+            "created": seen.created,
+            "diff": seen.diff,
+            "referrers": seen.referrers,
+        }
+    made = project.do(commands, label, base)
+    desk.changed(made)
+    return {"revision": project.revision, "entry": shown.entry(made), "created": made.created}
+
+
+def _undo(desk: Desk) -> dict[str, Any]:
+    return _done(desk, desk.project.undo())
+
+
+def _redo(desk: Desk) -> dict[str, Any]:
+    return _done(desk, desk.project.redo())
+
+
+def _done(desk: Desk, made: Entry | None) -> dict[str, Any]:
+    if made is not None:
+        desk.changed(made)
+    return {"revision": desk.project.revision, "entry": shown.entry(made)}
+
+
+def _log(desk: Desk) -> dict[str, Any]:
+    done, undone = desk.project.log, desk.project.undone
+    return {"entries": [shown.entry(each) for each in (*done, *undone)], "at": len(done)}
+
+
+def _write(desk: Desk, asked: Write) -> dict[str, Any]:
+    made = desk.project.write_text(asked.file, asked.text, asked.base)
+    desk.changed(made)
+    return {"revision": desk.project.revision}
+
+
+def _arrange(desk: Desk, asked: showing.OfView) -> dict[str, Any]:
+    desk.drawings.forget(asked.file, asked.view)
+    return showing.view(desk, asked)

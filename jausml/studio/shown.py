@@ -1,0 +1,37 @@
+"""Records of the project as pages know them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jausml.editing.project import Project
+    from jausml.editing.records import Entry
+
+
+def files(project: Project) -> list[dict[str, Any]]:
+    """Returns the files of a project."""
+    return [
+        {
+            "path": each.path,
+            "notation": each.notation,
+            "revision": each.revision,
+            "stale": each.is_stale,
+            "dirty": each.is_dirty,
+        }
+        for each in project.files
+    ]
+
+
+def entry(made: Entry | None) -> dict[str, Any] | None:
+    """Returns an entry of the log; None for none."""
+    if made is None:
+        return None
+    return {
+        "number": made.number,
+        "label": made.label,
+        "files": made.files,
+        "created": made.created,
+        "layout": made.layout,
+        "outside": made.is_outside,
+    }

@@ -1,0 +1,115 @@
+"""Edits by a page, by two of them, and by other programs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_client import RefusedError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from studio_client import Page, Server
+
+pytestmark = pytest.mark.ports
+
+FILE = "catvehicle.xmi"
+
+
+def node_of(page: Page, kind: str) -> str:
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    ref: str = next(each["element"] for each in graph["nodes"] if each["kind"] == kind)
+    return ref
+
+
+def named(element: str, name: str) -> dict[str, object]:
+    return {"kind": "set", "element": element, "feature": "documentation", "values": [name]}
+
+
+def test_an_edit_changes_the_file_and_undo_brings_it_back(page: Page, folder: Path) -> None:
+    before = (folder / FILE).read_bytes()
+    done = page.ask("edit", commands=[named(node_of(page, "node"), "driven")], label="describe")
+    assert b'"driven"' in (folder / FILE).read_bytes()
+    assert done["entry"]["label"] == "describe"
+    assert page.ask("log")["at"] == 1
+    page.ask("undo")
+    assert (folder / FILE).read_bytes() == before
+    assert page.ask("log") == {"entries": [done["entry"]], "at": 0}
+    page.ask("redo")
+    assert b'"driven"' in (folder / FILE).read_bytes()
+
+
+def test_a_dry_edit_tells_its_difference_and_writes_nothing(page: Page, folder: Path) -> None:
+    before = (folder / FILE).read_bytes()
+    commands = [named(node_of(page, "node"), "driven")]
+    told = page.ask("edit", commands=commands, label="describe", dry=True)
+    assert "+" in told["diff"]
+    assert "driven" in told["diff"]
+    assert (folder / FILE).read_bytes() == before
+
+
+def test_edits_that_are_sent_at_once_are_done_in_turn(page: Page) -> None:
+    element = node_of(page, "node")
+    edits = [
+        page.send("edit", commands=[named(element, f"text {i}")], label=f"edit {i}")
+        for i in range(20)
+    ]
+    undo = page.send("undo")
+    for each in edits:
+        page.answer(each)
+    assert page.answer(undo)["entry"]["label"] == "edit 19"
+
+
+def test_all_pages_are_told(server: Server) -> None:
+    with server.page() as one, server.page() as other:
+        one.ask("edit", commands=[named(node_of(one, "node"), "driven")], label="describe")
+        told = other.await_told("changed")
+        assert told["by"] == "edit"
+        assert told["entry"]["label"] == "describe"
+
+
+def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
+    element = node_of(page, "node")
+    base = page.ask("hello")["revision"]
+    page.ask("edit", commands=[named(element, "one")], label="describe")
+    with pytest.raises(RefusedError, match="has changed since") as refused:
+        page.ask("edit", commands=[named(element, "two")], label="describe", base=base)
+    assert refused.value.data["conflict"]
+
+
+def test_problems_come_with_each_change(page: Page) -> None:
+    page.ask("problems", file=FILE)
+    element = node_of(page, "component")
+    clash = {"kind": "set", "element": element, "feature": "address", "values": ["0.0.0"]}
+    revision = page.ask("edit", commands=[clash], label="break")["revision"]
+    told = page.await_told("problems", lambda each: each["revision"] == revision)
+    found = [each for each in told["problems"] if each["severity"] == "error"]
+    assert any(each["element"] == element and each["file"] == FILE for each in found)
+
+
+def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
+    page.ask("problems", file=FILE)
+    text = (folder / FILE).read_text(encoding="utf-8")
+    (folder / FILE).write_text(text.replace("<system:System", "<system:System ", 1))
+    told = page.await_told("changed")
+    assert told["by"] == "outside"
+    assert told["entry"]["outside"]
+    page.await_told("problems", lambda each: each["revision"] == told["revision"])
+
+
+def test_a_broken_file_keeps_its_last_good_model_and_is_stale(page: Page, folder: Path) -> None:
+    element = node_of(page, "node")
+    (folder / FILE).write_text("<system:System", encoding="utf-8")
+    told = page.await_told("changed")
+    assert [each["stale"] for each in told["files"]] == [True]
+    problems = page.ask("problems", file=FILE)["problems"]
+    assert any(each["severity"] == "error" and each["line"] == 1 for each in problems)
+    assert node_of(page, "node") == element
+    assert (folder / FILE).read_text(encoding="utf-8") == "<system:System"
+
+
+def test_a_new_file_appears(page: Page, folder: Path) -> None:
+    (folder / "maps.ros2jaus").write_text("", encoding="utf-8")
+    told = page.await_told("changed")
+    assert [each["path"] for each in told["files"]] == [FILE, "maps.ros2jaus"]
