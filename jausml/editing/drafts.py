@@ -83,6 +83,24 @@ class Draft:
             raise EditError(f"there is no element {ref} any more", conflict=True)
         return found, model
 
+    def locate(self, ref: Ref) -> tuple[EObject, Model]:
+        """Returns an element, be it one of the library, and a model that has it.
+
+        Raises:
+            EditError: There is no such element.
+        """
+        file, _ = refs.split(ref)
+        if is_library(file):
+            model = self._reader.library(file).model
+        elif file in self.files:
+            model = self.read(file).model
+        else:
+            raise EditError(f"{file or ref!r} is no model file of the opened folder")
+        found = refs.find(ref, model, self.root)
+        if found is None:
+            raise EditError(f"there is no element {ref}", conflict=not is_library(file))
+        return found, model
+
     def apply(self, file: str, splices: Sequence[Splice]) -> None:
         """Changes a file by splices of its present bytes, none over another."""
         step = tuple(merged(splices))

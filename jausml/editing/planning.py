@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Protocol
 from jausml.model import refs
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from jausml.editing.commands import Command
+    from jausml.editing.forest import Forest, Thing
     from jausml.editing.splices import Splice
+    from jausml.metamodel import ClassTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
@@ -27,11 +29,17 @@ class Context:
         file: The file, relative to the root with forward slashes.
         root: The opened folder, symbolic links followed.
         model: The model.
+        forest: The elements of all files concerned, as the commands will have them.
+        paths: The paths of things of the forest before the commands.
+        find_class: Returns the class of the element of a ref.
     """
 
     file: str
     root: Path
     model: Model
+    forest: Forest
+    paths: Mapping[Thing, str]
+    find_class: Callable[[Ref], ClassTable]
 
     @property
     def document(self) -> Document:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from jausml.editing.commands import EditError
 from jausml.editing.records import Stored
 from jausml.model.diagnostics import Diagnostic, Location
 from jausml.model.reading.reader import ReadResult, read_models
@@ -110,6 +111,7 @@ class Reader:
     def __init__(self, root: Path) -> None:
         self._root = root
         self._kept: dict[str, list[_Kept]] = {}
+        self._library: dict[str, ReadResult] = {}
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
         """Returns the model of a file and all that it refers to.
@@ -128,6 +130,25 @@ class Reader:
         kept.insert(0, _Kept(result, {each: files[each].good for each in held}, names))
         del kept[_KEPT:]
         return self._with_faults(result, file, files)
+
+    def library(self, file: str) -> ReadResult:
+        """Returns the model of a file of the library.
+
+        Args:
+            file: The file as refs name it, such as `library:/jaus/mobility.xmi`.
+
+        Raises:
+            EditError: The library has no such file.
+        """
+        found = self._library.get(file)
+        if found is None:
+            path = library_root() / file.removeprefix(LIBRARY)
+            real = os.path.realpath(path)
+            is_inside = real.startswith(os.path.realpath(library_root()) + os.sep)
+            if not is_inside or not os.path.isfile(real):  # noqa: PTH113 -- a name may be too long
+                raise EditError(f"the library has no file {file.removeprefix(LIBRARY)}")
+            found = self._library[file] = read_models([path], notations=NOTATIONS)
+        return found
 
     def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.model.uris import library_root
@@ -38,8 +39,7 @@ def file_of(document: Document, root: Path) -> str:
             elsewhere is named by its whole path.
     """
     if document.is_library:
-        library = os.path.realpath(library_root())
-        return LIBRARY + document.path.relative_to(library).as_posix()
+        return LIBRARY + document.path.relative_to(_library()).as_posix()
     if document.path.is_relative_to(root):
         return document.path.relative_to(root).as_posix()
     return document.path.as_posix()
@@ -97,3 +97,8 @@ def find(ref: Ref, model: Model, root: Path) -> EObject | None:
             found = finder.find(document, fragment)
             return found.node.obj if found is not None else None
     return None
+
+
+@cache
+def _library() -> str:
+    return os.path.realpath(library_root())

@@ -1,0 +1,242 @@
+"""The elements of several files as plain things, which commands can be tried on.
+
+Elements of one file are read once for each file that refers to it; here they are one. What a
+command means is done to things first, and what is then read of the changed files must be the same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.metamodel import FeatureKind
+from jausml.metamodel.filling import contents, is_set
+from jausml.model.refs import file_of, fragment_of, ref_of
+from jausml.model.xmi.writer import lexical
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from jausml.metamodel import ClassTable, FeatureTable
+    from jausml.metamodel.classes.ecore import EObject
+    from jausml.model.documents import Document
+    from jausml.model.model import Model
+    from jausml.model.refs import Ref
+
+
+class Thing:
+    """An element.
+
+    Attributes:
+        table: Its class.
+        file: The file of which it was read or for which it was made.
+        obj: The element of the model of that file, None when it is new.
+        identifier: Its id, empty without one.
+        values: What its attributes have, as XMI writes it, by name; None is no value where
+            there is a default. What has its default is left out.
+        references: What it refers to, by the name of the feature: things, and the refs of
+            elements of files that the forest has not.
+        owned: What it owns, by the name of the feature.
+        owner: What owns it, None for a root.
+        feature: The feature of the owner, empty for a root.
+    """
+
+    __slots__ = (
+        "feature",
+        "file",
+        "identifier",
+        "obj",
+        "owned",
+        "owner",
+        "references",
+        "table",
+        "values",
+    )
+
+    def __init__(self, table: ClassTable, file: str, obj: EObject | None = None) -> None:
+        self.table = table
+        self.file = file
+        self.obj = obj
+        self.identifier = ""
+        self.values: dict[str, tuple[str | None, ...]] = {}
+        self.references: dict[str, list[Thing | Ref]] = {}
+        self.owned: dict[str, list[Thing]] = {}
+        self.owner: Thing | None = None
+        self.feature = ""
+
+    @property
+    def name(self) -> str:
+        """Its name, empty without one."""
+        return next(iter(self.values.get("name", ())), None) or ""
+
+    @property
+    def label(self) -> str:
+        """What people call it."""
+        return f"{self.table.name} '{self.name}'" if self.name else self.table.name
+
+    @property
+    def root(self) -> Thing:
+        """The root of its document."""
+        thing = self
+        while thing.owner is not None:
+            thing = thing.owner
+        return thing
+
+    def everything(self) -> Iterator[Thing]:
+        """Yields it and all that it owns, in order."""
+        pending = [self]
+        while pending:
+            thing = pending.pop()
+            yield thing
+            for children in reversed(list(thing.owned.values())):
+                pending += reversed(children)
+
+    def __repr__(self) -> str:
+        return f"<{self.label} of {self.file}>"
+
+
+class Forest:
+    """The elements of some files of a project.
+
+    Args:
+        models: The models of the files, by their names.
+        root: The opened folder, symbolic links followed.
+
+    Attributes:
+        models: The models of the files.
+        roots: The roots of each file.
+        things: Things by the elements of all those models.
+    """
+
+    def __init__(self, models: Mapping[str, Model], root: Path) -> None:
+        self.models = dict(models)
+        self.folder = root
+        self.roots: dict[str, list[Thing]] = {}
+        self.things: dict[EObject, Thing] = {}
+        self._identifiers: dict[Thing, str] = {}
+        for file, model in models.items():
+            self.roots[file] = [
+                self._grown(each, file, model, model.documents[0])
+                for each in model.documents[0].roots
+            ]
+        for model in models.values():
+            for document in model.documents[1:]:
+                known = self.roots.get(file_of(document, root))
+                if known is not None:
+                    self._pair(document, known, model)
+        for thing in list(self._all()):
+            self._refer(thing, models[thing.file])
+
+    def fragments(self) -> dict[Thing, str]:
+        """Returns by which fragments things are found now: ids, else paths."""
+        return {**self.paths(), **self._identifiers}
+
+    def paths(self) -> dict[Thing, str]:
+        """Returns the paths of things by features, as they stand now."""
+        found: dict[Thing, str] = {}
+        for roots in self.roots.values():
+            for index, root in enumerate(roots):
+                pending = [(root, f"/{index if len(roots) > 1 else ''}")]
+                while pending:
+                    thing, path = pending.pop()
+                    found[thing] = path
+                    for name, children in thing.owned.items():
+                        if thing.table.features[name].many:
+                            pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
+                        else:
+                            pending += [(each, f"{path}/@{name}") for each in children]
+        return found
+
+    def ref(self, thing: Thing, fragments: Mapping[Thing, str] | None = None) -> Ref:
+        """Returns the ref of a thing as it stands now.
+
+        Args:
+            thing: A thing of the forest.
+            fragments: What `fragments` gives, where that is known.
+        """
+        return f"{thing.root.file}#{(fragments or self.fragments())[thing]}"
+
+    def referrers(self, targets: set[Thing]) -> Iterator[tuple[Thing, str]]:
+        """Yields what refers to one of some things, and the name of the feature."""
+        for thing in self._all():
+            for name, values in thing.references.items():
+                if any(each in targets for each in values):
+                    yield thing, name
+
+    def _all(self) -> Iterator[Thing]:
+        for roots in self.roots.values():
+            for root in roots:
+                yield from root.everything()
+
+    def _grown(self, obj: EObject, file: str, model: Model, document: Document) -> Thing:
+        """Makes a thing of an element, and of all that it owns, without references."""
+        root = self._thing(obj, file, model, document)
+        pending = [root]
+        while pending:
+            thing = pending.pop()
+            for feature in thing.table.contained:
+                for child in contents(thing.obj, feature):
+                    if model.document_of(child) is not document:
+                        continue  # the root of another file, which this one refers to
+                    made = self._thing(child, file, model, document)
+                    made.owner, made.feature = thing, feature.name
+                    thing.owned.setdefault(feature.name, []).append(made)
+                    pending.append(made)
+        return root
+
+    def _thing(self, obj: EObject, file: str, model: Model, document: Document) -> Thing:
+        thing = Thing(model.metamodels.class_of(obj), file, obj)
+        thing.identifier = model.identifier(obj) or ""
+        if thing.identifier and fragment_of(obj, document, model) == thing.identifier:
+            self._identifiers[thing] = thing.identifier
+        for name, feature in thing.table.features.items():
+            if feature.kind is FeatureKind.ATTRIBUTE and name in obj.__dict__:
+                values = attribute_values(obj, feature)
+                if values:
+                    thing.values[name] = values
+        self.things[obj] = thing
+        return thing
+
+    def _pair(self, document: Document, roots: list[Thing], model: Model) -> None:
+        """Finds the things of elements that were read once more."""
+        pending = list(zip(document.roots, roots, strict=False))
+        while pending:
+            obj, thing = pending.pop()
+            self.things[obj] = thing
+            for name, owned in thing.owned.items():
+                children = contents(obj, thing.table.features[name])
+                own = [each for each in children if model.document_of(each) is document]
+                pending += zip(own, owned, strict=False)
+
+    def _refer(self, thing: Thing, model: Model) -> None:
+        for name, feature in thing.table.features.items():
+            if name not in thing.obj.__dict__:
+                continue
+            if feature.kind is FeatureKind.CROSS_REFERENCE:
+                targets = contents(thing.obj, feature)
+            elif feature.kind is FeatureKind.CONTAINMENT:
+                owned = {each.obj for each in thing.owned.get(name, ())}
+                targets = [each for each in contents(thing.obj, feature) if each not in owned]
+            else:
+                continue
+            if targets:
+                thing.references[name] = [self._target(each, model) for each in targets]
+
+    def _target(self, obj: EObject, model: Model) -> Thing | Ref:
+        return self.things.get(obj) or ref_of(obj, model, self.folder)
+
+
+def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
+    """Returns what an attribute has, as XMI writes it; nothing when that need not be written."""
+    if feature.many:
+        return tuple(lexical(each, feature) for each in contents(obj, feature))
+    value = getattr(obj, feature.name)
+    if feature.unsettable and not is_set(obj, feature):
+        return ()
+    text = lexical(value, feature) if value is not None else None
+    return () if not feature.unsettable and text == default_text(feature) else (text,)
+
+
+def default_text(feature: FeatureTable) -> str | None:
+    """Returns the default of an attribute as XMI writes it, None without one."""
+    return lexical(feature.default, feature) if feature.default is not None else None
