@@ -28,6 +28,7 @@ VERBS = {
     "diagram": "Draw a system, a map, a service or a state machine.",
     "studio": "Show and edit models in the browser.",
     "partition": "Propose how to split bridges over several.",
+    "diff": "Tell what changed from one state of models to another.",
     "convert": "Write a model as ros2jaus text, or text as XMI.",
     "format": "Lay out ros2jaus text.",
     "import": "Make models of foreign descriptions.",

@@ -1,0 +1,145 @@
+"""`jausml diff`: what changed from one state of models to another."""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml.cli.common import PROBLEMS, find_models, reading_options
+from jausml.cli.revisions import checked_out, is_revision
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from jausml.cli.common import Reading
+    from jausml.differences.change import Change
+    from jausml.model.diagnostics import Location
+    from jausml.model.reading.reader import ReadResult
+
+_COLOURS = {"added": "green", "removed": "red"}
+_SIGNS = {"added": "+", "removed": "-", "renamed": "~", "changed": "~", "ordered": "~"}
+
+
+@click.command("diff")
+@click.argument("old", metavar="OLD")
+@click.argument("new", metavar="NEW")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="For people, or one JSON object.",
+)
+@click.option(
+    "--fail-on",
+    type=click.Choice(["nothing", "breaking", "any"]),
+    default="nothing",
+    show_default=True,
+    help="Exit with 1 for changes that break peers or code, or for any.",
+)
+@reading_options
+def command(old: str, new: str, output_format: str, fail_on: str, reading: Reading) -> None:
+    """Tell what changed from OLD to NEW, in the words of the models.
+
+    Each is a model, a folder of models, or REVISION:PATH of a git repository, as `HEAD~1:models` or
+    `main:./rover.xmi`. Layout, ids, documentation and the order of parts that means nothing do not
+    count, nor whether a model is XMI or text. Changes that break programs on the network or code of
+    users are marked.
+
+    Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
+    error.
+    """
+    from jausml.differences.finding import changes
+    from jausml.differences.pairing import paired_roots
+
+    with ExitStack() as stack:
+        (before, old_folder), (after, new_folder) = (
+            _read(each, reading, stack) for each in (old, new)
+        )
+        pairs = paired_roots(before.model, after.model, old_folder, new_folder)
+        found = changes(before.model, after.model, pairs)
+        for name, result in ((old, before), (new, after)):
+            if result.has_errors:
+                click.echo(f"warning: {name} has errors; what can be read was compared", err=True)
+        _write(found, output_format)
+    if (fail_on == "any" and found) or (fail_on == "breaking" and any(e.breaks for e in found)):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _read(given: str, reading: Reading, stack: ExitStack) -> tuple[ReadResult, Path]:
+    """Reads a state; returns it with the folder that its files are named from."""
+    from jausml.model.reading.reader import read_models
+    from jausml.text.notation import NOTATIONS
+
+    path = Path(given)
+    options: dict[str, Any] = dict(reading)
+    if is_revision(given):
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
+        path = checked_out(given, folder)
+        options["project_root"] = folder
+    result = read_models(find_models([str(path)]), notations=NOTATIONS, **options)
+    return result, path if path.is_dir() else path.parent
+
+
+def _write(found: Sequence[Change], output_format: str) -> None:
+    if output_format == "json":
+        click.echo(json.dumps(_as_json(found), indent=2, ensure_ascii=False))
+        return
+    colour = False if os.environ.get("NO_COLOR") else None
+    for each in found:
+        click.echo(_line(each), color=colour)
+    click.echo(_summary(found))
+
+
+def _line(change: Change) -> str:
+    from jausml.differences.breaking import marked
+
+    mark = marked(change.breaks)
+    kind = change.kind.value
+    text = f"{_SIGNS[kind]} {change.element} {change.path}: {change.text}"
+    line = click.style(text, fg=_COLOURS.get(kind))
+    return f"{line}  {click.style(f'[{mark}]', bold=True)}" if mark else line
+
+
+def _summary(found: Sequence[Change]) -> str:
+    if not found:
+        return "no differences"
+    parts = [f"{len(found)} change{'' if len(found) == 1 else 's'}"]
+    for whom in ("peers", "code"):
+        number = sum(any(each.value == whom for each in change.breaks) for change in found)
+        if number:
+            parts.append(f"{number} break{'s' if number == 1 else ''} {whom}")
+    return ", ".join(parts)
+
+
+def _as_json(found: Iterable[Change]) -> dict[str, Any]:
+    return {
+        "changes": [
+            {
+                "kind": each.kind.value,
+                "element": each.element,
+                "path": each.path,
+                "feature": each.feature,
+                "old": each.old,
+                "new": each.new,
+                "text": each.text,
+                "breaks": [mark.value for mark in each.breaks],
+                "oldPlace": _place(each.old_place),
+                "newPlace": _place(each.new_place),
+            }
+            for each in found
+        ]
+    }
+
+
+def _place(location: Location | None) -> dict[str, Any] | None:
+    if location is None:
+        return None
+    return {"file": location.path, "line": location.line, "column": location.column}

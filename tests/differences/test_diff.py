@@ -1,0 +1,287 @@
+"""`jausml diff`: what changed, in the words of the models, and whom it breaks."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from jausml.cli import main
+from jausml.model import LIBRARY_URI
+
+ROOT = Path(__file__).resolve().parents[2]
+CATVEHICLE = (ROOT / "models" / "catvehicle" / "catvehicle.xmi").read_text(encoding="utf-8")
+CATVEHICLE = CATVEHICLE.replace("../library/", LIBRARY_URI)
+WINCH = (ROOT / "models" / "examples" / "winch" / "service.xmi").read_text(encoding="utf-8")
+WINCH = WINCH.replace("../../library/", LIBRARY_URI)
+MAP = """
+local_pose {
+    JAUS mobility.LocalPoseSensor.ReportLocalPose
+    ROS nav_msgs.Odometry
+    JAUS->ROS (
+        X -> pose.pose.position.x
+        Y -> pose.pose.position.y : negate
+    )
+}
+"""
+
+
+@pytest.fixture
+def diff(tmp_path, monkeypatch):
+    """Compares two texts of a model; returns the changes."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(old, new, suffix=".xmi"):
+        files = []
+        for name, text in (("old", old), ("new", new)):
+            (tmp_path / name).mkdir(exist_ok=True)
+            files.append(tmp_path / name / f"model{suffix}")
+            files[-1].write_text(text, encoding="utf-8")
+        done = CliRunner().invoke(main, ["diff", "--format", "json", *map(str, files)])
+        assert done.exit_code == 0, done.output
+        return json.loads(done.stdout)["changes"]
+
+    return run
+
+
+def replaced(text, old, new):
+    assert old in text
+    return text.replace(old, new)
+
+
+def test_the_same_in_another_layout(diff):
+    other = CATVEHICLE.replace('" name=', '"\n      name=').replace(
+        "  <components", "\t<components"
+    )
+    other = replaced(other, "The car: takes", "The vehicle: takes")
+    assert diff(CATVEHICLE, other) == []
+
+
+def test_text_and_xmi_are_compared_as_models():
+    xmi = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
+    text = ROOT / "models" / "examples" / "catvehicle" / "catvehicle.ros2jaus"
+    done = CliRunner().invoke(main, ["diff", "--fail-on", "any", str(xmi), str(text)])
+    assert (done.exit_code, done.output) == (0, "no differences\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path", "text", "breaks"),
+    [
+        (
+            'provider="vehicle" rate="10.0"',
+            'provider="vehicle" rate="25.0"',
+            "catvehicle/operator_control_unit/vehicle_pose",
+            "rate 10 -> 25 Hz",
+            [],
+        ),
+        (
+            '<provides href="http://www.jausml.org/library/jaus/mobility.xmi#VelocityStateSensor"/>',
+            "",
+            "catvehicle/vehicle",
+            "no longer provides VelocityStateSensor 1.0",
+            ["peers"],
+        ),
+        ('address="100.1.1"', 'address="100.1.9"', None, "address 100.1.1 -> 100.1.9", ["peers"]),
+        (
+            'name="velocity_controller"',
+            'name="speed_keeper"',
+            "catvehicle/speed_keeper",
+            "renamed from velocity_controller",
+            ["code"],
+        ),
+        (
+            'topic="dead_reckoning">\n      <type href="http://www.jausml.org/library/ros/nav_msgs.xmi#Odometry"/>\n'
+            '      <qos depth="5"/>\n    </publishers>',
+            'topic="reckoned">\n      <type href="http://www.jausml.org/library/ros/nav_msgs.xmi#Odometry"/>\n'
+            '      <qos depth="5"/>\n    </publishers>',
+            "catvehicle/steering_controller/dead_reckoning",
+            "topic dead_reckoning -> reckoned",
+            ["peers"],
+        ),
+    ],
+)
+def test_a_change_of_a_system(diff, old, new, path, text, breaks):
+    changes = diff(CATVEHICLE, replaced(CATVEHICLE, old, new))
+    found = [each for each in changes if path in (None, each["path"])]
+    assert [each["text"].partition(", which")[0] for each in found] == [text]
+    assert found[0]["breaks"] == breaks
+    assert len(changes) == 1 or path is None or "provides" in text
+
+
+def test_who_uses_what_is_gone_is_named(diff):
+    provided = '<provides href="http://www.jausml.org/library/jaus/mobility.xmi#LocalPoseSensor"/>'
+    changes = diff(CATVEHICLE, CATVEHICLE.replace(provided, "", 1))
+    assert changes[0]["text"].endswith("1.0, which operator_control_unit and bridge use")
+
+
+def test_the_way_back_has_no_less(diff):
+    other = replaced(CATVEHICLE, 'name="logger"', 'name="recorder"')
+    other = replaced(other, 'rate="10.0"', 'rate="12.5"')
+    there, back = diff(CATVEHICLE, other), diff(other, CATVEHICLE)
+    assert [(each["old"], each["new"]) for each in there] == [
+        (each["new"], each["old"]) for each in back
+    ]
+    assert {each["text"] for each in back} >= {"renamed from recorder", "rate 12.5 -> 10 Hz"}
+
+
+def test_added_is_removed_the_other_way_round(diff):
+    host = '  <hosts name="left" interface="10.0.0.1"/>\n</system:System>'
+    other = replaced(CATVEHICLE, "</system:System>", host)
+    assert [(e["kind"], e["element"], e["path"]) for e in diff(CATVEHICLE, other)] == [
+        ("added", "host", "catvehicle/left")
+    ]
+    assert [each["kind"] for each in diff(other, CATVEHICLE)] == ["removed"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text", "breaks"),
+    [
+        ('code="0xD101"', 'code="0xD111"', "code 0xD101 -> 0xD111", ["peers"]),
+        ('lower="-2.0" upper="2.0"/>', 'lower="-4.0" upper="2.0"/>', "lower -2 -> -4", ["peers"]),
+        ('name="RopeLength"', 'name="Length"', "renamed from RopeLength", ["code"]),
+        ('name="PAYING_IN" value="3"', 'name="PAYING_IN" value="7"', "value 3 -> 7", ["peers"]),
+    ],
+)
+def test_a_change_of_a_message(diff, old, new, text, breaks):
+    other = WINCH.replace(old, new, 1)
+    assert other != WINCH
+    changes = diff(WINCH, other)
+    assert [each["text"] for each in changes] == [text]
+    assert changes[0]["breaks"] == breaks
+
+
+def test_a_field_less_and_fields_in_another_order(diff):
+    lines = WINCH.splitlines(keepends=True)
+    start = next(i for i, line in enumerate(lines) if 'name="RopeLength"' in line)
+    length, speed = lines[start : start + 3], lines[start + 3 : start + 6]
+    swapped = [*lines[:start], *speed, *length, *lines[start + 6 :]]
+    (order,) = diff(WINCH, "".join(swapped))
+    assert order["kind"] == "ordered"
+    assert order["new"].startswith("Activity, RopeSpeed, RopeLength")
+    assert order["breaks"] == ["peers"]
+    (removed,) = diff(WINCH, "".join([*lines[:start], *lines[start + 3 :]]))
+    assert removed["kind"] == "removed"
+    assert removed["path"].endswith("/WinchStateRec/RopeLength")
+    assert removed["breaks"] == ["peers", "code"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        (
+            "Y -> pose.pose.position.y : negate",
+            "Y -> pose.pose.position.y",
+            "sign of pose.pose.position.y changed: Y -> pose.pose.position.y : negate"
+            " => Y -> pose.pose.position.y",
+        ),
+        (
+            "X -> pose.pose.position.x",
+            "Z -> pose.pose.position.x",
+            "X -> pose.pose.position.x => Z -> pose.pose.position.x",
+        ),
+        (
+            "X -> pose.pose.position.x",
+            "X -> pose.pose.position.x { whenAbsent: dropMessage }",
+            "X -> pose.pose.position.x: other options",
+        ),
+        (
+            "X -> pose.pose.position.x\n",
+            "X -> pose.pose.position.x\n        Z -> pose.pose.position.z\n",
+            "added: Z -> pose.pose.position.z",
+        ),
+    ],
+)
+def test_a_change_of_a_map(diff, old, new, text):
+    changes = diff(MAP, replaced(MAP, old, new), ".ros2jaus")
+    assert [each["text"] for each in changes] == [text]
+    assert changes[0]["newPlace"]["line"] > 5
+
+
+def test_a_reference_to_a_renamed_element_is_no_change(diff):
+    other = CATVEHICLE.replace('xmi:id="vehicle" name="vehicle"', 'xmi:id="vehicle" name="car"')
+    changes = diff(CATVEHICLE, other)
+    assert [each["text"] for each in changes] == ["renamed from vehicle"]
+
+
+def test_text_for_people_and_exit_status(tmp_path):
+    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
+    old.write_text(CATVEHICLE, encoding="utf-8")
+    new.write_text(replaced(CATVEHICLE, 'address="100.1.1"', 'address="100.1.9"'), encoding="utf-8")
+    words = ["diff", str(old), str(new)]
+    done = CliRunner().invoke(main, words)
+    line = "~ component catvehicle/vehicle: address 100.1.1 -> 100.1.9  [breaks peers]"
+    assert done.output == f"{line}\n1 change, 1 breaks peers\n"
+    assert done.exit_code == 0
+    assert CliRunner().invoke(main, [*words, "--fail-on", "breaking"]).exit_code == 1
+    same = ["diff", "--fail-on", "any", str(old), str(old)]
+    assert CliRunner().invoke(main, same).exit_code == 0
+
+
+def test_a_broken_model_is_told_and_compared_as_far_as_it_can_be_read(tmp_path):
+    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
+    old.write_text(CATVEHICLE, encoding="utf-8")
+    new.write_text(replaced(CATVEHICLE, "mobility.xmi#Prim", "mobility.xmi#Crim"), encoding="utf-8")
+    done = CliRunner().invoke(main, ["diff", str(old), str(new)])
+    assert done.exit_code == 0
+    assert "new.xmi has errors; what can be read was compared" in done.stderr
+    assert "no longer provides PrimitiveDriver" in done.stdout
+
+
+@pytest.fixture
+def repository(tmp_path, monkeypatch):
+    """A repository with a model in two files and one commit, and the folder of the models."""
+    top = tmp_path / "robot"
+    models = top / "models"
+    models.mkdir(parents=True)
+    (models / "winch.xmi").write_text(WINCH, encoding="utf-8")
+    (models / "car.xmi").write_text(CATVEHICLE, encoding="utf-8")
+    monkeypatch.chdir(models)
+    identity = ["-c", "user.name=t", "-c", "user.email=t@localhost"]
+    for words in (["init", "-q"], ["add", "-A"], [*identity, "commit", "-q", "-m", "first"]):
+        subprocess.run(["git", *words], cwd=top, check=True)
+    return models
+
+
+@pytest.mark.parametrize("old", ["HEAD:./winch.xmi", "HEAD:models/winch.xmi"])
+def test_revisions_of_git(repository, old):
+    new = WINCH.replace('code="0xD101"', 'code="0xD111"')
+    (repository / "winch.xmi").write_text(new, encoding="utf-8")
+    done = CliRunner().invoke(main, ["diff", old, "winch.xmi"])
+    assert "code 0xD101 -> 0xD111  [breaks peers]" in done.output, done.output
+
+
+def test_folders_of_models(repository):
+    (repository / "winch.xmi").unlink()
+    text = (repository / "car.xmi").read_text(encoding="utf-8")
+    (repository / "car.xmi").write_text(text.replace('rate="10.0"', 'rate="9.0"', 1), "utf-8")
+    done = CliRunner().invoke(main, ["diff", "HEAD:models", "."])
+    assert "rate 10 -> 9 Hz" in done.output
+    assert "- service set examples: removed" in done.output
+    assert done.output.endswith("2 changes\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "words"),
+    [
+        ("nothing:models", "git knows no revision 'nothing'"),
+        ("--all:models", "No such option"),
+        ("HEAD:nowhere", "HEAD has no model at nowhere"),
+        ("nowhere.xmi", "nowhere.xmi"),
+    ],
+)
+@pytest.mark.usefixtures("repository")
+def test_what_is_not_there(old, words):
+    done = CliRunner().invoke(main, ["diff", old, "winch.xmi"])
+    assert done.exit_code == 2
+    assert words in done.output
+
+
+def test_outside_of_a_repository(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    done = CliRunner().invoke(main, ["diff", "HEAD:a.xmi", "b.xmi"])
+    assert done.exit_code == 2
+    assert "git: fatal: not a git repository" in done.output
