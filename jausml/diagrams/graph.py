@@ -2,7 +2,7 @@
 
 Ids are those of the model (`Model.fragment`), so that an editor or a live view can speak of
 the same things; what stands for no element has the id of its owner with a mark behind `!`. Parts
-have the reference to the element that they show (`model/references.py`), and a key: the id in
+have the reference to the element that they show (`model/refs.py`), and a key: the id in
 names, which stays when elements are added before it.
 """
 

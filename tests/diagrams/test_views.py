@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from jausml.diagrams.graph import severity
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.diagrams.writers import dot, mermaid
-from jausml.model.references import reference_to
+from jausml.model.refs import ref_of
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(
@@ -182,7 +182,7 @@ def parts(graph):
 def test_parts_refer_to_what_they_show_and_have_keys_of_their_own(path):
     report = read(path)
     model = report.model
-    known = {reference_to(model, each, MODELS): each for each in model.elements()}
+    known = {ref_of(each, model, MODELS): each for each in model.elements()}
     shown = set()
     for view in view_names(model, library=False):
         graph = graph_of(model, view, report.diagnostics, MODELS)

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from jausml.diagrams.graph import Edge, Finding, Group, Node, Port
-from jausml.model.references import Keys, reference_to
+from jausml.model.keys import Keys
+from jausml.model.refs import ref_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -60,7 +61,7 @@ class Context:
 
     def reference(self, element: EObject | None) -> str:
         """Returns the reference to an element, empty for none."""
-        return reference_to(self.model, element, self._root) if element is not None else ""
+        return ref_of(element, self.model, self._root)
 
     def named(self, part: PartT) -> PartT:
         """Returns a part with its key, and with its element where its id is that of one."""

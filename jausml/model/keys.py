@@ -1,51 +1,23 @@
-"""References to elements as texts: exact ones for one state of the files, and lasting ones.
+"""Keys of elements: names that last.
 
-A reference (`robot.xmi#//@nodes.0`) names an element exactly, but by position where it has no id. A
-key (`node:logger`) names it by names, and so lasts when elements are added before it.
+A ref (`robot.xmi#//@nodes.0`, see `refs`) names an element exactly, but by position where it has no
+id. A key (`node:logger`) names it by names, and so lasts when elements are added before it.
 """
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from jausml.model.uris import LIBRARY_URI, library_root
+from jausml.model.refs import file_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
 
 _PARTING = "%/#![]:"
-
-
-def file_of(document: Document, root: Path) -> str:
-    """Returns how references name a file: relative to a folder; the library's by their URI.
-
-    Args:
-        document: The file.
-        root: The folder, absolute, symbolic links followed.
-    """
-    if document.is_library:
-        library = os.path.realpath(library_root())
-        return LIBRARY_URI + quote(document.path.relative_to(library).as_posix())
-    return os.path.relpath(document.path, root).replace(os.sep, "/")
-
-
-def reference_to(model: Model, element: EObject, root: Path) -> str:
-    """Returns the reference to an element, empty for one that was not read.
-
-    Args:
-        model: The model that holds it.
-        element: The element.
-        root: As `file_of` takes it.
-    """
-    document = model.document_of(element)
-    return f"{file_of(document, root)}#{model.fragment(element)}" if document is not None else ""
 
 
 class Keys:

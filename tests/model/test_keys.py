@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from jausml.model import read_models
-from jausml.model.references import Keys, reference_to
+from jausml.model.keys import Keys
+from jausml.model.refs import LIBRARY, find, ref_of
 from jausml.model.uris import LIBRARY_URI
 from jausml.text.notation import NOTATIONS
 
@@ -27,22 +28,21 @@ def test_each_element_has_a_key_and_a_reference_of_its_own(path):
     elements = list(model.elements())
     for names in (
         [keys.of(each) for each in elements],
-        [reference_to(model, each, MODELS) for each in elements],
+        [ref_of(each, model, MODELS) for each in elements],
     ):
         assert len(names) == len(set(names))
         assert all(names)
+    assert all(find(ref_of(each, model, MODELS), model, MODELS) is each for each in elements)
 
 
 def test_a_reference_names_the_file_as_seen_from_the_folder():
     model = read(CAR)
     (logger,) = (each for each in model.elements() if getattr(each, "name", "") == "logger")
     fragment = model.fragment(logger)
-    assert reference_to(model, logger, MODELS) == f"catvehicle/catvehicle.xmi#{fragment}"
-    assert reference_to(model, logger, MODELS / "library") == (
-        f"../catvehicle/catvehicle.xmi#{fragment}"
-    )
+    assert ref_of(logger, model, MODELS) == f"catvehicle/catvehicle.xmi#{fragment}"
+    assert ref_of(logger, model, MODELS / "library") == f"{CAR.as_posix()}#{fragment}"
     message = next(each for each in model.elements() if each.eClass.name == "MessageDef")
-    assert reference_to(model, message, MODELS).startswith(f"{LIBRARY_URI}jaus/")
+    assert ref_of(message, model, MODELS).startswith(f"{LIBRARY}jaus/")
 
 
 def test_a_key_stays_when_elements_are_added_before(tmp_path):
