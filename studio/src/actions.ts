@@ -1,5 +1,7 @@
 // What can be done: each asks the server and brings its answer into the store.
 
+import { following, matching, type Stream } from "./canvas/following";
+import { keyOfEnd } from "./canvas/navigation";
 import { CallError, type Caller, type Link, type Listener, LOST } from "./connection";
 import type {
   Command,
@@ -63,7 +65,12 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   changed(params) {
     const { project } = state();
     if (!project) return;
-    update({ project: { ...project, revision: params.revision, files: params.files } });
+    const { files } = params;
+    update({ project: { ...project, revision: params.revision, files } });
+    if (!files.some((each) => each.path === state().file)) {
+      void openFile(files[0]?.path ?? "");
+      return;
+    }
     if (params.by === "outside") say("A file was changed by another program.");
     void refresh();
   },
@@ -103,6 +110,7 @@ async function begin(project: Project): Promise<void> {
 
 /** Shows a file, at a view of it or at its first. */
 export async function openFile(file: string, view = ""): Promise<void> {
+  if (!file) return update({ file, views: [], view: "", graph: null, chosen: "", selection: [] });
   update({ file });
   void tried(ask("problems", { file })).then((problems) => {
     if (problems && state().file === file) update({ problems });
@@ -171,7 +179,7 @@ function show(graph: Result<"view">["graph"], revision: number): void {
     revision,
     graphFault: "",
     selection,
-    bright: null,
+    bright: matching(graph, before.filter),
     chosen: last ? elementOf(graph, last) : wasPart ? "" : before.chosen,
   });
 }
@@ -224,6 +232,13 @@ async function settled(result: EditResult, label: string): Promise<EditResult> {
   const created = result.created[0];
   if (created) choose(created);
   return result;
+}
+
+/** Makes a model file with an empty system, and opens it. */
+export async function newModel(file: string): Promise<void> {
+  const name = file.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
+  const create: Command = { kind: "create", file, type: "system.System", values: { name: [name] } };
+  if (await edit([create], `Create ${file}`)) await openFile(file);
 }
 
 /** Tells what an edit would do, without doing it. */
@@ -284,7 +299,7 @@ export async function beginRename(key = active(state())): Promise<void> {
   const form = await tried(ask("form", { element }));
   if (!form) return;
   const field = form.fields.find((each) => each.feature === "name");
-  if (!field || !field.changeable || form.readonly) {
+  if (!field?.changeable || form.readonly) {
     return say("What is selected has no name that can be changed here.");
   }
   const name = field.values[0] ?? "";
@@ -387,3 +402,39 @@ export function endOf(key: PartKey): GraphEnd | null {
 
 /** Type of what the palette gives to a drag: the item as JSON. */
 export const DRAGGED = "application/x-jausml-palette-item";
+
+// Filtering and focusing ---------------------------------------------------------------------
+
+/** Lets only what has this text in its name stand out; an empty text lets all. */
+export function filterBy(filter: string): void {
+  const { graph } = state();
+  update({ filter, bright: graph ? matching(graph, filter) : null });
+}
+
+/** Lets only what is up- or downstream of the choice stand out; null ends it. */
+export function focusOn(stream: Stream | null): void {
+  const { graph, selection } = state();
+  if (!stream || !graph || !selection.length) return update({ bright: null, filter: "" });
+  const bright = new Set(selection.flatMap((key) => [...following(graph, key, stream)]));
+  update({ bright, filter: "" });
+  say(
+    `${bright.size} parts are ${{ up: "upstream", down: "downstream", both: "joined" }[stream]}.`,
+  );
+}
+
+let drawings = 0;
+
+/** Shows where a line that begins at an end may end, until `endDrawing`. */
+export async function beginDrawing(from: GraphEnd): Promise<void> {
+  const { file, view, graph } = state();
+  const drawing = ++drawings;
+  // Without an answer the line can still be drawn; the server judges it then.
+  const answer = await ask("ends", { file, view, ...from }).catch(() => null);
+  if (!answer || !graph || drawing !== drawings) return;
+  update({ legal: new Set(answer.ends.map((end) => keyOfEnd(graph, end))) });
+}
+
+export function endDrawing(): void {
+  drawings++;
+  update({ legal: null });
+}

@@ -3,7 +3,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { listener, use } from "./actions";
 import { Connection, socketAddress, takeToken } from "./connection";
-import "@xyflow/react/dist/style.css";
+import "@xyflow/react/dist/base.css";
 import "./styles/index.css";
 
 const token = takeToken(window.location, window.history, window.sessionStorage);

@@ -21,7 +21,7 @@ import type { PartKey } from "./selection";
 /** A dialog that is open; one at a time. */
 export type Dialog =
   | { kind: "help" }
-  | { kind: "find" }
+  | { kind: "create" }
   | { kind: "delete"; commands: Command[]; label: string; referrers: Referrer[]; diff: string }
   | { kind: "ends"; from: GraphEnd; ends: LegalEnd[] }
   | {

@@ -1,3 +1,272 @@
+import {
+  ConnectionMode,
+  type EdgeChange,
+  type NodeChange,
+  type OnConnectEnd,
+  type OnConnectStart,
+  ReactFlow,
+  ReactFlowProvider,
+  SelectionMode,
+  useReactFlow,
+  useStore,
+  type XYPosition,
+} from "@xyflow/react";
+import {
+  type DragEvent,
+  type MouseEvent,
+  useCallback,
+  useEffect,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
+import { beginDrawing, connect, DRAGGED, drop, endDrawing, place, select } from "../actions";
+import { useCanvasKeys } from "../keyboard/canvasKeys";
+import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
+import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
+import { active, state, useStudio } from "../store";
+import { Box } from "./Box";
+import { EmptyHint } from "./EmptyHint";
+import { Frame } from "./Frame";
+import { type FlowEdge, type FlowNode, keyOfNode, portOfHandle, toEdges, toNodes } from "./flow";
+import { Line } from "./Line";
+import { domId } from "./marks";
+import { areaOf } from "./navigation";
+import { Tools } from "./Tools";
+
+// Outside the component: React Flow draws everything anew when these change.
+const NODE_TYPES = { box: Box, frame: Frame };
+const EDGE_TYPES = { line: Line };
+const MANY_BOXES = 100;
+/** Below this zoom labels cannot be read, and are not drawn. */
+const FAR = 0.45;
+const NOTHING_MOVED: ReadonlyMap<string, XYPosition> = new Map();
+
+/** The diagram of the chosen view. */
 export function Canvas() {
+  const graph = useStudio((studio) => studio.graph);
+  const fault = useStudio((studio) => studio.graphFault);
+  const view = useStudio((studio) => `${studio.file} ${studio.view}`);
+  if (!graph) return <p className="quiet">{fault || "Nothing to show yet."}</p>;
+  return (
+    <ReactFlowProvider key={view}>
+      <Diagram graph={graph} />
+    </ReactFlowProvider>
+  );
+}
+
+function Diagram({ graph }: { graph: Graph }) {
+  const selection = useStudio((studio) => studio.selection);
+  const chosen = useMemo(() => new Set(selection), [selection]);
+  const [moved, setMoved] = useMoved(graph);
+  const nodes = useMemo(() => toNodes(graph, moved, chosen), [graph, moved, chosen]);
+  const edges = useMemo(() => toEdges(graph, moved, chosen), [graph, moved, chosen]);
+  const isFar = useStore((flow) => flow.transform[2] < FAR);
+  const here = useStudio(active);
+  const flow = useReactFlow();
+  const keys = useCanvasKeys(graph, setMoved);
+  const drawing = useDrawing();
+  useInSight(graph, here);
+
+  const onNodesChange = useCallback(
+    (changes: NodeChange<FlowNode>[]) => {
+      const places = changes.filter((each) => each.type === "position" && each.position);
+      if (places.length) {
+        setMoved((before) => {
+          const after = new Map(before);
+          for (const each of places) {
+            if (each.type === "position" && each.position) after.set(each.id, each.position);
+          }
+          return after;
+        });
+      }
+      const byId = (id: string) => nodes.find((each) => each.id === id);
+      takeSelection(changes, (id) => {
+        const node = byId(id);
+        return node ? keyOfNode(node) : null;
+      });
+    },
+    [nodes, setMoved],
+  );
+  const onEdgesChange = useCallback((changes: EdgeChange<FlowEdge>[]) => {
+    takeSelection(changes, edgeKey);
+  }, []);
+
+  async function onDragStop(_: unknown, __: unknown, dragged: FlowNode[]) {
+    const positions: Record<LayoutKey, Point> = {};
+    for (const node of dragged) {
+      if (node.type !== "box") continue;
+      const { key, x, y } = node.data.node;
+      const to: Point = [Math.round(node.position.x), Math.round(node.position.y)];
+      if (to[0] !== x || to[1] !== y) positions[key] = to;
+    }
+    if (!Object.keys(positions).length || !(await place(positions))) setMoved(NOTHING_MOVED);
+  }
+
+  function onClick(event: MouseEvent) {
+    const key = (event.target as Element).closest<HTMLElement>("[data-part]")?.dataset.part;
+    if (!key || partOf(key).of !== "port") return;
+    const { selection } = state();
+    const isMore = event.ctrlKey || event.metaKey || event.shiftKey;
+    if (!isMore) select([key]);
+    else if (selection.includes(key)) select(selection.filter((each) => each !== key));
+    else select([...selection, key]);
+  }
+
+  async function onDrop(event: DragEvent) {
+    const text = event.dataTransfer.getData(DRAGGED);
+    if (!text) return;
+    event.preventDefault();
+    const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
+    await drop(JSON.parse(text) as PaletteItem, [at.x, at.y]);
+  }
+
+  return (
+    <div className={`diagram ${isFar ? "far" : ""}`}>
+      <Tools graph={graph} />
+      <ReactFlow
+        className="flow"
+        nodes={nodes}
+        edges={edges}
+        nodeTypes={NODE_TYPES}
+        edgeTypes={EDGE_TYPES}
+        onNodesChange={onNodesChange}
+        onEdgesChange={onEdgesChange}
+        onNodeClick={onClick}
+        onNodeDragStop={(...told) => void onDragStop(...told)}
+        onSelectionDragStop={(event, dragged) => void onDragStop(event, null, dragged)}
+        onPaneClick={() => select([])}
+        onConnectStart={drawing.onStart}
+        onConnectEnd={drawing.onEnd}
+        onDragOver={(event) => {
+          if (!event.dataTransfer.types.includes(DRAGGED)) return;
+          event.preventDefault();
+          event.dataTransfer.dropEffect = "copy";
+        }}
+        onDrop={(event) => void onDrop(event)}
+        connectionMode={ConnectionMode.Loose}
+        connectionRadius={24}
+        selectionMode={SelectionMode.Partial}
+        multiSelectionKeyCode={["Control", "Meta", "Shift"]}
+        selectionKeyCode="Shift"
+        deleteKeyCode={null}
+        disableKeyboardA11y
+        nodesFocusable={false}
+        edgesFocusable={false}
+        zoomOnDoubleClick={false}
+        onlyRenderVisibleElements={graph.nodes.length > MANY_BOXES}
+        minZoom={0.05}
+        maxZoom={3}
+        fitView
+        fitViewOptions={{ padding: 0.06, maxZoom: 1.2 }}
+        tabIndex={0}
+        aria-label={`Diagram of ${graph.title || graph.view}`}
+        aria-activedescendant={here ? domId(here) : undefined}
+        aria-keyshortcuts="? F2 Delete c"
+        onKeyDown={keys}
+        proOptions={{ hideAttribution: false }}
+      >
+        <svg className="definitions" aria-hidden="true">
+          <defs>
+            <marker
+              id="arrow"
+              viewBox="0 0 8 8"
+              refX="8"
+              refY="4"
+              markerWidth="8"
+              markerHeight="8"
+              markerUnits="userSpaceOnUse"
+              orient="auto"
+            >
+              <path d="M0 0.8 8 4 0 7.2z" fill="context-stroke" />
+            </marker>
+          </defs>
+        </svg>
+      </ReactFlow>
+      {graph.nodes.length === 0 && <EmptyHint />}
+    </div>
+  );
+}
+
+/** Places of boxes while they are moved; a new graph has them itself. */
+function useMoved(graph: Graph) {
+  const [moved, setMoved] = useState(NOTHING_MOVED);
+  const [shown, setShown] = useState(graph);
+  if (shown !== graph) {
+    setShown(graph);
+    setMoved(NOTHING_MOVED);
+  }
+  return [shown === graph ? moved : NOTHING_MOVED, setMoved] as const;
+}
+
+/** Drawing a line from row to row: shows where it may end, and asks how to connect. */
+function useDrawing() {
+  const onStart = useCallback<OnConnectStart>((_, { nodeId, handleId }) => {
+    if (nodeId) void beginDrawing({ node: nodeId, port: portOfHandle(handleId) });
+  }, []);
+  const onEnd = useCallback<OnConnectEnd>((event, { fromNode, fromHandle, toNode, toHandle }) => {
+    endDrawing();
+    if (!fromNode) return;
+    const target = toNode
+      ? { node: toNode.id, port: portOfHandle(toHandle?.id) }
+      : endBelow(event as unknown as PointerEvent);
+    if (target) {
+      void connect({ node: fromNode.id, port: portOfHandle(fromHandle?.id) }, target);
+    }
+  }, []);
+  return { onStart, onEnd };
+}
+
+/** The row or box below the pointer, where no end was near. */
+function endBelow(event: { clientX?: number; clientY?: number }) {
+  const { clientX, clientY } = event;
+  if (clientX === undefined || clientY === undefined) return null;
+  for (const each of document.elementsFromPoint(clientX, clientY)) {
+    const key = each.closest<HTMLElement>("[data-part]")?.dataset.part;
+    const part = key ? partOf(key) : null;
+    if (part?.of === "port") return { node: part.node, port: part.id };
+    if (part?.of === "node") return { node: part.id, port: "" };
+  }
   return null;
+}
+
+function takeSelection(
+  changes: (NodeChange<FlowNode> | EdgeChange<FlowEdge>)[],
+  keyOf: (id: string) => PartKey | null,
+): void {
+  let { selection } = state();
+  const before = selection;
+  for (const change of changes) {
+    if (change.type !== "select") continue;
+    const key = keyOf(change.id);
+    if (!key || selection.includes(key) === change.selected) continue;
+    selection = change.selected
+      ? [...selection.filter((each) => partOf(each).of !== "port"), key]
+      : selection.filter((each) => each !== key);
+  }
+  if (selection !== before) select(selection);
+}
+
+/** Brings what the keyboard chose into sight, where it is not. */
+function useInSight(graph: Graph, here: PartKey | null) {
+  const flow = useReactFlow();
+  const width = useStore((store) => store.width);
+  const height = useStore((store) => store.height);
+  const last = useRef<PartKey | null>(null);
+  useEffect(() => {
+    if (!here || here === last.current || !width) return;
+    last.current = here;
+    const area = areaOf(graph, here);
+    if (!area || here === groupKey("")) return;
+    const { x, y, zoom } = flow.getViewport();
+    const [left, top] = [area.x * zoom + x, area.y * zoom + y];
+    const [right, bottom] = [left + area.width * zoom, top + area.height * zoom];
+    const isSeen = right > 40 && left < width - 40 && bottom > 30 && top < height - 30;
+    if (isSeen) return;
+    const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    void flow.setCenter(area.x + area.width / 2, area.y + area.height / 2, {
+      zoom,
+      duration: still ? 0 : 200,
+    });
+  }, [graph, here, width, height, flow]);
 }

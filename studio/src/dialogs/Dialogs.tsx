@@ -1,3 +1,275 @@
+import { type FormEvent, useState } from "react";
+import { choose, connect, edit, newModel, rename, take } from "../actions";
+import { HELP } from "../keyboard/keys";
+import { type Dialog, state, update, useStudio } from "../store";
+import { Diff } from "./Diff";
+import { Modal } from "./Modal";
+import { Picker } from "./Picker";
+
+type Of<K extends Dialog["kind"]> = { dialog: Extract<Dialog, { kind: K }> };
+
+const close = () => update({ dialog: null });
+
+/** The dialog that is open. */
 export function Dialogs() {
-  return null;
+  const dialog = useStudio((studio) => studio.dialog);
+  if (!dialog) return null;
+  switch (dialog.kind) {
+    case "help":
+      return <Help />;
+    case "delete":
+      return <Delete dialog={dialog} />;
+    case "ends":
+      return <Ends dialog={dialog} />;
+    case "connect":
+      return <Connect dialog={dialog} />;
+    case "rename":
+      return <Rename dialog={dialog} />;
+    case "create":
+      return <Create />;
+    case "diff":
+      return (
+        <Modal title={dialog.title} onClose={close} isWide>
+          <Diff diff={dialog.diff} />
+        </Modal>
+      );
+  }
+}
+
+function Help() {
+  return (
+    <Modal title="Keys" onClose={close} isWide>
+      <div className="help">
+        {HELP.map(([title, keys]) => (
+          <section key={title}>
+            <h3>{title}</h3>
+            <dl>
+              {keys.map(([key, does]) => (
+                <div key={key}>
+                  <dt>
+                    <kbd>{key}</kbd>
+                  </dt>
+                  <dd>{does}</dd>
+                </div>
+              ))}
+            </dl>
+          </section>
+        ))}
+        <section>
+          <h3>How to read the diagram</h3>
+          <p>
+            Square boxes speak JAUS, thick ones are bridges, rounded ones are of ROS. Dashed lines
+            are for control. × and ! mark errors and warnings; point at them for the words. While a
+            running system is watched, dashed boxes and lines are silent, doubled ones fail.
+          </p>
+        </section>
+      </div>
+    </Modal>
+  );
+}
+
+function Delete({ dialog }: Of<"delete">) {
+  const { commands, label, referrers, diff } = dialog;
+  function onDelete() {
+    close();
+    void edit(commands, label);
+  }
+  return (
+    <Modal title={`${label}?`} onClose={close}>
+      <p>
+        {referrers.length === 1 ? "One element refers" : `${referrers.length} elements refer`} to
+        it. These lose the reference, or go with it where they cannot be without:
+      </p>
+      <ul className="referrers">
+        {referrers.map((each) => (
+          <li key={each.element}>
+            <button
+              type="button"
+              className="link"
+              onClick={() => {
+                close();
+                choose(each.element);
+              }}
+            >
+              {each.label}
+            </button>
+          </li>
+        ))}
+      </ul>
+      {diff && (
+        <details>
+          <summary>What changes in the files</summary>
+          <Diff diff={diff} />
+        </details>
+      )}
+      <footer>
+        <button type="button" onClick={close}>
+          Keep it
+        </button>
+        {/* biome-ignore lint/a11y/noAutofocus: Enter does what was asked for; it can be undone */}
+        <button type="button" className="best" autoFocus onClick={onDelete}>
+          Delete
+        </button>
+      </footer>
+    </Modal>
+  );
+}
+
+function Ends({ dialog }: Of<"ends">) {
+  const { from, ends } = dialog;
+  return (
+    <Modal title="Connect to…" onClose={close}>
+      {ends.length === 0 && <p className="quiet">There is nothing that it may be connected to.</p>}
+      {ends.length > 0 && (
+        <Picker
+          label="ends that are allowed"
+          picks={ends.map((end) => ({
+            id: `${end.node} ${end.port}`,
+            text: `${end.label} ${end.why}`,
+            shown: (
+              <>
+                <strong>{end.label}</strong> <small>{end.why}</small>
+              </>
+            ),
+          }))}
+          onPick={(at) => {
+            const end = ends[at];
+            close();
+            if (end) void connect(from, { node: end.node, port: end.port });
+          }}
+        />
+      )}
+    </Modal>
+  );
+}
+
+function Connect({ dialog }: Of<"connect">) {
+  const options = [...dialog.options].sort((a, b) => Number(b.is_best) - Number(a.is_best));
+  if (!options.length) {
+    return (
+      <Modal title="This cannot be connected" onClose={close}>
+        <p role="alert">{dialog.refusal || "No rule allows it."}</p>
+        <footer>
+          {/* biome-ignore lint/a11y/noAutofocus: there is nothing else to do */}
+          <button type="button" className="best" autoFocus onClick={close}>
+            Understood
+          </button>
+        </footer>
+      </Modal>
+    );
+  }
+  return (
+    <Modal title="Connect how?" onClose={close}>
+      {dialog.refusal && <p>{dialog.refusal}</p>}
+      <Picker
+        label="ways to connect"
+        isSearched={options.length > 8}
+        picks={options.map((option, at) => ({
+          id: `${at} ${option.label}`,
+          text: `${option.label} ${option.why} ${option.preview}`,
+          shown: (
+            <>
+              <strong>{option.label}</strong>
+              {option.is_best && <em> fits best</em>}
+              <div>{option.why}</div>
+              {option.preview && <pre>{option.preview}</pre>}
+            </>
+          ),
+        }))}
+        onPick={(at) => {
+          const option = options[at];
+          if (option) void take(option);
+        }}
+      />
+    </Modal>
+  );
+}
+
+function Rename({ dialog }: Of<"rename">) {
+  const [name, setName] = useState(dialog.name);
+  function onSubmit(event: FormEvent) {
+    event.preventDefault();
+    void rename(dialog.element, dialog.name, name.trim());
+  }
+  return (
+    <Modal title={`Rename ${dialog.name}`} onClose={close}>
+      <form onSubmit={onSubmit}>
+        <label>
+          New name{" "}
+          <input
+            // biome-ignore lint/a11y/noAutofocus: the dialog was opened to type
+            autoFocus
+            spellCheck={false}
+            value={name}
+            onFocus={(event) => event.currentTarget.select()}
+            onChange={(event) => setName(event.currentTarget.value)}
+          />
+        </label>
+        <footer>
+          <button type="submit" className="best" disabled={!name.trim()}>
+            Rename
+          </button>
+        </footer>
+      </form>
+    </Modal>
+  );
+}
+
+function Create() {
+  const [name, setName] = useState("robot");
+  const [ending, setEnding] = useState("ros2jaus");
+  const file = `${name.trim()}.${ending}`;
+  const isTaken = state().project?.files.some((each) => each.path === file) ?? false;
+  function onSubmit(event: FormEvent) {
+    event.preventDefault();
+    if (isTaken || !name.trim()) return;
+    close();
+    void newModel(file);
+  }
+  return (
+    <Modal title="New model" onClose={close}>
+      <form onSubmit={onSubmit}>
+        <p>
+          <label>
+            Name{" "}
+            <input
+              // biome-ignore lint/a11y/noAutofocus: the dialog was opened to type
+              autoFocus
+              spellCheck={false}
+              value={name}
+              onFocus={(event) => event.currentTarget.select()}
+              onChange={(event) => setName(event.currentTarget.value)}
+            />
+          </label>
+        </p>
+        <fieldset>
+          <legend>Written as</legend>
+          <label>
+            <input
+              type="radio"
+              name="ending"
+              checked={ending === "ros2jaus"}
+              onChange={() => setEnding("ros2jaus")}
+            />{" "}
+            text (.ros2jaus), to be read and typed
+          </label>
+          <label>
+            <input
+              type="radio"
+              name="ending"
+              checked={ending === "xmi"}
+              onChange={() => setEnding("xmi")}
+            />{" "}
+            XMI (.xmi), as Eclipse keeps it
+          </label>
+        </fieldset>
+        {isTaken && <p role="alert">There is a {file} already.</p>}
+        <footer>
+          <button type="submit" className="best" disabled={isTaken || !name.trim()}>
+            Create {file}
+          </button>
+        </footer>
+      </form>
+    </Modal>
+  );
 }

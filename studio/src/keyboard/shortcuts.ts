@@ -1,2 +1,50 @@
-/** Keys of the whole page; placed on the document. */
-export function onShortcut(_event: KeyboardEvent): void {}
+// Keys of the whole page.
+
+import { redo, undo } from "../actions";
+import { update } from "../store";
+import { isTyping, nameOfKey } from "./keys";
+
+/** Takes a key of the whole page; to be placed on the document. */
+export function onShortcut(event: KeyboardEvent): void {
+  if (event.defaultPrevented) return;
+  const name = nameOfKey(event);
+  if (name === "F6" || name === "Shift+F6") {
+    event.preventDefault();
+    return focusPart(name === "F6" ? 1 : -1);
+  }
+  if (isTyping(event)) return;
+  const doing = SHORTCUTS[name];
+  if (!doing) return;
+  event.preventDefault();
+  doing();
+}
+
+const SHORTCUTS: Record<string, () => void> = {
+  "Ctrl+Z": () => void undo(),
+  "Ctrl+Shift+Z": () => void redo(),
+  "Ctrl+Y": () => void redo(),
+  "Ctrl+F": findByName,
+  "?": () => update({ dialog: { kind: "help" } }),
+};
+
+function findByName(): void {
+  update({ middle: "diagram" });
+  // The field comes with the diagram.
+  requestAnimationFrame(() => document.getElementById("filter")?.focus());
+}
+
+const PARTS = [
+  ".header select",
+  ".left input",
+  ".flow, .sheet [tabindex='0']",
+  ".right [role='tab'][tabindex='0']",
+  ".bottom [role='tab'][tabindex='0']",
+];
+
+function focusPart(step: 1 | -1): void {
+  const parts = PARTS.flatMap((each) => document.querySelector<HTMLElement>(each) ?? []);
+  const at = parts.findIndex((part) => regionOf(part)?.contains(document.activeElement));
+  parts.at((at + step + parts.length) % parts.length)?.focus();
+}
+
+const regionOf = (element: Element) => element.closest(".header, .left, .middle, .right, .bottom");

@@ -1,0 +1,149 @@
+import { Handle, type NodeProps, Position } from "@xyflow/react";
+import { memo } from "react";
+import { beginRename, rename } from "../actions";
+import { NameInput } from "../dialogs/NameInput";
+import type { GraphNode, GraphPort } from "../protocol";
+import { nodeKey, type PartKey, portKey } from "../selection";
+import { active, type Studio, update, useStudio } from "../store";
+import { type BoxNode, handleId } from "./flow";
+import { domId, liveClass, liveText, Mark, severityOf, told } from "./marks";
+
+/** A box with its rows, as large as the server says. */
+export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
+  const { node } = data;
+  const key = nodeKey(node.id);
+  const states = useStudio((studio) => statesOf(studio, node));
+  const live = useStudio((studio) => studio.live?.boxes[node.id]);
+  const severity = severityOf(node.findings);
+  const [own = "", ...rows] = states.split(BETWEEN);
+  return (
+    // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
+    <div
+      id={domId(key)}
+      className={`box ${node.kind} ${severity} ${liveClass(live)} ${own}`}
+      role="group"
+      aria-label={labelOf(node)}
+      data-part={key}
+    >
+      <div className="head" style={{ height: node.head }}>
+        <Name partKey={key} text={node.title} className="title" />
+        <Mark findings={node.findings} />
+        {node.subtitle.map((line) => (
+          <div key={line} className="subtitle" title={line}>
+            {line}
+          </div>
+        ))}
+        {live && <div className="live-text">{liveText(live)}</div>}
+      </div>
+      {node.ports.map((port, at) => (
+        <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
+      ))}
+      <Ends port="" y={node.head / 2} isWhole />
+    </div>
+  );
+});
+
+interface RowProps {
+  node: string;
+  port: GraphPort;
+  states: string;
+}
+
+const Row = memo(function Row({ node, port, states }: RowProps) {
+  const key = portKey(node, port.id);
+  return (
+    <>
+      {/* biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts */}
+      <div
+        id={domId(key)}
+        className={`row ${states} ${port.mark.includes("unmapped") ? "quiet" : ""}`}
+        style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
+        role="group"
+        aria-label={[port.label, port.note, port.mark, told(port.findings)]
+          .filter(Boolean)
+          .join(", ")}
+        data-part={key}
+        title={port.details.map(([name, text]) => `${name}: ${text}`).join("\n") || undefined}
+      >
+        <Name partKey={key} text={port.label} className="label" />
+        {port.note && <span className="note">{port.note}</span>}
+        <span className="end">
+          {port.mark && <span className="word">{port.mark}</span>}
+          <Mark findings={port.findings} />
+        </span>
+      </div>
+      <Ends port={port.id} y={port.y + port.height / 2} />
+    </>
+  );
+});
+
+/** Where lines leave and arrive; a pointer draws new ones from here. */
+function Ends({ port, y, isWhole = false }: { port: string; y: number; isWhole?: boolean }) {
+  return (
+    <>
+      <Handle id={handleId("l", port)} type="source" position={Position.Left} style={{ top: y }} />
+      <Handle id={handleId("r", port)} type="source" position={Position.Right} style={{ top: y }} />
+      {isWhole && (
+        <>
+          <Handle id={handleId("t", port)} type="source" position={Position.Top} />
+          <Handle id={handleId("b", port)} type="source" position={Position.Bottom} />
+        </>
+      )}
+    </>
+  );
+}
+
+function Name({ partKey, text, className }: { partKey: PartKey; text: string; className: string }) {
+  const renaming = useStudio((studio) =>
+    studio.renaming?.key === partKey ? studio.renaming : null,
+  );
+  if (renaming) {
+    return (
+      <NameInput
+        name={renaming.name}
+        onDone={(name) => void rename(renaming.element, renaming.name, name)}
+        onCancel={() => update({ renaming: null })}
+      />
+    );
+  }
+  return (
+    // biome-ignore lint/a11y/noStaticElementInteractions: F2 does the same
+    <span className={className} title={text} onDoubleClick={() => void beginRename(partKey)}>
+      {text}
+    </span>
+  );
+}
+
+function labelOf(node: GraphNode): string {
+  const rows = node.ports.length;
+  return [
+    `${node.kind} ${node.title}`,
+    ...node.subtitle,
+    rows ? `${rows} row${rows === 1 ? "" : "s"}` : "",
+    told(node.findings),
+  ]
+    .filter(Boolean)
+    .join(", ");
+}
+
+const BETWEEN = "\u001f";
+
+/** Classes of a box and of each of its rows as one text, so that a box is drawn anew only if one changes. */
+function statesOf(studio: Studio, node: GraphNode): string {
+  const keys = [nodeKey(node.id), ...node.ports.map((port) => portKey(node.id, port.id))];
+  const { selection, bright, legal } = studio;
+  if (!selection.length && !bright && !legal) return "";
+  const here = active(studio);
+  return keys
+    .map((key) =>
+      [
+        selection.includes(key) ? "chosen" : "",
+        key === here ? "active" : "",
+        bright && !bright.has(key) ? "dim" : "",
+        legal?.has(key) ? "legal" : "",
+      ]
+        .filter(Boolean)
+        .join(" "),
+    )
+    .join(BETWEEN);
+}

@@ -1,0 +1,25 @@
+import type { NodeProps } from "@xyflow/react";
+import { memo } from "react";
+import { groupKey } from "../selection";
+import { active, useStudio } from "../store";
+import type { FrameNode } from "./flow";
+import { domId } from "./marks";
+
+/** A frame around boxes: a host, a bridge, a service, a state. */
+export const Frame = memo(function Frame({ data, selected }: NodeProps<FrameNode>) {
+  const { group } = data;
+  const key = groupKey(group.id);
+  const isActive = useStudio((studio) => active(studio) === key);
+  return (
+    // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
+    <div
+      id={domId(key)}
+      className={`frame ${group.kind} ${selected ? "chosen" : ""} ${isActive ? "active" : ""}`}
+      role="group"
+      aria-label={`${group.kind} ${group.title}`}
+      data-part={key}
+    >
+      <span className="title">{group.title}</span>
+    </div>
+  );
+});

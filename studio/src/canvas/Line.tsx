@@ -1,0 +1,75 @@
+import { type EdgeProps, getBezierPath } from "@xyflow/react";
+import { memo } from "react";
+import type { GraphEdge } from "../protocol";
+import { edgeKey } from "../selection";
+import { active, useStudio } from "../store";
+import { type FlowEdge, middleOf, pathOf } from "./flow";
+import { domId, liveClass, liveText, SIGNS, severityOf, told } from "./marks";
+
+const LINE_HEIGHT = 13;
+
+/** A line: the layout's route, or one of its own where a box was moved. */
+export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
+  const { data, selected } = props;
+  const edge = data!.edge;
+  const key = edgeKey(edge.id);
+  const isActive = useStudio((studio) => active(studio) === key);
+  const isDim = useStudio((studio) => studio.bright !== null && !studio.bright.has(key));
+  const live = useStudio((studio) => studio.live?.edges[edge.id]);
+  const [path, x, y] = wayOf(props);
+  const severity = severityOf(edge.findings);
+  const classes = ["line", edge.kind, severity, liveClass(live)];
+  if (selected) classes.push("chosen");
+  if (isActive) classes.push("active");
+  if (isDim) classes.push("dim");
+  const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
+  const lines = live ? [...texts, liveText(live)] : texts;
+  const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
+  return (
+    // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: a group of SVG is neither
+    <g id={domId(key)} className={classes.join(" ")} role="img" aria-label={labelOf(edge)}>
+      <path className="way-near" d={path} />
+      <path className="way-around" d={path} />
+      <path className="way" d={path} strokeWidth={width} markerEnd="url(#arrow)" />
+      {lines.length > 0 && (
+        <text className="way-label" textAnchor="middle">
+          {lines.map((text, at) => (
+            <tspan
+              // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name
+              key={at}
+              className={live && at === lines.length - 1 ? "live-text" : ""}
+              x={x}
+              y={y + (at - (lines.length - 1) / 2) * LINE_HEIGHT + 3.5}
+            >
+              {text}
+            </tspan>
+          ))}
+        </text>
+      )}
+    </g>
+  );
+});
+
+function wayOf(props: EdgeProps<FlowEdge>): [path: string, x: number, y: number] {
+  const { edge, isRouted } = props.data!;
+  if (isRouted) {
+    const middle = middleOf(edge.route);
+    const [x, y] = edge.label ?? [middle?.x ?? 0, middle?.y ?? 0];
+    return [pathOf(edge.route), x, y];
+  }
+  if (props.source === props.target) return loop(props);
+  const [path, x, y] = getBezierPath({ ...props, curvature: 0.3 });
+  return [path, x, y];
+}
+
+/** From a box back to itself, around its right side. */
+function loop(props: EdgeProps<FlowEdge>): [path: string, x: number, y: number] {
+  const { sourceX: x, sourceY: from, targetY } = props;
+  const to = Math.abs(targetY - from) < 8 ? from + 16 : targetY;
+  const out = x + 48;
+  return [`M${x},${from}C${out},${from} ${out},${to} ${x},${to}`, out, (from + to) / 2];
+}
+
+function labelOf(edge: GraphEdge): string {
+  return [edge.kind, edge.title, ...edge.labels, told(edge.findings)].filter(Boolean).join(", ");
+}

@@ -1,0 +1,177 @@
+// Graphs as React Flow takes them: boxes at the server's sizes and places, lines between rows.
+
+import { type Edge, type Node, type NodeHandle, Position, type XYPosition } from "@xyflow/react";
+import type { Graph, GraphEdge, GraphEnd, GraphGroup, GraphNode } from "../protocol";
+import { edgeKey, groupKey, nodeKey, type PartKey } from "../selection";
+
+export type BoxNode = Node<{ node: GraphNode }, "box">;
+export type FrameNode = Node<{ group: GraphGroup }, "frame">;
+export type FlowNode = BoxNode | FrameNode;
+export type FlowEdge = Edge<{ edge: GraphEdge; isRouted: boolean }, "line">;
+
+/** Places of boxes that are being moved, by id. */
+export type Moved = ReadonlyMap<string, XYPosition>;
+
+/** Width and height of the ends of lines, which a pointer can take. */
+export const HANDLE = 12;
+
+const SIDES = { l: Position.Left, r: Position.Right, t: Position.Top, b: Position.Bottom };
+type Side = keyof typeof SIDES;
+
+export const handleId = (side: Side, port: string): string => `${side}:${port}`;
+export const portOfHandle = (handle: string | null | undefined): string => handle?.slice(2) ?? "";
+
+export function toNodes(graph: Graph, moved: Moved, selected: ReadonlySet<PartKey>): FlowNode[] {
+  const frames: FlowNode[] = graph.groups.map((group) => ({
+    id: frameId(group.id),
+    type: "frame",
+    position: { x: group.x, y: group.y },
+    width: group.width,
+    height: group.height,
+    measured: { width: group.width, height: group.height },
+    data: { group },
+    draggable: false,
+    connectable: false,
+    selected: selected.has(groupKey(group.id)),
+    zIndex: -1,
+  }));
+  return [...frames, ...graph.nodes.map((node) => toNode(node, moved, selected))];
+}
+
+function toNode(node: GraphNode, moved: Moved, selected: ReadonlySet<PartKey>): BoxNode {
+  return {
+    id: node.id,
+    type: "box",
+    position: moved.get(node.id) ?? { x: node.x, y: node.y },
+    width: node.width,
+    height: node.height,
+    measured: { width: node.width, height: node.height },
+    handles: handlesOf(node),
+    data: node === kept.get(node)?.node ? kept.get(node)! : keep(node),
+    selected: selected.has(nodeKey(node.id)),
+  };
+}
+
+// The same data for the same box: what is memoised by it is not drawn again.
+const kept = new WeakMap<GraphNode, { node: GraphNode }>();
+
+function keep(node: GraphNode): { node: GraphNode } {
+  const data = { node };
+  kept.set(node, data);
+  return data;
+}
+
+/** Id of a frame among the nodes of React Flow, where boxes have their own ids. */
+export const frameId = (group: string): string => `frame ${group}`;
+
+export function keyOfNode(node: FlowNode): PartKey {
+  return node.type === "frame" ? groupKey(node.data.group.id) : nodeKey(node.id);
+}
+
+function handlesOf(node: GraphNode): NodeHandle[] {
+  const middle = node.head / 2;
+  const own: NodeHandle[] = [
+    handle("l", "", 0, middle),
+    handle("r", "", node.width, middle),
+    handle("t", "", node.width / 2, 0),
+    handle("b", "", node.width / 2, node.height),
+  ];
+  const rows = node.ports.flatMap((port) => {
+    const y = port.y + port.height / 2;
+    return [handle("l", port.id, 0, y), handle("r", port.id, node.width, y)];
+  });
+  return [...own, ...rows];
+}
+
+/** An end whose outer edge is at the border of the box, where lines shall end. */
+function handle(side: Side, port: string, x: number, y: number): NodeHandle {
+  const left = { l: x, r: x - HANDLE, t: x - HANDLE / 2, b: x - HANDLE / 2 }[side];
+  const top = { l: y - HANDLE / 2, r: y - HANDLE / 2, t: y, b: y - HANDLE }[side];
+  return {
+    id: handleId(side, port),
+    type: "source",
+    position: SIDES[side],
+    x: left,
+    y: top,
+    width: HANDLE,
+    height: HANDLE,
+  };
+}
+
+export function toEdges(graph: Graph, moved: Moved, selected: ReadonlySet<PartKey>): FlowEdge[] {
+  const nodes = new Map(graph.nodes.map((each) => [each.id, each]));
+  return graph.edges.flatMap((edge) => {
+    const source = nodes.get(edge.source.node);
+    const target = nodes.get(edge.target.node);
+    if (!source || !target) return [];
+    const [from, to] = sides(source, target, edge, moved, graph.downwards);
+    const isRouted = edge.route.length > 3 && !moved.has(source.id) && !moved.has(target.id);
+    return {
+      id: edge.id,
+      type: "line" as const,
+      source: source.id,
+      target: target.id,
+      sourceHandle: handleId(from, rowOf(source, edge.source)),
+      targetHandle: handleId(to, rowOf(target, edge.target)),
+      data: dataOf(edge, isRouted),
+      selected: selected.has(edgeKey(edge.id)),
+    };
+  });
+}
+
+const lines = new WeakMap<GraphEdge, { edge: GraphEdge; isRouted: boolean }[]>();
+
+function dataOf(edge: GraphEdge, isRouted: boolean): { edge: GraphEdge; isRouted: boolean } {
+  let both = lines.get(edge);
+  if (!both) {
+    both = [
+      { edge, isRouted: false },
+      { edge, isRouted: true },
+    ];
+    lines.set(edge, both);
+  }
+  return both[isRouted ? 1 : 0]!;
+}
+
+function rowOf(node: GraphNode, end: GraphEnd): string {
+  return node.ports.some((each) => each.id === end.port) ? end.port : "";
+}
+
+/** Sides at which a line leaves and arrives, so that it need not go around its own boxes. */
+function sides(
+  source: GraphNode,
+  target: GraphNode,
+  edge: GraphEdge,
+  moved: Moved,
+  downwards: boolean,
+): [Side, Side] {
+  const from = moved.get(source.id) ?? source;
+  const to = moved.get(target.id) ?? target;
+  if (source === target) return ["r", "r"];
+  if (downwards && !edge.source.port && !edge.target.port) {
+    if (from.y + source.height <= to.y) return ["b", "t"];
+    if (to.y + target.height <= from.y) return ["t", "b"];
+  }
+  if (from.x + source.width <= to.x) return ["r", "l"];
+  if (to.x + target.width <= from.x) return ["l", "r"];
+  // One above the other: both ends at the side where there is more room.
+  return from.x + source.width < to.x + target.width ? ["r", "r"] : ["l", "l"];
+}
+
+/** A route of the layout as a path of SVG. */
+export function pathOf(route: GraphEdge["route"]): string {
+  const [start, ...rest] = route;
+  if (!start) return "";
+  let path = `M${start[0]},${start[1]}`;
+  for (let at = 0; at + 2 < rest.length; at += 3) {
+    const [a, b, c] = [rest[at]!, rest[at + 1]!, rest[at + 2]!];
+    path += `C${a[0]},${a[1]} ${b[0]},${b[1]} ${c[0]},${c[1]}`;
+  }
+  return path;
+}
+
+/** The middle of a route, for a label that the layout gave no place. */
+export function middleOf(route: GraphEdge["route"]): XYPosition | null {
+  const point = route[Math.floor(route.length / 2)];
+  return point ? { x: point[0], y: point[1] } : null;
+}

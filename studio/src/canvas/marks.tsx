@@ -1,0 +1,43 @@
+import type { Finding, LiveBox, LiveEdge, Severity } from "../protocol";
+
+const GRAVEST: Severity[] = ["error", "warning", "info"];
+export const SIGNS: Record<Severity, string> = { error: "×", warning: "!", info: "i" };
+
+/** The gravest severity, empty without findings. */
+export function severityOf(findings: readonly Finding[]): Severity | "" {
+  return GRAVEST.find((each) => findings.some((found) => found.severity === each)) ?? "";
+}
+
+/** Findings as sentences, for titles and labels. */
+export function told(findings: readonly Finding[]): string {
+  return findings.map((each) => `${each.severity}: ${each.message}`).join("\n");
+}
+
+/** A sign for what is wrong, with its words for whoever points at it or listens. */
+export function Mark({ findings }: { findings: readonly Finding[] }) {
+  const severity = severityOf(findings);
+  if (!severity) return null;
+  return (
+    <span className={`mark ${severity}`} title={told(findings)} role="img" aria-label={severity}>
+      {SIGNS[severity]}
+    </span>
+  );
+}
+
+/** How a live part stands out: never by colour alone. */
+export function liveClass(live: LiveEdge | LiveBox | undefined): string {
+  if (!live) return "";
+  if (live.level === "ok") return "live-ok";
+  if (live.level === "error" || live.level === "warning") return `live-failing live-${live.level}`;
+  return "live-silent";
+}
+
+const LEVEL_SIGNS: Record<string, string> = { ok: "✓", warning: "!", error: "×" };
+
+/** The words of a live part, with a sign for its level. */
+export function liveText(live: LiveEdge | LiveBox): string {
+  return `${LEVEL_SIGNS[live.level] ?? "?"} ${live.text}`;
+}
+
+/** A DOM id of a part, which `aria-activedescendant` can name. */
+export const domId = (key: string): string => `part-${encodeURIComponent(key)}`;
