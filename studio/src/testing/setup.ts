@@ -13,6 +13,9 @@ globalThis.ResizeObserver ??= NoObserver as unknown as typeof ResizeObserver;
 globalThis.DOMMatrixReadOnly ??= class {
   m22 = 1;
 } as unknown as typeof DOMMatrixReadOnly;
+Range.prototype.getClientRects ??= () => [] as unknown as DOMRectList;
+// By its vendor jsdom would be Safari, whose faults editors work around.
+Object.defineProperty(navigator, "vendor", { value: "" });
 Element.prototype.scrollIntoView ??= () => {};
 window.matchMedia ??= ((query: string) => ({
   matches: false,

@@ -1,15 +1,17 @@
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
 import { state, update, useStudio } from "../../store";
 import { Fault, figure, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 
+const LOOK_MS = 1000;
 const SIGNS: Record<string, string> = {
   ok: "✔",
   warning: "▲",
   error: "✖",
-  silent: "◌",
+  stale: "◌",
+  "not heard": "◌",
   unknown: "?",
 };
 
@@ -77,7 +79,7 @@ export function Live() {
 
 function Level({ level }: { level: string }) {
   return (
-    <span className={`level level-${level}`}>
+    <span className={`level level-${level.replace(" ", "-")}`}>
       <span aria-hidden="true">{SIGNS[level] ?? "●"}</span> {level}
     </span>
   );
@@ -121,7 +123,7 @@ function Connections({ connections, open, onOpen }: ConnectionsProps) {
         const isOpen = open === name;
         return (
           <tbody key={name}>
-            <tr className={`is-${each.level}`}>
+            <tr>
               <th scope="row">
                 <button
                   type="button"
@@ -143,7 +145,7 @@ function Connections({ connections, open, onOpen }: ConnectionsProps) {
             {isOpen && (
               <tr>
                 <td colSpan={6}>
-                  <LastMessage connection={each.row} told={each.told} />
+                  <LastMessage row={each.row} />
                 </td>
               </tr>
             )}
@@ -161,8 +163,15 @@ function latency(microseconds: Record<string, number>): string {
     : told.map(([name, value]) => `${name} ${figure(value, "µs")}`).join(", ");
 }
 
-function LastMessage({ connection, told }: { connection: string; told: number | null }) {
-  const { value, error } = useAnswer("live.message", { connection }, told);
+/** The last message of a connection on both sides, as long as it is open. */
+function LastMessage({ row }: { row: string }) {
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    const timer = setInterval(() => setTurn((before) => before + 1), LOOK_MS);
+    return () => clearInterval(timer);
+  }, []);
+  const { value, error } = useAnswer("live.message", row ? { connection: row } : null, turn);
+  if (row === "") return <Quiet>The model has no such connection.</Quiet>;
   if (error) return <Fault>{error}</Fault>;
   if (value === null) return <Quiet>Waiting for a message…</Quiet>;
   return (
@@ -198,7 +207,7 @@ function Components({ components }: { components: LiveComponent[] }) {
       </thead>
       <tbody>
         {components.map((each) => (
-          <tr key={each.id} className={`is-${each.level}`}>
+          <tr key={each.id}>
             <th scope="row">
               {each.name || each.id} <small className="quiet">{each.id}</small>
             </th>
@@ -206,7 +215,7 @@ function Components({ components }: { components: LiveComponent[] }) {
               <Level level={each.level} />
             </td>
             <td>{each.state ?? "–"}</td>
-            <td>{each.controller ?? "nobody"}</td>
+            <td>{each.controller || "–"}</td>
             <td className="number">{figure(each.round_trip_ms, "ms")}</td>
           </tr>
         ))}

@@ -44,12 +44,12 @@ export function TextEditor(props: Props) {
     ask("text", { file }).then(
       (start) => {
         if (!isWanted || element === null) return;
+        setFault("");
         opened.current = open(
           element,
           { root, file, notation, start, onState: setState, onFault: setFault },
           (offset) => told.current.onCursor(offset),
         );
-        setFault("");
         setOpen(true);
       },
       (error: unknown) => isWanted && setFault(messageOf(error)),

@@ -1,0 +1,89 @@
+import { Text } from "@codemirror/state";
+import { describe, expect, it } from "vitest";
+import { edited, offsetOf, positionOf } from "./languageSupport";
+import { asInFile, inEditor, inFile, lines } from "./lines";
+import { characters, units } from "./offsets";
+import { ros2jaus } from "./words";
+
+describe("characters and units", () => {
+  it("counts a character beyond the first plane as two units", () => {
+    const text = "a😀b";
+    expect(units(text, 2)).toBe(3);
+    expect(characters(text, 3)).toBe(2);
+    expect(units(text, 99)).toBe(4);
+  });
+});
+
+describe("ends of lines", () => {
+  it("knows one way, the other, and a mixture", () => {
+    expect(lines("a\nb").end).toBe("\n");
+    expect(lines("a\r\nb\r\n")).toEqual({ text: "a\nb\n", end: "\r\n" });
+    expect(lines("a\r\nb\n").end).toBeNull();
+    expect(lines("a\rb\n").end).toBeNull();
+  });
+
+  it("keeps places", () => {
+    const file = "a\r\nb\r\nc";
+    const text = lines(file).text;
+    expect(inEditor(file, file.indexOf("c"))).toBe(text.indexOf("c"));
+    expect(inFile(text, text.indexOf("c"), "\r\n")).toBe(file.indexOf("c"));
+    expect(asInFile(text, "\r\n")).toBe(file);
+  });
+});
+
+describe("places of the language server", () => {
+  const text = Text.of(["first", "second"]);
+
+  it("goes both ways, and ends at the end", () => {
+    expect(offsetOf(text, { line: 1, character: 2 })).toBe(8);
+    expect(positionOf(text, 8)).toEqual({ line: 1, character: 2 });
+    expect(offsetOf(text, { line: 9, character: 0 })).toBe(12);
+    expect(offsetOf(text, { line: 0, character: 99 })).toBe(5);
+  });
+
+  it("makes several edits of the text as it was", () => {
+    const range = (line: number, from: number, to: number) => ({
+      start: { line, character: from },
+      end: { line, character: to },
+    });
+    const edits = [
+      { range: range(0, 0, 5), newText: "1" },
+      { range: range(1, 0, 6), newText: "2" },
+    ];
+    expect(edited(text, edits)).toBe("1\n2");
+  });
+});
+
+describe("the words of ros2jaus", () => {
+  function names(text: string): string[] {
+    const found: string[] = [];
+    ros2jaus.parser.parse(text).iterate({
+      enter: (node) => {
+        if (node.name !== "Document") found.push(`${node.name}:${text.slice(node.from, node.to)}`);
+      },
+    });
+    return found;
+  }
+
+  it("tells comments, elements, features, numbers and texts apart", () => {
+    expect(names('// why\nnode controller {\n rate: 10 "text" <-> true\n}')).toEqual([
+      "lineComment:// why",
+      "typeName:node",
+      "name:controller",
+      "propertyName:rate",
+      "number:10",
+      'string:"text"',
+      "operator:<->",
+      "bool:true",
+    ]);
+  });
+
+  it("keeps a comment over lines", () => {
+    expect(names("/** what\n it is */ JAUS x")).toEqual([
+      "docComment:/** what",
+      "docComment: it is */",
+      "keyword:JAUS",
+      "name:x",
+    ]);
+  });
+});
