@@ -167,11 +167,11 @@ def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     return [file for path in paths for file in _files_at(path, suffixes)]
 
 
-def write_report(rendered: str, output: str | None) -> None:
-    """Writes a report to a file, or to stdout where none is named.
+def write_report(rendered: str | bytes, output: str | None) -> None:
+    """Writes a report or picture to a file, or a report to stdout where none is named.
 
     Args:
-        rendered: The report.
+        rendered: The report or picture.
         output: The file.
 
     Raises:
@@ -180,8 +180,10 @@ def write_report(rendered: str, output: str | None) -> None:
     if output is None:
         click.echo(rendered, nl=False)
         return
+    if isinstance(rendered, str):
+        rendered = rendered.encode("utf-8", errors="backslashreplace")
     try:
-        Path(output).write_text(rendered, encoding="utf-8", errors="backslashreplace", newline="\n")
+        Path(output).write_bytes(rendered)
     except OSError as error:
         name = click.format_filename(output)
         raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error

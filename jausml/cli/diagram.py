@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jausml.cli.common import Reading
     from jausml.diagrams.graph import Graph
 
-SUFFIXES = (".svg", ".html", ".mmd", ".dot")
+SUFFIXES = (".svg", ".png", ".html", ".mmd", ".dot")
 THEMES = ("auto", "light", "dark")
 
 
@@ -74,10 +74,10 @@ def command(model: str, view: str, output: str, theme: str, reading: Reading) ->
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _rendered(graph: Graph, suffix: str, theme: str) -> str:
+def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
     from jausml.diagrams.layout.graphviz import Graphviz
     from jausml.diagrams.layout.sheet import LayoutError
-    from jausml.diagrams.writers import dot, html, mermaid, svg
+    from jausml.diagrams.writers import dot, html, mermaid, png, svg
 
     match suffix:
         case ".mmd":
@@ -85,7 +85,12 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str:
         case ".dot":
             return dot.render(graph)
     try:
-        render = html.render if suffix == ".html" else svg.render
-        return render(graph, Graphviz(), theme)
+        match suffix:
+            case ".png":
+                return png.render(graph, Graphviz(), theme)
+            case ".html":
+                return html.render(graph, Graphviz(), theme)
+            case _:
+                return svg.render(graph, Graphviz(), theme)
     except LayoutError as error:
         raise EnvironmentFault(str(error)) from error

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import pytest
 
 from jausml.diagrams.layout import graphviz
+from jausml.diagrams.writers import png
 
 CAR = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
 
@@ -23,6 +25,33 @@ def test_the_ending_says_what_is_written(jausml, tmp_path, name, start):
     assert b"odometry" in first
     jausml("diagram", CAR, "-o", output)
     assert output.read_bytes() == first
+
+
+def test_a_picture_of_dots(jausml, tmp_path):
+    pytest.importorskip("resvg_py", reason="PNG needs jausml[diagram]")
+    sizes = {}
+    for theme in ("auto", "light", "dark"):
+        output = tmp_path / f"{theme}.png"
+        result = jausml("diagram", CAR, "-o", output, "--theme", theme)
+        assert result.exit_code == 0, result.output
+        data = output.read_bytes()
+        assert data.startswith(b"\x89PNG")
+        sizes[theme] = struct.unpack(">II", data[16:24])
+    assert (tmp_path / "auto.png").read_bytes() == (tmp_path / "light.png").read_bytes()
+    assert (tmp_path / "dark.png").read_bytes() != (tmp_path / "light.png").read_bytes()
+    assert len(set(sizes.values())) == 1
+    assert min(sizes["light"]) > 1000
+
+
+def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch):
+    pytest.importorskip("resvg_py", reason="PNG needs jausml[diagram]")
+    monkeypatch.setattr(png, "FONTS", ("No Such Font",))
+    png._font.cache_clear()
+    result = jausml("diagram", CAR, "-o", tmp_path / "x.png")
+    png._font.cache_clear()
+    assert result.exit_code == 2
+    assert "needs one of these fonts on this machine: No Such Font" in result.output
+    assert not (tmp_path / "x.png").exists()
 
 
 def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkeypatch):

@@ -16,6 +16,7 @@ from jausml.diagrams.graph import severity
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.diagrams.writers import dot, mermaid
 from jausml.model.refs import ref_of
+from jausml.model.uris import LIBRARY_URI
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(
@@ -80,6 +81,32 @@ def test_the_system_has_what_the_model_says():
         e for e in graph.edges if e.title == "SetWrenchEffort" and "Connections.4" in e.source.port
     )
     assert command.target.node == "vehicle"
+
+
+def test_a_connection_tells_its_quality_its_limits_and_what_it_does_when_its_source_is_lost(
+    tmp_path,
+):
+    bridge = next(each for each in car("system").nodes if each.title == "bridge")
+    told = {each.label: dict(each.details) for each in bridge.ports}
+    lost = told["cruise_speed"]["when lost"]
+    assert lost.startswith("after 2 s of silence: ")
+    assert "twist.linear.x = 0.0" in lost
+    assert told["odometry"]["QoS"] == "odometry: best effort, volatile, keep last 5"
+    assert not {"when lost", "limits"} & set(told["odometry"])
+    text = CAR.read_text(encoding="utf-8").replace("../library/", LIBRARY_URI)
+    start = text.index("<bridgeConnections", text.index("<bridges"))
+    changed = text[:start] + text[start:].replace(
+        "<bridgeConnections", '<bridgeConnections rateCap="50" decimation="2" ageLimit="0.5"', 1
+    )
+    changed = changed.replace('depth="5"/>', 'depth="1" deadline="0.1"/>')
+    path = tmp_path / "car.xmi"
+    path.write_text(changed, encoding="utf-8")
+    bridge = next(n for n in next(graphs(read(path))).nodes if n.title == "bridge")
+    told = {each.label: dict(each.details) for each in bridge.ports}["odometry"]
+    assert told["limits"] == (
+        "at most 50 Hz are taken of one source, one of 2 passes, none older than 0.5 s"
+    )
+    assert told["QoS"] == "odometry: best effort, volatile, keep last 1, deadline 0.1 s"
 
 
 def test_services_and_actions_are_connections_too():

@@ -13,11 +13,12 @@ from math import dist
 from typing import TYPE_CHECKING, Any
 
 from jausml.diagrams.layout.sheet import LayoutError, Places, Route
+from jausml.diagrams.nesting import nested
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.diagrams.layout.sheet import Box, Frame, Line, Point, Sheet
+    from jausml.diagrams.layout.sheet import Box, Line, Point, Sheet
 
 MISSING = "pictures need pygraphviz: pip install 'jausml[diagram]'"
 LONGEST = 120
@@ -61,27 +62,17 @@ def _graph(sheet: Sheet) -> Iterator[str]:
         yield '  graph [pack=24, packmode="array_c3"]'
     yield "  node [shape=plain]"
     yield "  edge [dir=none]"
-    for number, box in enumerate(sheet.boxes):
-        if not box.group:
-            yield f"  {_box(number, box)}"
-    for frame in sheet.frames:
-        if not frame.parent:
-            yield from _frame(sheet, frame)
+    for what, number, _ in nested(sheet.boxes, sheet.frames):
+        match what:
+            case "box":
+                yield f"  {_box(number, sheet.boxes[number])}"
+            case "begin":
+                label = _cell(sheet.frames[number].width, sheet.frames[number].height)
+                yield f"  subgraph cluster_{number} {{ label={label}; labeljust=l; margin=12"
+            case "end":
+                yield "  }"
     yield from _lines(sheet)
     yield "}"
-
-
-def _frame(sheet: Sheet, frame: Frame) -> Iterator[str]:
-    number = sheet.frames.index(frame)
-    label = _cell(frame.width, frame.height)
-    yield f"  subgraph cluster_{number} {{ label={label}; labeljust=l; margin=12"
-    for index, box in enumerate(sheet.boxes):
-        if box.group == frame.id:
-            yield f"  {_box(index, box)}"
-    for inner in sheet.frames:
-        if inner.parent == frame.id:
-            yield from _frame(sheet, inner)
-    yield "  }"
 
 
 def _cell(width: int, height: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.diagrams.graph import JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
+from jausml.diagrams.views import exchanges
 from jausml.diagrams.views.context import details, name_of, number
 from jausml.semantics.ros_paths import ros_name
 from jausml.semantics.topics import resolve_topic
@@ -105,7 +106,9 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
             message=name_of(message),
             type=_type(kind),
             exchange=label,
-            silence=_silence(connection),
+            limits=exchanges.limits(connection),
+            QoS=exchanges.topics_qos(connection),
+            **{"when lost": exchanges.when_lost(connection)},
         ),
         findings=context.findings(connection),
         element=context.reference(connection),
@@ -224,12 +227,6 @@ def _ros_ends(builder: Builder, owner: bridge.Bridge, name: str, way: str, kind:
              column=ROS_COLUMN)
     )  # fmt: skip
     return [builder.put(box, Port(f"{box}!{way}!{name}", name, kind))]
-
-
-def _silence(connection: bridge.Connection) -> str:
-    if connection.silenceTimeout:
-        return f"after {number(connection.silenceTimeout)} s"
-    return ""
 
 
 def _type(kind: ros.MessageType | ros.ServiceType | ros.ActionType | None) -> str:

@@ -15,7 +15,7 @@ from jausml.diagrams.graph import (
     Port,
 )
 from jausml.diagrams.graph import Node as Box
-from jausml.diagrams.views import connections
+from jausml.diagrams.views import connections, exchanges
 from jausml.diagrams.views.building import Builder
 from jausml.diagrams.views.context import details, name_of
 from jausml.metamodel.classes import bridge, jaus, ros
@@ -116,6 +116,8 @@ def _box(context: Context, element: jaus.Component | ros.Node) -> Box:
 
 def _add_endpoints(builder: Builder, node: ros.Node) -> None:
     context = builder.context
+    endpoints = (*node.publishers, *node.subscriptions)
+    told = {context.id_of(each): exchanges.qos(each.qos) for each in endpoints}
     ends: list[tuple[EObject, str, str, str]] = [
         *(
             (each, connections.topic(each.topic, node), "publishes", _type(each.type))
@@ -135,9 +137,9 @@ def _add_endpoints(builder: Builder, node: ros.Node) -> None:
         ),
     ]
     for element, name, way, kind in ends:
-        port = Port(
-            context.id_of(element), name, kind, details=details(element, way=way, type=kind)
-        )
+        own = context.id_of(element)
+        more = details(element, way=way, type=kind, QoS=told.get(own, ""))
+        port = Port(own, name, kind, details=more)
         builder.put(context.id_of(node), port)
         builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
 

@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+SIDES = {
+    "component": "jaus",
+    "message": "jaus",
+    "bridge": "bridge",
+    "node": "ros",
+    "type": "ros",
+}
+"""What kinds of boxes belong to; others have the colour of lines."""
+
 _LIGHT = {
     "ground": "#FFFFFF",
     "body": "#FFFFFF",
@@ -47,16 +56,37 @@ def style(theme: str) -> str:
     return _SHARED + _rules(_DARK if theme == "dark" else _LIGHT)
 
 
+def outline(kind: str, severity: str = "") -> str:
+    """Returns the colour of the outline of a box, on light ground.
+
+    Args:
+        kind: Kind of the box.
+        severity: How grave what is wrong with it is, empty for nothing.
+    """
+    return _LIGHT["error"] if severity == "error" else _LIGHT[SIDES.get(kind, "line")]
+
+
+def variables() -> str:
+    """Returns the colours as properties for the style sheet of a page, as whoever looks has it."""
+    light, dark = (
+        "".join(f"--{name}:{value};" for name, value in colours.items())
+        for colours in (_LIGHT, _DARK)
+    )
+    return (
+        f":root{{color-scheme:light dark;{light}}}"
+        f"@media(prefers-color-scheme:dark){{:root{{{dark}}}}}"
+    )
+
+
 def _rules(colours: dict[str, str]) -> str:
     rules = [
         ".ground,.behind{fill:%(ground)s}.body{fill:%(body)s;stroke:%(line)s}",
         "text{fill:%(ink)s}.muted{fill:%(muted)s}.mark{fill:%(ink)s}.flow{fill:%(ink)s}",
         ".frame rect{fill:%(frame)s;stroke:%(muted)s}.rule{stroke:%(muted)s}",
         ".edge{stroke:%(line)s}.head{fill:%(line)s}",
-        ".component .body,.message .body{stroke:%(jaus)s}",
+        *(f".box.{kind} .body{{stroke:%({side})s}}" for kind, side in SIDES.items()),
         ".edge.message,.edge.to_ros{stroke:%(jaus)s}.edge.topic,.edge.to_jaus{stroke:%(ros)s}",
-        ".box.bridge .body,.edge.call{stroke:%(bridge)s}",
-        ".node .body,.type .body{stroke:%(ros)s}",
+        ".edge.call{stroke:%(bridge)s}",
         ".doubled,.edge.error{stroke:%(error)s}text.error{fill:%(error)s}",
         "text.warning,text.info{fill:%(warning)s}",
     ]

@@ -6,20 +6,14 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from jausml.diagrams.graph import severity
+from jausml.diagrams.nesting import nested
+from jausml.diagrams.writers.colours import outline
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.diagrams.graph import Edge, End, Graph, Group, Node, Port
+    from jausml.diagrams.graph import Edge, End, Graph, Node, Port
 
-_COLOURS = {
-    "component": "#0072B2",
-    "message": "#0072B2",
-    "bridge": "#A8447F",
-    "node": "#00795A",
-    "type": "#00795A",
-}
-_PLAIN, _ERROR = "#6B6B6B", "#B34700"
 _DASHED = ("control", "owns")
 
 
@@ -43,31 +37,23 @@ def _lines(graph: Graph) -> Iterator[str]:
     yield f'  graph [rankdir={"TB" if graph.downwards else "LR"}, fontname="sans-serif"]'
     yield '  node [shape=plain, fontname="sans-serif", fontsize=11]'
     yield '  edge [fontname="sans-serif", fontsize=10]'
-    for node in graph.nodes:
-        if not node.group:
-            yield f"  {_node(node, names)}"
-    for group in graph.groups:
-        if not group.parent:
-            yield from _group(graph, group, names, "  ")
+    for what, number, depth in nested(graph.nodes, graph.groups):
+        indent = "  " * (depth + 1)
+        match what:
+            case "box":
+                yield f"{indent}{_node(graph.nodes[number], names)}"
+            case "begin":
+                yield f"{indent}subgraph cluster_{number} {{"
+                yield f"{indent}  label=<{_text(graph.groups[number].title)}>; style=rounded"
+            case "end":
+                yield f"{indent}}}"
     for edge in graph.edges:
         yield f"  {_edge(edge, names, ports)}"
     yield "}"
 
 
-def _group(graph: Graph, group: Group, names: dict[str, str], indent: str) -> Iterator[str]:
-    yield f"{indent}subgraph cluster_{graph.groups.index(group)} {{"
-    yield f"{indent}  label=<{_text(group.title)}>; style=rounded"
-    for node in graph.nodes:
-        if node.group == group.id:
-            yield f"{indent}  {_node(node, names)}"
-    for inner in graph.groups:
-        if inner.parent == group.id:
-            yield from _group(graph, inner, names, f"{indent}  ")
-    yield f"{indent}}}"
-
-
 def _node(node: Node, names: dict[str, str]) -> str:
-    colour = _ERROR if severity(node.findings) == "error" else _COLOURS.get(node.kind, _PLAIN)
+    colour = outline(node.kind, severity(node.findings))
     rows = [f"<tr><td><b>{_text(node.title)}</b></td></tr>"]
     if node.subtitle:
         rows.append(f"<tr><td>{_text(node.subtitle)}</td></tr>")

@@ -5,21 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.diagrams.graph import severity
+from jausml.diagrams.nesting import nested
+from jausml.diagrams.writers.colours import SIDES, outline
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.diagrams.graph import Edge, Graph, Group, Node, Port
+    from jausml.diagrams.graph import Edge, Graph, Node, Port
 
 _SHAPES = {"bridge": ("[[", "]]"), "node": ("(", ")"), "type": ("(", ")"), "state": ("(", ")")}
-_CLASSES = {
-    "component": "stroke:#0072B2",
-    "message": "stroke:#0072B2",
-    "bridge": "stroke:#A8447F,stroke-width:3px",
-    "node": "stroke:#00795A",
-    "type": "stroke:#00795A",
-    "error": "stroke:#B34700,stroke-width:4px",
-}
+_WIDTHS = {"bridge": ",stroke-width:3px", "error": ",stroke-width:4px"}
 _DASHED = ("control", "owns")
 _MOST_ROWS = 60
 
@@ -36,36 +31,27 @@ def render(graph: Graph) -> str:
 def _lines(graph: Graph) -> Iterator[str]:
     names = {each.id: f"n{index}" for index, each in enumerate(graph.nodes)}
     yield f"flowchart {'TB' if graph.downwards else 'LR'}"
-    for node in graph.nodes:
-        if not node.group:
-            yield f"  {_node(node, names)}"
-    for group in graph.groups:
-        if not group.parent:
-            yield from _group(graph, group, names, "  ")
+    for what, number, depth in nested(graph.nodes, graph.groups):
+        indent = "  " * (depth + 1)
+        match what:
+            case "box":
+                yield f"{indent}{_node(graph.nodes[number], names)}"
+            case "begin":
+                yield f'{indent}subgraph g{number}["{_text(graph.groups[number].title)}"]'
+            case "end":
+                yield f"{indent}end"
     for edge in graph.edges:
         yield f"  {_edge(edge, names)}"
-    used = {_class(each) for each in graph.nodes}
-    for name, style in _CLASSES.items():
-        if name in used:
-            members = ",".join(names[each.id] for each in graph.nodes if _class(each) == name)
-            yield f"  classDef {name} {style}"
-            yield f"  class {members} {name}"
+    classes: dict[str, list[str]] = {}
+    for node in graph.nodes:
+        classes.setdefault(_class(node), []).append(names[node.id])
+    for name in sorted(classes.keys() & {*SIDES, "error"}):
+        yield f"  classDef {name} stroke:{outline(name, name)}{_WIDTHS.get(name, '')}"
+        yield f"  class {','.join(classes[name])} {name}"
 
 
 def _class(node: Node) -> str:
     return "error" if severity(node.findings) == "error" else node.kind
-
-
-def _group(graph: Graph, group: Group, names: dict[str, str], indent: str) -> Iterator[str]:
-    number = graph.groups.index(group)
-    yield f'{indent}subgraph g{number}["{_text(group.title)}"]'
-    for node in graph.nodes:
-        if node.group == group.id:
-            yield f"{indent}  {_node(node, names)}"
-    for inner in graph.groups:
-        if inner.parent == group.id:
-            yield from _group(graph, inner, names, f"{indent}  ")
-    yield f"{indent}end"
 
 
 def _node(node: Node, names: dict[str, str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
@@ -41,6 +42,12 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """
     shown = bundled(graph)
     return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())
+
+
+def size_of(picture: str) -> tuple[float, float]:
+    """Returns the width and height of a picture of ours."""
+    width, height = re.findall(r' (?:width|height)="([\d.]+)"', picture[:400])[:2]
+    return float(width), float(height)
 
 
 class Keys:
