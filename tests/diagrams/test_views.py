@@ -24,6 +24,10 @@ SHIPPED = sorted(
     for each in MODELS.rglob("*")
     if each.suffix in (".xmi", ".ros2jaus") and "library" not in each.parts
 )
+NEW = (
+    '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
+    'xmlns:system="http://www.jausml.org/system/1.0" name="new"/>'
+)
 WINCH = MODELS / "examples" / "winch" / "service.xmi"
 
 
@@ -172,6 +176,18 @@ def test_of_a_broken_model_the_rest_is_drawn_with_what_is_wrong(tmp_path):
     look_at(velocity)
     unknown = [each for node in velocity.nodes for each in node.ports if each.mark == "unknown"]
     assert [each.label for each in unknown] == ["YawRat"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("new.ros2jaus", ""), ("new.ros2jaus", "// soon\n"), ("new.xmi", NEW), ("new.xmi", "<")],
+)
+def test_where_nothing_is_yet_there_is_the_system(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    report = read(path)
+    assert view_names(report.model, library=False) == ["system"]
+    assert graph_of(report.model, "system", report.diagnostics).nodes == ()
 
 
 @pytest.mark.parametrize(

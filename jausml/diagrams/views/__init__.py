@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.diagrams.views import machines, maps, services, system
 from jausml.diagrams.views.context import Context
+from jausml.metamodel.classes.system import System
 from jausml.model.values import nearest
 
 if TYPE_CHECKING:
@@ -75,7 +76,9 @@ def graph_of(
 
 def _views(model: Model, *, library: bool) -> dict[str, Callable[[Context], Graph]]:
     found: dict[str, Callable[[Context], Graph]] = {}
-    if system.participants(model):
+    # A system begins with nothing, and a text of nothing may become one.
+    first = model.documents[0].roots if model.documents else []
+    if not first or isinstance(first[0], System) or system.participants(model):
         found[SYSTEM] = system.graph
     for module in (maps, services, machines):
         for name, make in module.offered(model, library=library):
