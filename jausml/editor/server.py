@@ -70,12 +70,16 @@ def serve() -> None:
         make_server().start_io(sys.stdin.buffer, output)
 
 
-def make_server() -> LanguageServer:
-    """Returns the server with all that it answers."""
+def make_server(root: Path | None = None) -> LanguageServer:
+    """Returns the server with all that it answers.
+
+    Args:
+        root: The folder outside of which it reads nothing but the library; None for no limit.
+    """
     server = LanguageServer(
         "jausml", __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
     )
-    desk = _Desk(server)
+    desk = _Desk(server, Workbench(root=root))
     triggers = types.CompletionOptions(trigger_characters=[".", "/", ":", ">", "("])
     answers: list[tuple[str, Callable[[Any], Any], Any]] = [
         (types.TEXT_DOCUMENT_DID_OPEN, desk.did_open, None),
@@ -98,10 +102,10 @@ def make_server() -> LanguageServer:
 class _Desk:
     """Translates what editors ask, and what they are answered."""
 
-    def __init__(self, server: LanguageServer) -> None:
+    def __init__(self, server: LanguageServer, bench: Workbench) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._server = server
-        self._bench = Workbench()
+        self._bench = bench
         self._uris: dict[Path, str] = {}
         self._versions: dict[Path, int] = {}
         self._checking: asyncio.Task[None] | None = None

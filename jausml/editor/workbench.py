@@ -77,9 +77,12 @@ class Workbench:
 
     Attributes:
         texts: The texts that are open in the editor, by real path.
+        root: The folder outside of which nothing but the library is read, symbolic links followed;
+            None for no limit.
     """
 
     texts: dict[Path, str] = field(default_factory=dict)
+    root: Path | None = None
     _models: dict[Path, Model] = field(default_factory=dict)
     _library: Model | None = None
     _lock: threading.Lock = field(default_factory=threading.Lock)
@@ -89,10 +92,18 @@ class Workbench:
         held = self.texts.get(path)
         if held is not None:
             return held
+        if not self._may_read(path):
+            return ""
         try:
             return decode(path.read_bytes())[0]
         except OSError:
             return ""
+
+    def _may_read(self, path: Path) -> bool:
+        if self.root is None:
+            return True
+        real = path.resolve()
+        return any(real.is_relative_to(each) for each in (self.root, library_root().resolve()))
 
     def findings(self, path: Path) -> list[Diagnostic]:
         """Reads an open text with all that it refers to, and checks it.
@@ -108,7 +119,9 @@ class Workbench:
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)
         contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
-        result = read_models([path], notations=_NOTATIONS, contents=contents)
+        result = read_models(
+            [path], project_root=self.root, notations=_NOTATIONS, contents=contents
+        )
         self._models[path] = result.model
         shown = result.model.documents[0].display
         return [each for each in _checked(result) if each.location.path == shown]

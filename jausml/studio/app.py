@@ -11,6 +11,7 @@ from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
+from jausml.studio.language import LanguageSocket
 from jausml.studio.page_socket import PageSocket
 from jausml.studio.security import Guard, Token
 
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from jausml.studio.security import Served
     from jausml.studio.session import Session
 
-_MOST_SOCKETS = 32
+MOST_SOCKETS = 32
+"""Sockets that are served at once."""
+
 _TRY_AGAIN_LATER = 1013
 
 
@@ -56,6 +59,7 @@ class Studio:
         routes = [
             Route("/", self._index),
             WebSocketRoute("/socket", self._page_socket),
+            WebSocketRoute("/language", self._language_socket),
             Mount("/", StaticFiles(directory=self.page)),
         ]
         return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.served)
@@ -69,12 +73,25 @@ class Studio:
         return FileResponse(self.page / "index.html", headers={"Cache-Control": "no-cache"})
 
     async def _page_socket(self, socket: WebSocket) -> None:
+        async with self._accepted(socket) as is_accepted:
+            if is_accepted:
+                await PageSocket(socket, self.session).run(self.token)
+
+    async def _language_socket(self, socket: WebSocket) -> None:
+        async with self._accepted(socket) as is_accepted:
+            if is_accepted:
+                await LanguageSocket(socket, self.session.root).run(self.token)
+
+    @asynccontextmanager
+    async def _accepted(self, socket: WebSocket) -> AsyncIterator[bool]:
+        """Accepts a socket unless there are too many; yields whether it did."""
         await socket.accept()
-        if self._sockets >= _MOST_SOCKETS:
+        if self._sockets >= MOST_SOCKETS:
             await socket.close(_TRY_AGAIN_LATER)
+            yield False
             return
         self._sockets += 1
         try:
-            await PageSocket(socket, self.session).run(self.token)
+            yield True
         finally:
             self._sockets -= 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import socket
 from contextlib import contextmanager
@@ -54,6 +55,8 @@ def serve(
     Raises:
         OSError: The port cannot be had.
     """
+    # It tells of texts that it cannot understand at length, and its editor is told anyway.
+    logging.getLogger("pygls").setLevel(logging.CRITICAL)
     with socket.create_server((host, port), family=_family(host)) as listener:
         served = Served(host, listener.getsockname()[1])
         studio = Studio(session, served, page)

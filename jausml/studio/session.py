@@ -7,6 +7,7 @@ import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
+from jausml.editing.commands import EditError
 from jausml.studio import watching
 from jausml.studio.asking import answering, editing, showing
 from jausml.studio.asking.living import Living
@@ -16,7 +17,9 @@ from jausml.studio.methods import Answering
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from contextlib import AbstractContextManager
+    from pathlib import Path
 
+    from jausml.editing.records import Change
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
     from jausml.studio.rpc import Request
@@ -40,6 +43,11 @@ class Session:
         self._answering = Answering({**methods, **self._living.methods()})
         self._checking = Checking(desk.verdicts, lambda: desk.looked_at.files, self._judged)
         desk.followers.extend((self._checking.begin, self._living.changed))
+
+    @property
+    def root(self) -> Path:
+        """The folder that was opened, symbolic links followed."""
+        return self._desk.project.root
 
     def told(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts; see `Audience`."""
@@ -76,12 +84,19 @@ class Session:
             _LOG.exception("changes by other programs are not seen any more")
 
     def _refresh(self, files: list[str]) -> None:
-        found = self._desk.project.refresh(files)
+        found = [change for file in files for change in self._refreshed(file)]
         for each in found:
             if each.is_conflict:
                 self._desk.audience.tell("conflict", {"file": each.file, "diff": each.diff})
         if found:
             self._desk.changed(self._desk.project.log[-1], by="outside")
+
+    def _refreshed(self, file: str) -> tuple[Change, ...]:
+        try:
+            return self._desk.project.refresh([file])
+        except EditError as error:  # it cannot be read, or is a link to elsewhere
+            _LOG.warning("%s", error)
+            return ()
 
     def _judged(self, verdict: Verdict) -> None:
         self._desk.audience.tell("problems", showing.problems(self._desk, verdict))

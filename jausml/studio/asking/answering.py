@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from jausml.diagrams.views.context import Context
+from jausml.metamodel.classes import bridge
 from jausml.model import refs
+from jausml.studio.answers.assigning import assign
 from jausml.studio.answers.connecting import connect, ends
-from jausml.studio.answers.elements import Scope, label_of
+from jausml.studio.answers.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.forms import form
+from jausml.studio.answers.members import end_of
 from jausml.studio.answers.palette import MOST, palette
 from jausml.studio.answers.spots import spot
 from jausml.studio.methods import Method
@@ -107,8 +110,27 @@ def _palette(desk: Desk, asked: Search) -> object:
 
 def _connect(desk: Desk, asked: Line) -> object:
     scope = scope_of(desk, asked.file)
+    used = _map_of(scope, asked.view)
+    if used is not None:
+        first = end_of(scope, used, asked.source.node, asked.source.port)
+        return assign(scope, used, first, end_of(scope, used, asked.target.node, asked.target.port))
     source = spot(scope, asked.source.node, asked.source.port)
     return connect(scope, source, spot(scope, asked.target.node, asked.target.port))
+
+
+def _map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
+    """Returns the map that a view shows, None for a view of something else.
+
+    Raises:
+        AnswerError: There is no such map.
+    """
+    kind, _, name = view.partition(":")
+    if kind != "map":
+        return None
+    for each in scope.model.instances(bridge.AttributeMap):
+        if each.name == name:
+            return each
+    raise AnswerError(f"there is no map {name!a} any more")
 
 
 def _ends(desk: Desk, asked: Start) -> object:
