@@ -7,10 +7,11 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child, Set
-from jausml.metamodel import FeatureKind
+from jausml.metamodel import FeatureKind, documentation
 from jausml.metamodel.classes import bridge, jaus, ros, system
 from jausml.model.names import name_of
 from jausml.model.words import snake_case, words
+from jausml.semantics.core_services import CORE
 from jausml.semantics.ros_paths import ros_name
 from jausml.studio.answers.bridging import bridges_of, carrying, system_of
 from jausml.studio.answers.elements import label_of, library
@@ -19,7 +20,7 @@ from jausml.studio.answers.fresh import free_address, name_among, participant_na
 from jausml.studio.answers.shapes import Drop, PaletteItem
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jausml.editing.commands import Command
     from jausml.metamodel import ClassTable, FeatureTable
@@ -95,7 +96,7 @@ def palette(
     target = scope.find(onto) if onto else None
     wanted = query.lower().split()
     groups = None if kinds is None else set(kinds)
-    entries = [*_elements(scope, target), *_own(scope), *library_entries()]
+    entries = [*_elements(scope, target), _external(scope), *_own(scope), *library_entries()]
     ranked = sorted(
         (rank, len(each.label) if wanted else 0, index, each)
         for index, each in enumerate(entries)
@@ -122,6 +123,16 @@ def library_entries() -> tuple[Entry, ...]:
     )
 
 
+def _external(scope: Scope) -> Entry:
+    """Returns the entry of a component that exists already."""
+    table = scope.model.metamodels.classes["jaus.Component"]
+    about = documentation(table.features["external"].feature)
+    return _entry(
+        "component external", COMPONENTS, "external component", "exists already", about,
+        _external_component,
+    )  # fmt: skip
+
+
 def _own(scope: Scope) -> Iterator[Entry]:
     """Yields the services, types and maps of the project."""
     model = scope.model
@@ -134,23 +145,47 @@ def _own(scope: Scope) -> Iterator[Entry]:
 
 
 def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
-    for each in services:
-        if not each.urn:
-            continue
+    for each in _ordered([each for each in services if each.urn]):
+        family = str(each.urn).removesuffix(f":{name_of(each)}").rpartition(":")[2]
         where = f"{each.urn} {each.version}"
         names = " ".join(name_of(m) for m in (*each.inputs, *each.outputs))
         about = str(each.documentation or "")
         key = f"service {where}"
         component = partial(_component_with, service=each)
         yield _entry(
-            f"{key} component", COMPONENTS, name_of(each), "component that provides it", about,
-            component, where, names,
+            f"{key} component", COMPONENTS, name_of(each), f"provides it, {family} {each.version}",
+            about, component, where, names,
         )  # fmt: skip
         for feature in ("provides", "uses"):
             yield _entry(
                 f"{key} {feature}", SERVICES, name_of(each), f"{feature}, {each.version}", about,
                 partial(_with_service, service=each, feature=feature), where, names,
             )  # fmt: skip
+
+
+def _ordered(services: Sequence[jaus.Service]) -> list[jaus.Service]:
+    """Returns services as people look for them: what moves first, core services last.
+
+    Every component has those. Older versions stand behind all that is present.
+    """
+    newest: dict[str, tuple[int, ...]] = {}
+    for each in services:
+        urn = str(each.urn)
+        newest[urn] = max(newest.get(urn, ()), _version(each))
+
+    def place(service: jaus.Service) -> tuple[bool, int, str]:
+        urn = str(service.urn)
+        family = 0 if urn.startswith(_MOBILITY) else 2 if urn.startswith(CORE) else 1
+        return _version(service) < newest[urn], family, name_of(service)
+
+    return sorted(services, key=place)
+
+
+_MOBILITY = "urn:jaus:jss:mobility:"
+
+
+def _version(service: jaus.Service) -> tuple[int, ...]:
+    return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
 
 
 def _types(
@@ -198,7 +233,7 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
     """Yields the kinds of elements that an element, the bridges or the system can own."""
     for owner in [target] if target is not None else scope.model.documents[0].roots:
         table = scope.model.metamodels.class_of(owner)
-        for feature in table.contained:
+        for feature in sorted(table.contained, key=lambda each: each.name not in _PACKAGES):
             is_full = not feature.many and getattr(owner, feature.name) is not None
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):
@@ -253,15 +288,22 @@ def _item(entry: Entry, commands: Sequence[Command]) -> PaletteItem:
 
 
 def _component_with(scope: Scope, onto: EObject | None, service: jaus.Service) -> Sequence[Command]:
+    more = {"provides": (scope.ref(service),)}
+    return _component(scope, onto, name_of(service), more)
+
+
+def _external_component(scope: Scope, onto: EObject | None) -> Sequence[Command]:
+    return _component(scope, onto, "external", {"external": ("true",)})
+
+
+def _component(
+    scope: Scope, onto: EObject | None, name: str, more: Mapping[str, tuple[str, ...]]
+) -> Sequence[Command]:
     whole = onto if isinstance(onto, system.System) else system_of(scope) if onto is None else None
     if whole is None:
         return []
-    values = {
-        "name": (participant_name(name_of(service), whole),),
-        "address": (free_address(scope.model),),
-        "provides": (scope.ref(service),),
-    }
-    return [Add(scope.ref(whole), "components", "jaus.Component", values)]
+    own = {"name": (participant_name(name, whole),), "address": (free_address(scope.model),)}
+    return [Add(scope.ref(whole), "components", "jaus.Component", {**own, **more})]
 
 
 def _with_service(

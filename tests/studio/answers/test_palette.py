@@ -19,7 +19,7 @@ def test_words_of_names_find_services_types_and_maps():
     assert "VelocityStateSensor" in labels(palette(scope, "velocity sensor"), "components")
     assert labels(palette(scope, "nav odometry"), "ros types")[0] == "nav_msgs/Odometry"
     assert "velocity_command" in labels(palette(scope, "twist"), "ready maps")
-    assert palette(scope, "no such thing") == []
+    assert palette(scope, "qwertz") == []
 
 
 def test_the_nearest_name_comes_first():
@@ -89,3 +89,25 @@ def test_every_model_has_a_palette_whose_references_are_known(name):
                 assert command.owner.startswith("new:") or scope.find(command.owner)
                 for value in command.values.get("map", command.values.get("provides", ())):
                     assert scope.find(value) is not None
+
+
+def test_what_moves_comes_before_what_every_component_has_and_new_before_old():
+    found = palette(scope_of(CAR), "", ["components"], 10_000)
+    assert found[0].label == "external component"
+    services = found[1:]
+    assert services[0].note.startswith("provides it, mobility")
+    core = [each.note for each in services if ", core" in each.note]
+    newest, oldest = core.index("provides it, core 1.1"), core.index("provides it, core 1.0")
+    assert newest < oldest
+    assert [each.note for each in palette(scope_of(CAR), "Discovery", ["components"], 2)] == [
+        "provides it, core 1.1",
+        "provides it, core 1.0",
+    ]
+    assert labels(palette(scope_of(CAR), "", ["elements"]))[:2] == ["component", "node"]
+
+
+def test_an_external_component_says_that_it_exists_already():
+    [item] = palette(scope_of(CAR), "external component", ["components"])
+    [add] = item.drop.commands
+    assert add.values["external"] == ("true",)
+    assert "exists already" in item.documentation
