@@ -41,6 +41,7 @@ VERBS = {
     "latency": "Measure the reports of a running system.",
     "top": "Watch a running system.",
     "conformance": "Check the conformance of a running component.",
+    "doctor": "Tell what this machine lacks, and how to mend it.",
     "rules": "List the rules.",
     "explain": "Explain a rule.",
     "language-server": "Serve editors of ros2jaus text.",

@@ -1,0 +1,126 @@
+"""`jausml doctor`: looks at this machine."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import click
+
+from jausml.cli.choices import GROUP, INTERFACE, PORT
+from jausml.cli.common import PROBLEMS, find_models, reading_options
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jausml.cli.common import Reading
+    from jausml.live.machine.check import Check
+
+
+@click.command("doctor")
+@click.argument("models", nargs=-1, metavar="[MODEL]...")
+@click.option(
+    "--interface",
+    default=INTERFACE,
+    show_default=True,
+    metavar="ADDRESS",
+    help="IPv4 address of the network interface of JAUS.",
+)
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    default=PORT,
+    show_default=True,
+    help="UDP and TCP port of JAUS.",
+)
+@click.option(
+    "--multicast-group",
+    default=GROUP,
+    show_default=True,
+    metavar="ADDRESS",
+    help="Multicast group of JUDP.",
+)
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="For people, or one JSON object.",
+)
+@reading_options
+def command(
+    models: tuple[str, ...],
+    interface: str,
+    port: int,
+    multicast_group: str,
+    output_format: str,
+    reading: Reading,
+) -> None:
+    """Tell what this machine lacks to run bridges and components, and how to mend it.
+
+    Looks at Python, ROS 2 and its settings, the network interface, multicast, the port of JAUS and
+    node managers; with a MODEL or a folder of models also at the packages of messages that it uses.
+    Nothing is changed; one datagram goes from this host to itself.
+
+    Exit status: 0 nothing is wrong (notes and warnings are told), 1 something cannot work, 2 usage,
+    3 internal error.
+    """
+    from jausml.live.machine import network, python, ros
+    from jausml.live.machine.check import Verdict
+
+    try:
+        settings = network.settings_of(interface, port, multicast_group)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    packages = _packages(find_models(models), reading) if models else []
+    found = [*python.checks(), *ros.checks(packages), *network.checks(settings)]
+    click.echo(_as_json(found) if output_format == "json" else _as_text(found))
+    if any(each.verdict is Verdict.ERROR for each in found):
+        raise click.exceptions.Exit(PROBLEMS)
+
+
+def _packages(paths: Sequence[str], reading: Reading) -> list[str]:
+    """Returns the packages of messages that models use and do not declare themselves."""
+    from jausml.metamodel.classes import ros
+    from jausml.model.reading.reader import read_models
+    from jausml.text.notation import NOTATIONS
+
+    model = read_models(paths, notations=NOTATIONS, **reading).model
+    used = model.instances(ros.InterfacePackage)
+    return sorted({each.name for each in used if each.name and model.is_library(each)})
+
+
+def _as_text(found: Sequence[Check]) -> str:
+    lines: list[str] = []
+    topic = ""
+    for each in found:
+        if each.topic != topic:
+            topic = each.topic
+            lines += ["", topic] if lines else [topic]
+        lines.append(f"  {each.verdict.value:<8} {each.name}: {each.text}")
+        if each.cure:
+            lines.append(f"  {'':<8} -> {each.cure}")
+    return "\n".join([*lines, "", ", ".join(_count(found, word) for word in _COUNTED)])
+
+
+_COUNTED = ("error", "warning", "note")
+
+
+def _count(found: Sequence[Check], word: str) -> str:
+    number = sum(each.verdict.value == word for each in found)
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def _as_json(found: Sequence[Check]) -> str:
+    checks = [
+        {
+            "topic": each.topic,
+            "name": each.name,
+            "verdict": each.verdict.value,
+            "text": each.text,
+            "cure": each.cure,
+        }
+        for each in found
+    ]
+    return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

@@ -1,0 +1,40 @@
+"""Python and the packages that only some verbs need."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from jausml import __version__
+from jausml.live.machine.check import Check, Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+OLDEST = (3, 10)
+"""The oldest Python that is promised; that of ROS 2 Jazzy is 3.12."""
+
+_EXTRAS = (
+    ("diagram", "pygraphviz", "pictures of `jausml diagram`"),
+    ("studio", "starlette", "`jausml studio`"),
+    ("editor", "pygls", "`jausml language-server`"),
+    ("top", "textual", "the view of `jausml top`"),
+)
+
+
+def checks() -> Iterator[Check]:
+    """Yields what is to be said of Python."""
+    found = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
+    if sys.version_info < OLDEST:
+        oldest = ".".join(map(str, OLDEST))
+        yield Check("python", "version", Verdict.ERROR, found, f"use Python {oldest} or newer")
+    else:
+        yield Check("python", "version", Verdict.OK, found)
+    for extra, module, purpose in _EXTRAS:
+        if find_spec(module) is None:
+            cure = f"pip install 'jausml[{extra}]'"
+            yield Check("python", extra, Verdict.NOTE, f"{purpose} is not installed", cure)
+        else:
+            yield Check("python", extra, Verdict.OK, f"{purpose} is installed")

@@ -1,0 +1,145 @@
+"""ROS 2 on this machine, as a bridge would find it: looked at, not started."""
+
+from __future__ import annotations
+
+import os
+from importlib.machinery import PathFinder
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from jausml.interfaces.installed import Installation
+from jausml.live.machine.check import Check, Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+_TOPIC = "ros"
+_LARGEST_DOMAIN, _LARGEST_SAFE_DOMAIN = 232, 101
+_RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+_DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
+_PROFILES = (
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "CYCLONEDDS_URI",
+)
+_SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it shares
+
+
+def checks(packages: Iterable[str]) -> Iterator[Check]:
+    """Yields what is to be said of ROS.
+
+    Args:
+        packages: Packages of interfaces that the model uses.
+    """
+    if find_spec("rclpy") is None:
+        cure = "source the setup.bash of a ROS 2 installation, or pip install 'jausml[ros]'"
+        text = "Python finds no rclpy: bridges do not start; JAUS alone works"
+        yield Check(_TOPIC, "rclpy", Verdict.WARNING, text, cure)
+    else:
+        distribution = os.environ.get("ROS_DISTRO", "")
+        named = f"rclpy is installed{f', ROS_DISTRO is {distribution}' if distribution else ''}"
+        yield Check(_TOPIC, "rclpy", Verdict.OK, named)
+        yield _middleware()
+    yield _domain()
+    yield from _discovery()
+    yield from _profiles()
+    yield _shared_memory()
+    yield from _packages(packages)
+
+
+def _middleware() -> Check:
+    name = os.environ.get("RMW_IMPLEMENTATION") or _DEFAULT_MIDDLEWARE
+    installation = Installation()
+    if any((share / name).is_dir() for share in installation.shares) or find_spec(name):
+        return Check(_TOPIC, "middleware", Verdict.OK, f"{name} is installed")
+    debian = name.replace("_", "-")
+    cure = f"apt install ros-jazzy-{debian}, or unset RMW_IMPLEMENTATION"
+    return Check(_TOPIC, "middleware", Verdict.ERROR, f"{name} is not installed", cure)
+
+
+def _domain() -> Check:
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    if not text:
+        cure = "set ROS_DOMAIN_ID where several robots share a network"
+        return Check(_TOPIC, "domain", Verdict.NOTE, "ROS_DOMAIN_ID is not set: it is 0", cure)
+    number = int(text) if text.isascii() and text.isdigit() else -1
+    if not 0 <= number <= _LARGEST_DOMAIN:
+        return Check(
+            _TOPIC,
+            "domain",
+            Verdict.ERROR,
+            f"ROS_DOMAIN_ID is {text!a}",
+            f"set a number from 0 to {_LARGEST_SAFE_DOMAIN}",
+        )
+    if number > _LARGEST_SAFE_DOMAIN:
+        text = f"ROS_DOMAIN_ID is {number}: its ports may be among those that Linux gives away"
+        return Check(
+            _TOPIC, "domain", Verdict.WARNING, text, f"set one up to {_LARGEST_SAFE_DOMAIN}"
+        )
+    return Check(_TOPIC, "domain", Verdict.OK, f"ROS_DOMAIN_ID is {number}")
+
+
+def _discovery() -> Iterator[Check]:
+    name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+    text = os.environ.get(name, "")
+    if text and text not in _RANGES:
+        cure = f"set one of {', '.join(_RANGES)}"
+        yield Check(_TOPIC, "discovery", Verdict.ERROR, f"{name} is {text!a}", cure)
+    elif text == "OFF":
+        cure = "set SUBNET, or name the hosts in ROS_STATIC_PEERS"
+        yield Check(_TOPIC, "discovery", Verdict.WARNING, f"{name} is OFF: nodes do not meet", cure)
+    else:
+        yield Check(_TOPIC, "discovery", Verdict.OK, f"{name} is {text or 'not set: SUBNET'}")
+    if os.environ.get("ROS_LOCALHOST_ONLY"):
+        yield Check(
+            _TOPIC,
+            "discovery",
+            Verdict.WARNING,
+            f"ROS_LOCALHOST_ONLY is set, which overrides {name}",
+            f"unset it, and use {name}=LOCALHOST",
+        )
+
+
+def _profiles() -> Iterator[Check]:
+    for name in _PROFILES:
+        text = os.environ.get(name, "")
+        if not text or text.lstrip().startswith("<"):
+            continue
+        path = Path(urlsplit(text).path if text.startswith("file:") else text)
+        if path.is_file():
+            yield Check(_TOPIC, "middleware settings", Verdict.OK, f"{name} is {path}")
+        else:
+            yield Check(
+                _TOPIC,
+                "middleware settings",
+                Verdict.ERROR,
+                f"{name} names {path}, which is no file",
+                "correct it or unset it: the middleware may not start",
+            )
+
+
+def _shared_memory() -> Check:
+    name = "shared memory"
+    if os.access(_SHARED_MEMORY, os.W_OK):
+        return Check(_TOPIC, name, Verdict.OK, f"{_SHARED_MEMORY} can be written")
+    text = f"{_SHARED_MEMORY} cannot be written: nodes of one host speak by UDP"
+    return Check(_TOPIC, name, Verdict.NOTE, text, "in a container: --ipc=host")
+
+
+def _packages(packages: Iterable[str]) -> Iterator[Check]:
+    for name in packages:
+        found = PathFinder.find_spec(name)
+        # Without an __init__ it is a folder that happens to be there.
+        if found is not None and found.origin is not None:
+            yield Check("model", name, Verdict.OK, "its messages are installed")
+            continue
+        debian = name.replace("_", "-")
+        yield Check(
+            "model",
+            name,
+            Verdict.ERROR,
+            "Python finds no such package of messages",
+            f"apt install ros-jazzy-{debian}, pip install ros-jazzy-{debian}, or colcon build it",
+        )

@@ -1,0 +1,127 @@
+"""`jausml doctor`: what a machine lacks, and how to mend it."""
+
+from __future__ import annotations
+
+import json
+import socket
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from ports import free_port
+
+from jausml.cli import main
+
+CATVEHICLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
+ROS_VARIABLES = (
+    "ROS_DOMAIN_ID",
+    "ROS_AUTOMATIC_DISCOVERY_RANGE",
+    "ROS_LOCALHOST_ONLY",
+    "RMW_IMPLEMENTATION",
+    "CYCLONEDDS_URI",
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+)
+
+
+@pytest.fixture
+def doctor(monkeypatch):
+    """Runs the verb; returns the exit status, and the checks by topic and name."""
+    for each in ROS_VARIABLES:
+        monkeypatch.delenv(each, raising=False)
+
+    def run(*arguments):
+        words = ["doctor", "--format", "json", *map(str, arguments)]
+        done = CliRunner().invoke(main, words)
+        checks = json.loads(done.output)["checks"] if done.exit_code < 2 else []
+        return done.exit_code, {(each["topic"], each["name"]): each for each in checks}
+
+    return run
+
+
+def test_a_machine_that_has_all(doctor):
+    pytest.importorskip("rclpy")
+    status, checks = doctor("--port", free_port(), CATVEHICLE)
+    assert status == 0
+    assert checks["ros", "rclpy"]["verdict"] == "ok"
+    assert checks["network", "multicast"]["verdict"] == "ok"
+    assert checks["model", "nav_msgs"]["verdict"] == "ok"
+    assert checks["network", "interface"]["verdict"] == "note"
+
+
+def test_the_text_is_for_people():
+    done = CliRunner().invoke(main, ["doctor", "--port", str(free_port())])
+    assert "\nnetwork\n  note     interface: 127.0.0.1 is this host alone\n" in done.output
+    assert " -> name the interface of the vehicle's network by --interface" in done.output
+    assert done.output.splitlines()[-1].startswith("0 errors, ")
+
+
+@pytest.mark.ports
+@pytest.mark.parametrize(
+    ("kind", "name"), [(socket.SOCK_DGRAM, "udp port"), (socket.SOCK_STREAM, "tcp port")]
+)
+def test_a_port_that_is_held(doctor, kind, name):
+    port = free_port()
+    with socket.socket(socket.AF_INET, kind) as held:
+        held.bind(("127.0.0.1", port))
+        status, checks = doctor("--port", port)
+    assert status == 0
+    assert checks["network", f"{name} {port}"]["verdict"] == "warning"
+    assert checks["network", f"{name} {port}"]["text"].startswith("held by")
+
+
+def test_an_interface_of_another_host(doctor):
+    status, checks = doctor("--interface", "192.0.2.1")
+    assert status == 1
+    assert checks["network", "interface"]["verdict"] == "error"
+    assert ("network", "multicast") not in checks
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--interface", "rover"], "Expected 4 octets in 'rover'"),
+        (["--multicast-group", "10.0.0.1"], "is not an IPv4 multicast group"),
+        (["nowhere.xmi"], "nowhere.xmi"),
+    ],
+)
+def test_options_that_mean_nothing(arguments, words):
+    done = CliRunner().invoke(main, ["doctor", *arguments])
+    assert done.exit_code == 2
+    assert words in done.output
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "name", "verdict"),
+    [
+        ("ROS_DOMAIN_ID", "7", "domain", "ok"),
+        ("ROS_DOMAIN_ID", "150", "domain", "warning"),
+        ("ROS_DOMAIN_ID", "233", "domain", "error"),
+        ("ROS_DOMAIN_ID", "seven", "domain", "error"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", "discovery", "ok"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", "discovery", "warning"),
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "EVERYWHERE", "discovery", "error"),
+        ("ROS_LOCALHOST_ONLY", "1", "discovery", "warning"),
+        ("RMW_IMPLEMENTATION", "rmw_nobody_cpp", "middleware", "error"),
+        ("CYCLONEDDS_URI", "file:///nowhere/dds.xml", "middleware settings", "error"),
+        ("FASTDDS_DEFAULT_PROFILES_FILE", __file__, "middleware settings", "ok"),
+    ],
+)
+def test_settings_of_ros(doctor, monkeypatch, variable, value, name, verdict):
+    if name == "middleware":
+        pytest.importorskip("rclpy")
+    monkeypatch.setenv(variable, value)
+    status, checks = doctor("--port", free_port())
+    assert checks["ros", name]["verdict"] == verdict
+    assert status == (verdict == "error")
+
+
+def test_messages_that_nobody_installed(doctor, tmp_path):
+    if find_spec("nav2_msgs"):
+        pytest.skip("nav2_msgs is installed")
+    model = tmp_path / "model.ros2jaus"
+    model.write_text("import ros.nav2_msgs\n\nsystem rover {\n}\n", encoding="utf-8")
+    _, checks = doctor("--port", free_port(), model)
+    assert checks["model", "nav2_msgs"]["verdict"] == "error"
+    assert "ros-jazzy-nav2-msgs" in checks["model", "nav2_msgs"]["cure"]
