@@ -78,7 +78,8 @@ def _views(desk: Desk, asked: OfFile) -> dict[str, Any]:
     own = set(view_names(model, library=False))
     views = []
     for name in view_names(model):
-        kind, _, title = name.partition(":")
+        kind, _, of = name.partition(":")
+        title = f"{kind} {of}".rstrip()
         views.append({"name": name, "kind": kind, "title": title, "library": name not in own})
     return {"views": views}
 

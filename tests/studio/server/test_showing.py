@@ -26,7 +26,7 @@ def test_hello_tells_of_the_project(page: Page) -> None:
 
 def test_views_are_those_of_the_file(page: Page) -> None:
     views = page.ask("views", file=FILE)["views"]
-    assert {"name": "system", "kind": "system", "title": "", "library": False} in views
+    assert {"name": "system", "kind": "system", "title": "system", "library": False} in views
     assert any(each["kind"] == "service" and each["library"] for each in views)
 
 
