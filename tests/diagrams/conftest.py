@@ -1,9 +1,42 @@
-"""Lets the tests import what they share with each other and with those of the generators."""
+"""Lets the tests import what they share with each other and with the generators', and a page."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
+import browsers
+import pytest
+
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "generators")]
+
+PATIENCE = 30_000
+"""Milliseconds: long enough for a computer that is busy with other tests."""
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """A browser without windows."""
+    if browsers.missing():
+        pytest.skip(browsers.missing())
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=browsers.browser())
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def page(chromium):
+    """A page of its own, whose script must not fail and whose policy must not be broken."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 800})
+    made = context.new_page()
+    made.set_default_timeout(PATIENCE)
+    faults = []
+    made.on("pageerror", lambda error: faults.append(str(error)))
+    made.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+    yield made
+    context.close()
+    assert not faults

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.diagrams.bundling import bundled
 from jausml.diagrams.graph import Edge
-from jausml.diagrams.writers import colours, svg
+from jausml.diagrams.writers import colours, svg, tables
 from jausml.diagrams.writers.text_width import cut
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """
     shown = bundled(graph)
     script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
-    style = (_PAGE / "diagram.css").read_text(encoding="utf-8")
+    style = colours.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
     keys = svg.Keys()
     picture = svg.picture(shown, engine, theme, is_bundled=shown is not graph, keys=keys)
     # Of a text within a script the sign that could end it is written as JSON writes any sign.
@@ -65,9 +65,23 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
 <button id="closer" type="button" aria-label="closer">+</button>
 <button id="further" type="button" aria-label="further away">&#8722;</button>
 <button id="fit" type="button">fit (0)</button>
+<button id="tables" type="button" aria-pressed="false">tables (t)</button>
+<details id="help"><summary>keys (?)</summary>
+<dl>
+<dt>/</dt><dd>filter; Enter chooses the first match</dd>
+<dt>n, p</dt><dd>the next and the previous box, row or edge</dd>
+<dt>o, i</dt><dd>out and in: from a box to its edges, from an edge to its ends</dd>
+<dt>Esc</dt><dd>nothing chosen</dd>
+<dt>t</dt><dd>tables in the place of the picture</dd>
+<dt>+ - 0, arrows</dt><dd>closer, further away, all of it, aside</dd>
+</dl>
+</details>
 </header>
 <main>
-{picture}<aside id="details" aria-live="polite" hidden></aside>
+{picture}<section id="list" aria-label="tables" hidden>
+{tables.render(shown, keys)}
+</section>
+<aside id="details" aria-live="polite" hidden></aside>
 </main>
 <script type="application/json" id="known">{known}</script>
 <script>{script}</script>
@@ -95,15 +109,14 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
     for edge in graph.edges:
         source, target = titles[edge.source.node], titles[edge.target.node]
         title = f"{source} \N{RIGHTWARDS ARROW} {target}"
-        ends = [
-            key
-            for end in (edge.source, edge.target)
-            for key in (keys.node(end.node), keys.port(end.node, end.port))
-            if key
-        ]
+        ways = {
+            name: [key for key in (keys.port(end.node, end.port), keys.node(end.node)) if key]
+            for name, end in (("from", edge.source), ("to", edge.target))
+        }
         rows = [labels.get((end.node, end.port), "") for end in (edge.source, edge.target)]
         text = " ".join([edge.title, source, target, *rows])
-        yield keys.edge(edge.id), _entry(title, text, edge, ends)
+        told = _entry(title, text, edge, [key for ends in ways.values() for key in ends])
+        yield keys.edge(edge.id), told | ways
 
 
 def _text(node: Node) -> str:
