@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from jausml.model.refs import file_of
 from jausml.studio import shown
 from jausml.studio.methods import Method
 from jausml.studio.rpc import REFUSED, RpcError
+from jausml.text.notation import SUFFIX, decode
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -51,6 +53,7 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
         "views": Method(OfFile, lambda asked: _views(desk, asked)),
         "view": Method(OfView, lambda asked: view(desk, asked)),
         "problems": Method(OfFile, lambda asked: problems(desk, desk.verdicts.of(asked.file))),
+        "text": Method(OfFile, lambda asked: _text(desk, asked)),
     }
 
 
@@ -96,6 +99,16 @@ def view(desk: Desk, asked: OfView) -> dict[str, Any]:
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
     return {"revision": verdict.revision, "graph": drawn}
+
+
+def _text(desk: Desk, asked: OfFile) -> dict[str, Any]:
+    project = desk.project
+    revision = project.revision
+    data = project.text(asked.file)
+    is_text = asked.file.endswith(SUFFIX)
+    encoding = "utf-16" if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig"
+    text = decode(data)[0] if is_text else data.decode(encoding, "replace")
+    return {"text": text, "revision": revision, "editable": is_text}
 
 
 def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:

@@ -26,6 +26,12 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def models() -> Path:
+    """The shipped models."""
+    return MODELS
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A project that may be changed."""
