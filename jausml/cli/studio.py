@@ -105,6 +105,6 @@ def command(
         serve(session, host, port, opened)
     except PageMissingError as error:
         raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        reason = error.strerror or str(error)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
         raise EnvironmentFault(f"cannot serve at {host} port {port}: {reason}") from error

@@ -53,19 +53,21 @@ class Served:
     """Where the application is served.
 
     Attributes:
-        host: The address that it is bound to.
+        host: The address or name that was asked for.
         port: The port.
+        bound: The address that it is bound to.
     """
 
     host: str
     port: int
+    bound: str
 
     @property
     def authority(self) -> str:
         """Host and port as an address has them, one that a browser here can open."""
         host = self.host
         if self._is_any:
-            host = "::1" if ":" in host else "127.0.0.1"
+            host = "::1" if ":" in self.bound else "127.0.0.1"
         return f"[{host}]:{self.port}" if ":" in host else f"{host}:{self.port}"
 
     def answers_to(self, authority: str) -> bool:
@@ -81,15 +83,15 @@ class Served:
         if not name or not port.isascii() or not port.isdigit() or int(port[:6]) != self.port:
             return False
         name = name.removeprefix("[").removesuffix("]").lower()
-        if name == self.host.lower():
+        if name in (self.host.lower(), self.bound):
             return True
         if name == "localhost":
-            return self._is_any or _is_loopback(self.host)
+            return self._is_any or ipaddress.ip_address(self.bound).is_loopback
         return self._is_any and (_is_address(name) or name == socket.gethostname().lower())
 
     @property
     def _is_any(self) -> bool:
-        return self.host in ("0.0.0.0", "::")  # noqa: S104 - compared, not bound
+        return ipaddress.ip_address(self.bound).is_unspecified
 
 
 def _is_address(name: str) -> bool:
@@ -98,10 +100,6 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _is_loopback(name: str) -> bool:
-    return _is_address(name) and ipaddress.ip_address(name).is_loopback
 
 
 class Guard:

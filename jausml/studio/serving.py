@@ -30,19 +30,17 @@ class PageMissingError(Exception):
     """The page was not built."""
 
 
-def require_page(page: Path = PAGE) -> None:
+def require_page() -> None:
     """Looks whether the page is there.
 
     Raises:
         PageMissingError: It is not.
     """
-    if not (page / "index.html").is_file():
+    if not (PAGE / "index.html").is_file():
         raise PageMissingError("the page of the studio is not built: run `make studio`")
 
 
-def serve(
-    session: Session, host: str, port: int, opened: Callable[[str], None], page: Path = PAGE
-) -> None:
+def serve(session: Session, host: str, port: int, opened: Callable[[str], None]) -> None:
     """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
 
     Args:
@@ -50,16 +48,19 @@ def serve(
         host: The address to bind to.
         port: The port; 0 takes a free one.
         opened: Is called with the address as soon as it can be opened.
-        page: The folder of the built page.
 
     Raises:
         OSError: The port cannot be had.
+        ValueError: The host is none.
     """
+    if not host:
+        raise ValueError("an empty host would be all addresses")
     # It tells of texts that it cannot understand at length, and its editor is told anyway.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
     with socket.create_server((host, port), family=_family(host)) as listener:
-        served = Served(host, listener.getsockname()[1])
-        studio = Studio(session, served, page)
+        bound, taken = listener.getsockname()[:2]
+        served = Served(host, taken, bound)
+        studio = Studio(session, served, PAGE)
         config = uvicorn.Config(
             studio.app(),
             http="h11",

@@ -112,14 +112,21 @@ class Page:
             self.told.append(message)
 
 
+def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
+    """Returns a process of `jausml studio` that has just begun."""
+    line = [sys.executable, "-W", "error", str(PROCESS), str(page), "--no-browser", *options]
+    return subprocess.Popen(
+        [*line, str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
 @contextmanager
-def serving(path: Path, page: Path, *host: str) -> Iterator[Server]:
+def serving(path: Path, page: Path, *options: str) -> Iterator[Server]:
     """Serves a folder as long as the context lasts."""
-    line = [sys.executable, "-W", "error", str(PROCESS), str(path), str(page), *host]
-    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = started(path, page, *options)
     try:
         assert process.stdout is not None
-        address = process.stdout.readline().strip()
+        address = process.stdout.readline().strip().removeprefix("jausml studio: ")
         assert address, process.communicate()[1]
         yield Server(process, address)
     finally:

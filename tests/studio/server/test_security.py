@@ -178,7 +178,7 @@ def test_the_port_is_open_to_this_computer_alone(server: Server) -> None:
 def test_a_server_for_all_addresses_answers_to_addresses_and_to_no_name(
     folder: Path, built: Path
 ) -> None:
-    with serving(folder, built, "0.0.0.0") as server:  # noqa: S104
+    with serving(folder, built, "--host", "0.0.0.0") as server:  # noqa: S104
         assert server.host == "127.0.0.1"
         assert get(server, "/", Host=f"127.0.0.1:{server.port}").status == 200
         assert get(server, "/", Host=f"192.0.2.7:{server.port}").status == 200
@@ -186,10 +186,16 @@ def test_a_server_for_all_addresses_answers_to_addresses_and_to_no_name(
 
 
 @pytest.mark.parametrize(
-    ("host", "authority"),
-    [("127.0.0.1", "127.0.0.1:80"), ("::1", "[::1]:80"), ("::", "[::1]:80"), ("a.b", "a.b:80")],
+    ("host", "bound", "authority"),
+    [
+        ("127.0.0.1", "127.0.0.1", "127.0.0.1:80"),
+        ("::1", "::1", "[::1]:80"),
+        ("::", "::", "[::1]:80"),
+        ("0", "0.0.0.0", "127.0.0.1:80"),  # noqa: S104
+        ("robot.example", "192.0.2.7", "robot.example:80"),
+    ],
 )
-def test_the_authority_is_one_that_is_answered_to(host: str, authority: str) -> None:
-    served = Served(host, 80)
+def test_the_authority_is_one_that_is_answered_to(host: str, bound: str, authority: str) -> None:
+    served = Served(host, 80, bound)
     assert served.authority == authority
     assert served.answers_to(authority)
