@@ -54,6 +54,10 @@ class Scope:
             return found
         raise AnswerError(f"there is no element {ref!a} any more")
 
+    def model_of(self, element: EObject) -> Model:
+        """Returns the model that has an element: this one, or that of the library."""
+        return self.model if self.model.document_of(element) is not None else library()
+
     def find_in(self, document: Document, fragment: str) -> EObject:
         """Returns the element of a fragment in a document.
 
