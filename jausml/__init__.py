@@ -1,3 +1,38 @@
-"""jausml: generates ROS 2 <-> JAUS bridges and JAUS components from models."""
+"""jausml: generates ROS 2 <-> JAUS bridges and JAUS components from models.
+
+In Python: `read`, `validate` and `generate` for models, `decode` and `encode` for messages, and
+`Component` and `AsyncComponent` to speak with JAUS components (docs/how-to/python.md).
+"""
+
+from importlib import import_module
+from typing import Any
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "AsyncComponent": "jausml.api.aio",
+    "AsyncSubscription": "jausml.api.aio",
+    "Component": "jausml.api.component",
+    "MessageError": "jausml.live.messages",
+    "ModelError": "jausml.api.models",
+    "NoAnswer": "jausml.live.peers.asking",
+    "Received": "jausml.api.component",
+    "Refused": "jausml.live.peers.operator",
+    "Subscription": "jausml.api.component",
+    "decode": "jausml.api.messages",
+    "encode": "jausml.api.messages",
+    "generate": "jausml.api.models",
+    "read": "jausml.api.models",
+    "validate": "jausml.api.models",
+}
+"""Where the names of the interface stand. They are loaded when used: tools start quickly."""
+
+__all__ = ["__version__", *_HOMES]  # noqa: PLE0604 - names of the interface, all of them
+
+
+def __getattr__(name: str) -> Any:
+    """Returns a name of the interface (PEP 562)."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'jausml' has no attribute {name!r}")
+    return getattr(import_module(home), name)

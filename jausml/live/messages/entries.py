@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml import wire
 from jausml.live.messages.compiling import compile_message
+from jausml.live.messages.containers import PRESENCE
 from jausml.live.messages.errors import DecodeError, EncodeError
 from jausml.live.messages.nesting import may_hold
 
@@ -168,6 +169,20 @@ class MessageEntry:
         """
         body = wire.resolve(self.definition).body if self.codec.members else None
         return (self.name, self.code, wire.comparable(body, _BESIDE_BYTES))
+
+    def completed(self, fields: dict[str, Any]) -> dict[str, Any]:
+        """Returns fields in the shapes of `decode`; the one record of a body need not be named."""
+        members = self.codec.members
+        if len(members) != 1 or members[0].name in fields:
+            return fields
+        return {members[0].name: fields}
+
+    def shortened(self, fields: dict[str, Any]) -> dict[str, Any]:
+        """Returns fields without the one record of a body, and without its presence vector."""
+        members = self.codec.members
+        inner = fields.get(members[0].name) if len(members) == 1 else None
+        shown = inner if isinstance(inner, dict) else fields
+        return {name: value for name, value in shown.items() if name != PRESENCE}
 
     def decode(self, payload: bytes) -> dict[str, Any]:
         """Returns the fields of the body.

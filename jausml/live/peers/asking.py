@@ -343,7 +343,7 @@ class Asker:
         Raises:
             MessageError: The fields are wrong.
         """
-        message = message_class(entry)(completed(entry, fields))
+        message = message_class(entry)(entry.completed(fields))
         try:
             message.encode()
         except EncodeError as error:
@@ -385,19 +385,6 @@ class _Question:
         except Empty:
             self._pending.cancel()
             return None
-
-
-def completed(entry: MessageEntry, fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns the fields of a message; the one record of a body need not be named.
-
-    Args:
-        entry: The message.
-        fields: What the user gave.
-    """
-    members = entry.codec.members
-    if len(members) != 1 or members[0].name in fields:
-        return fields
-    return {members[0].name: fields}
 
 
 def _told(report: Message) -> str:

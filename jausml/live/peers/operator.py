@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.asking import POLL, Asker, NoAnswer, status_of
-from jausml.live.peers.entry_messages import message_class
+from jausml.live.peers.entry_messages import (
+    EntryMessage,
+    find_exchange,
+    find_message,
+    message_class,
+)
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.holding import Hold
 from jausml.live.peers.samples import full_query
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, Scope
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import QueryStatus, RejectControl, ReportStatus
-from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
+from jausml.runtime.services.definitions import CORE, Guard, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
@@ -38,6 +45,21 @@ _WATCH = 0.5
 _SERVICES = tuple(
     ServiceIdentity(CORE + name, 1, 1) for name in ("Transport", "Events", "Liveness", "Discovery")
 )
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a component of ours says of itself.
+
+    Attributes:
+        name: What Discovery reports.
+        services: What it provides.
+        component_type: Its type (AS5710, ReportIdentification).
+    """
+
+    name: str = "jausml ocu"
+    services: tuple[ServiceIdentity, ...] = _SERVICES
+    component_type: int = OCU_TYPE
 
 
 class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
@@ -201,6 +223,52 @@ class Operator(Asker):
             self._holds[target].count()
         self._component.send(message, target, priority=priority)
 
+    # ---- answering --------------------------------------------------------------------------
+
+    def provide(self, name: str, give: Callable[[], dict[str, Any] | None]) -> Callable[[], None]:
+        """Answers a query, and events on it.
+
+        Args:
+            name: Name or code of the query or of its report.
+            give: Returns the fields of the present report; None when there is none now.
+
+        Returns:
+            What is to be called when the report may have changed.
+
+        Raises:
+            MessageError: There is no such message, or several.
+            ValueError: The query is answered already.
+        """
+        query, report = find_exchange(self.catalogue, name, self._component.services)
+        made = message_class(report)
+
+        def provided(_query: EntryMessage, _sender: JausAddress) -> EntryMessage | None:
+            fields = give()
+            return None if fields is None else made(report.completed(fields))
+
+        self._component.provide(message_class(query), made, provided)
+        return partial(self._component.report_changed, made)
+
+    def obey(
+        self, name: str, take: Callable[[MessageEntry, dict[str, Any], JausAddress], None]
+    ) -> None:
+        """Has a function take a message; commands come from the controller in Ready alone.
+
+        Args:
+            name: Name or code of the message.
+            take: Takes the message, its fields and its sender, on another thread.
+
+        Raises:
+            MessageError: There is no such message, or several.
+            ValueError: Something takes it already.
+        """
+        entry = find_message(self.catalogue, name, self._component.services)
+        self._component.handle(
+            message_class(entry),
+            lambda message, sender: take(entry, message.fields, sender),
+            when=Guard.READY if entry.is_command else Guard.ANY,
+        )
+
     def controls(self, target: JausAddress) -> bool:
         """Whether we hold control of a component."""
         return target in self._holds and self._holds[target].is_held
@@ -256,7 +324,7 @@ class Operator(Asker):
 
 @contextmanager
 def running_operator(
-    network: Network, catalogue: Catalogue, timeout: float = 3.0
+    network: Network, catalogue: Catalogue, timeout: float = 3.0, identity: Identity | None = None
 ) -> Iterator[Operator]:
     """Yields an operator on the network; releases control and cancels events at the end.
 
@@ -264,19 +332,21 @@ def running_operator(
         network: Who we are, and how the others are reached.
         catalogue: All messages that we know.
         timeout: Seconds to wait for an answer.
+        identity: What we say of ourselves; that of an operator control unit when None.
 
     Raises:
         OSError: The network cannot be used as the settings say.
     """
+    ours = identity or Identity()
     with running_transport(network.settings) as transport:
         heard = Heard(catalogue, network, transport.counters)
         component = _Listening(
             heard,
             transport,
             network.own,
-            name="jausml ocu",
-            services=_SERVICES,
-            component_type=OCU_TYPE,
+            name=ours.name,
+            services=ours.services,
+            component_type=ours.component_type,
             settings=ComponentSettings(
                 discovery_scope=Scope.SUBSYSTEM, register_services=False, watch_interval=_WATCH
             ),

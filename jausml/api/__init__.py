@@ -1,0 +1,1 @@
+"""The Python interface of jausml, which `import jausml` offers: models, messages, components."""
