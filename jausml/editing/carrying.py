@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from jausml.editing.applying import Applying
-from jausml.editing.commands import NEW, Add, Child, EditError, Move, Remove, Rename, Set
+from jausml.editing.batches import with_created
+from jausml.editing.commands import NEW, Add, Create, EditError, Move, Place, Set
 from jausml.editing.comparing import matched
-from jausml.editing.forest import Forest, Thing
+from jausml.editing.creating import new_document
+from jausml.editing.following import followed
+from jausml.editing.forest import Forest
+from jausml.editing.layout import layout_file, placed, read_layout, write_layout
 from jausml.editing.planning import Context
 from jausml.editing.records import Referrer
 from jausml.editing.xmi.planner import XmiPlanner
@@ -18,13 +22,15 @@ from jausml.text.notation import SUFFIX
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml.editing.commands import Command, Values
+    from jausml.editing.commands import Command, Remove, Rename
     from jausml.editing.drafts import Draft
+    from jausml.editing.forest import Thing
+    from jausml.editing.layout import Layout
     from jausml.editing.planning import Planner
     from jausml.metamodel import ClassTable
     from jausml.model.refs import Ref
 
-AddedT = TypeVar("AddedT", Add, Child)
+_NAME = "name"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +64,35 @@ def carry_out(commands: Sequence[Command], draft: Draft) -> Outcome:
     return work.outcome()
 
 
+def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
+    """Returns what refers to an element or to what it owns, in all files.
+
+    Raises:
+        EditError: There is no such element, or it is one of the library.
+    """
+    models = {each: draft.read(each).model for each in draft.referring(draft.editable(ref))}
+    forest = Forest(models, draft.root)
+    targets = set(thing_of(ref, forest).everything())
+    fragments = forest.fragments()
+    return tuple(
+        Referrer(forest.ref(thing, fragments), thing.label, name)
+        for thing, name in forest.referrers(targets)
+        if thing not in targets
+    )
+
+
+def thing_of(ref: Ref, forest: Forest) -> Thing:
+    """Returns the thing of a ref of one of the files of a forest.
+
+    Raises:
+        EditError: There is none.
+    """
+    thing = forest.find(ref)
+    if thing is None:
+        raise EditError(f"there is no element {ref} any more", conflict=True)
+    return thing
+
+
 class _Work:
     """Work on a draft.
 
@@ -77,19 +112,44 @@ class _Work:
 
     def carry_out(self, command: Command) -> None:
         """Plans a command, makes the changes in the draft, and checks them."""
-        command = self._resolved(command)
+        if isinstance(command, Place):
+            self._place(command)
+        elif isinstance(command, Create):
+            self._create(command)
+        else:
+            self._edit(with_created(command, self._known))
+
+    def _place(self, command: Place) -> None:
+        if command.file not in self._draft.models:
+            raise EditError(f"{command.file} is no model file of the opened folder")
+        layout = placed(self._layout_of(command.file), command.view, command.positions)
+        self._draft.put(layout_file(command.file), write_layout(layout) or None)
+
+    def _layout_of(self, file: str) -> Layout:
+        held = self._draft.files.get(layout_file(file))
+        return read_layout(held.data) if held is not None else {}
+
+    def _create(self, command: Create) -> None:
+        data, later = new_document(command, self._draft)
+        self._draft.put(command.file, data)
+        self._take([command.file])
+        self._created.append(self._forest.roots[command.file][0])
+        number = len(self._created) - 1
+        for name, values in later.items():
+            self.carry_out(Set(f"{NEW}{number}", name, values))
+
+    def _edit(self, command: Set | Add | Remove | Move | Rename) -> None:
         files = self._concerned(command)
         self._take(files)
         forest = self._forest
         paths = forest.paths()
-        model = self._draft.read(files[0]).model
-        applying = Applying(forest, self._find, model.metamodels)
+        applying = Applying(forest, self._find, self._draft.read(files[0]).model.metamodels)
         applying.apply(command)
-        self._referrers += self._referrers_of(applying, paths)
+        self._referrers += _referrers_of(applying, paths)
         plans = {}
         for file in files:
-            read = self._draft.read(file).model
-            context = Context(file, self._draft.root, read, forest, paths, self._class_of)
+            model = self._draft.read(file).model
+            context = Context(file, self._draft.root, model, forest, paths, self._class_of)
             plans[file] = planner_of(file).plan(applying.steps, context)
         for file, splices in plans.items():
             self._draft.apply(file, splices)
@@ -98,6 +158,10 @@ class _Work:
     def _check(self, applying: Applying) -> None:
         read = self._grown(list(self._forest.roots))
         found = matched(self._forest, read)
+        for file in self._forest.roots:
+            if layout_file(file) in self._draft.files:
+                layout = followed(self._layout_of(file), file, self._forest, read, found)
+                self._draft.put(layout_file(file), write_layout(layout) or None)
         self._created = [found[each] for each in self._created if each in found]
         self._created += [found[each] for each in applying.created]
         self._forest = read
@@ -119,25 +183,20 @@ class _Work:
         models = {file: self._draft.read(file).model for file in files}
         return Forest(models, self._draft.root)
 
-    def _concerned(self, command: Command) -> list[str]:
-        """Returns the files that a command may change."""
-        owners = [command.owner] if isinstance(command, Add | Move) else []
-        if not isinstance(command, Add):
-            owners.append(command.element)  # type: ignore[union-attr]
-        files = [self._draft.editable(each) for each in owners]
-        for ref in owners:
-            self._draft.element(ref)
-        if isinstance(command, Set) and command.feature != "name":
-            return list(dict.fromkeys(files))
+    def _concerned(self, command: Set | Add | Remove | Move | Rename) -> list[str]:
+        """Returns the files that a command may change, that of its element first."""
+        named = [] if isinstance(command, Add) else [command.element]
+        named += [command.owner] if isinstance(command, Add | Move) else []
+        for each in named:
+            self._draft.element(each)
+        files = [self._draft.editable(each) for each in named]
+        if isinstance(command, Set) and command.feature != _NAME:
+            return files
         return list(dict.fromkeys(f for each in files for f in self._draft.referring(each)))
 
     def _find(self, ref: Ref) -> tuple[Thing | Ref, ClassTable]:
-        file, _ = refs.split(ref)
-        for each in (self._forest.models[file],) if file in self._forest.models else ():
-            obj = refs.find(ref, each, self._draft.root)
-            if obj is None:
-                raise EditError(f"there is no element {ref} any more", conflict=True)
-            thing = self._forest.things[obj]
+        if refs.split(ref)[0] in self._forest.models:
+            thing = thing_of(ref, self._forest)
             return thing, thing.table
         obj, model = self._draft.locate(ref)
         return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
@@ -146,41 +205,20 @@ class _Work:
         obj, model = self._draft.locate(ref)
         return model.metamodels.class_of(obj)
 
-    def _referrers_of(self, applying: Applying, paths: Mapping[Thing, str]) -> Iterable[Referrer]:
-        if not applying.removed:
-            return
-        for thing in applying.removed[1:]:
-            yield Referrer(f"{thing.file}#{paths[thing]}", thing.label, "")
-        for thing, names in applying.changed.items():
-            for name in names:
-                yield Referrer(f"{thing.file}#{paths[thing]}", thing.label, name)
-
-    def _resolved(self, command: Command) -> Command:
-        """Returns a command with what was created before in place of `new:0`."""
-        if isinstance(command, Set):
-            values = self._known_values(command.values)
-            return replace(command, element=self._known(command.element), values=values)
-        if isinstance(command, Rename | Remove):
-            return replace(command, element=self._known(command.element))
-        if isinstance(command, Move):
-            element, owner = self._known(command.element), self._known(command.owner)
-            return replace(command, element=element, owner=owner)
-        if isinstance(command, Add):
-            return replace(self._known_inside(command), owner=self._known(command.owner))
-        return command
-
-    def _known_inside(self, made: AddedT) -> AddedT:
-        values = {name: self._known_values(each) for name, each in made.values.items()}
-        children = tuple(map(self._known_inside, made.children))
-        return replace(made, values=values, children=children)
-
-    def _known_values(self, values: Values) -> Values:
-        return tuple(map(self._known, values))
-
     def _known(self, ref: Ref) -> Ref:
+        """Returns what `new:0` stands for, and any other ref as it is."""
         if not ref.startswith(NEW):
             return ref
         number = ref.removeprefix(NEW)
         if not number.isdecimal() or int(number) >= len(self._created):
             raise EditError(f"{ref} is nothing that was added before")
         return self._forest.ref(self._created[int(number)])
+
+
+def _referrers_of(applying: Applying, paths: Mapping[Thing, str]) -> Iterable[Referrer]:
+    """Yields what goes with an element that is removed, and what loses its reference to it."""
+    for thing in applying.removed[1:]:
+        yield Referrer(f"{thing.file}#{paths[thing]}", thing.label, "")
+    for thing, names in applying.changed.items() if applying.removed else ():
+        for name in names:
+            yield Referrer(f"{thing.file}#{paths[thing]}", thing.label, name)

@@ -123,8 +123,16 @@ class Create:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Places boxes of a view by hand; None leaves a box to the layout engine again."""
+    """Places boxes of a view by hand.
 
+    Attributes:
+        file: The model file whose view it is.
+        view: Name of the view.
+        positions: Upper left corners in pixels by the key of the box; None leaves a box to the
+            layout engine again.
+    """
+
+    file: str
     view: str
     positions: Mapping[LayoutKey, tuple[int, int] | None]
 

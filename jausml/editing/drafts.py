@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
+from jausml.editing.layout import is_layout
 from jausml.editing.reading import is_library, stored
 from jausml.editing.records import FileChange
-from jausml.editing.splices import applied, merged
+from jausml.editing.splices import applied, difference, merged
 from jausml.model import refs
 
 if TYPE_CHECKING:
@@ -43,13 +44,18 @@ class Draft:
         self._revision = revision
         self._steps: dict[str, list[tuple[Splice, ...]]] = {}
 
+    @property
+    def models(self) -> list[str]:
+        """The model files."""
+        return [each for each in self.files if not is_layout(each)]
+
     def read(self, file: str) -> ReadResult:
         """Returns the model of a file and all that it refers to, with the changes."""
         return self._reader.read(file, self.files)
 
     def referring(self, file: str) -> list[str]:
         """Returns a file and those whose models have elements of it, itself first."""
-        others = [each for each in self.files if each != file]
+        others = [each for each in self.models if each != file]
         return [file, *(each for each in others if file in self.documents(each))]
 
     def documents(self, file: str) -> list[str]:
@@ -65,7 +71,7 @@ class Draft:
         file, _ = refs.split(ref)
         if is_library(file):
             raise EditError(f"{ref} is part of the library, which cannot be changed")
-        if file not in self.files:
+        if file not in self.models:
             raise EditError(f"{file or ref!r} is no model file of the opened folder")
         if self.files[file].is_stale:
             raise EditError(f"{file} cannot be parsed as it is: mend it first")
@@ -108,6 +114,18 @@ class Draft:
             self._replace(file, applied(self.files[file].data, step))
             self._steps.setdefault(file, []).append(step)
 
+    def put(self, file: str, data: bytes | None) -> None:
+        """Gives a file other bytes, or makes it; None deletes it."""
+        known = self.files.get(file)
+        if (known.data if known is not None else None) == data:
+            return
+        step = difference(file, known.data if known is not None else b"", data or b"")
+        self._steps.setdefault(file, []).append(tuple(step))
+        if data is None:
+            del self.files[file]
+        else:
+            self._replace(file, data)
+
     def _replace(self, file: str, data: bytes) -> None:
         self.files[file] = stored(file, data, self._revision, self._before.get(file))
 
@@ -118,7 +136,8 @@ class Draft:
                 file,
                 tuple(steps),
                 self._before[file].digest if file in self._before else "",
-                self.files[file].digest,
+                self.files[file].digest if file in self.files else "",
             )
             for file, steps in sorted(self._steps.items())
+            if self._before.get(file) != self.files.get(file)
         )

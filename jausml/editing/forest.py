@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import contents, is_set
-from jausml.model.refs import file_of, fragment_of, ref_of
+from jausml.model.refs import file_of, find, fragment_of, ref_of, split
 from jausml.model.xmi.writer import lexical
 
 if TYPE_CHECKING:
@@ -126,6 +126,12 @@ class Forest:
                     self._pair(document, known, model)
         for thing in list(self._all()):
             self._refer(thing, models[thing.file])
+
+    def find(self, ref: Ref) -> Thing | None:
+        """Returns the thing of a ref as it was read, None when the forest has none."""
+        model = self.models.get(split(ref)[0])
+        obj = find(ref, model, self.folder) if model is not None else None
+        return self.things.get(obj) if obj is not None else None
 
     def fragments(self) -> dict[Thing, str]:
         """Returns by which fragments things are found now: ids, else paths."""

@@ -8,9 +8,10 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jausml.editing.carrying import carry_out
+from jausml.editing.carrying import carry_out, referrers
 from jausml.editing.commands import EditError
 from jausml.editing.drafts import Draft
+from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
 from jausml.editing.reading import Reader, is_library, model_files, stored
 from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
@@ -63,7 +64,8 @@ class Project:
     def files(self) -> tuple[FileInfo, ...]:
         """The model files, in order of their names."""
         with self._lock:
-            return tuple(self._info(each) for _, each in sorted(self._files.items()))
+            models = (each for each in self._files.values() if not is_layout(each.file))
+            return tuple(map(self._info, sorted(models, key=lambda each: each.file)))
 
     @property
     def revision(self) -> int:
@@ -121,7 +123,8 @@ class Project:
         """
         file, _ = refs.split(ref)
         with self._lock:
-            for each in self._files if is_library(file) else [self._known(file).file]:
+            models = [each for each in self._files if not is_layout(each)]
+            for each in models if is_library(file) else [self._known(file).file]:
                 model = self._reader.read(each, self._files).model
                 found = refs.find(ref, model, self.root)
                 if found is not None:
@@ -138,7 +141,8 @@ class Project:
             draft = self._draft()
             outcome = carry_out(commands, draft)
             changes = draft.changes()
-            diff = "".join(self._diff(each.file, draft.files[each.file].data) for each in changes)
+            new = {each.file: draft.files.get(each.file) for each in changes}
+            diff = "".join(self._diff(f, each.data if each else b"") for f, each in new.items())
             return Preview(changes, outcome.created, outcome.referrers, diff)
 
     def do(self, commands: Sequence[Command], label: str, base: int | None = None) -> Entry:
@@ -224,16 +228,28 @@ class Project:
         raise NotImplementedError  # replaced by the module of descriptions
 
     def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
-        """Returns what refers to an element or to what it owns, in all files."""
-        raise NotImplementedError  # replaced by the forest
+        """Returns what refers to an element or to what it owns, in all files.
 
-    def positions(self, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
-        """Returns the positions of boxes that were placed by hand in a view."""
-        raise NotImplementedError  # replaced by the layout file
+        Raises:
+            EditError: There is no such element, or it is one of the library.
+        """
+        with self._lock:
+            return referrers(ref, self._draft())
+
+    def positions(self, file: str, view: str) -> Mapping[LayoutKey, tuple[int, int]]:
+        """Returns the upper left corners of boxes that were placed by hand in a view, by key.
+
+        Args:
+            file: The model file whose view it is.
+            view: Name of the view.
+        """
+        with self._lock:
+            held = self._files.get(layout_file(file))
+            return read_layout(held.data).get(view, {}) if held is not None else {}
 
     def _known(self, file: str) -> Stored:
         found = self._files.get(file)
-        if found is None:
+        if found is None or is_layout(file):
             raise EditError(f"{file} is no model file of the opened folder")
         return found
 

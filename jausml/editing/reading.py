@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from jausml.editing import layout
 from jausml.editing.commands import EditError
 from jausml.editing.records import Stored
 from jausml.model.diagnostics import Diagnostic, Location
@@ -48,7 +49,7 @@ def digest(data: bytes) -> str:
 
 
 def model_files(root: Path) -> Iterator[str]:
-    """Yields the model files below a folder, relative to it with forward slashes, in order.
+    """Yields model and layout files below a folder, relative to it with forward slashes, in order.
 
     Hidden folders and those of builds are left out, links that lead out of the folder, and the
     shipped library.
@@ -59,7 +60,7 @@ def model_files(root: Path) -> Iterator[str]:
         folders[:] = sorted(each for each in folders if each[0] != "." and each not in _BUILT)
         for name in sorted(names):
             path = os.path.join(folder, name)  # noqa: PTH118 -- many
-            if not name.endswith(SUFFIXES) or name.startswith("."):
+            if not name.endswith((*SUFFIXES, layout.SUFFIX)) or name.startswith("."):
                 continue
             real = os.path.realpath(path)
             if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
@@ -86,6 +87,8 @@ def stored(file: str, data: bytes, revision: int, before: Stored | None = None) 
 
 def can_be_parsed(file: str, data: bytes) -> bool:
     """Tells whether bytes are a document of the notation of a file."""
+    if layout.is_layout(file):
+        return True
     if file.endswith(SUFFIX):
         text, fault = decode(data)
         return fault is None and not parsed_text(text).faults
@@ -156,7 +159,8 @@ class Reader:
         return [f for f in (file_of(each, self._root) for each in model.documents) if f in files]
 
     def _read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
-        contents = {self._root / each.file: each.good for each in files.values()}
+        models = (each for each in files.values() if not layout.is_layout(each.file))
+        contents = {self._root / each.file: each.good for each in models}
         return read_models(
             [self._root / file],
             project_root=self._root,

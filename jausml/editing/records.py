@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from jausml.editing.layout import is_layout
+
 if TYPE_CHECKING:
     from jausml.editing.splices import Splice
     from jausml.model.refs import Ref
@@ -72,7 +74,7 @@ class Entry:
     @property
     def layout(self) -> bool:
         """Whether it changes positions, and nothing else."""
-        return all(each.file.endswith(".layout.json") for each in self.changes)
+        return all(map(is_layout, self.files))
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,8 +82,7 @@ class _Plan:
             self._edits.remove(self._node(thing))
 
     def _thing(self, ref: Ref) -> Thing | None:
-        obj = self._context.find(ref)
-        return self._forest.things.get(obj) if obj is not None else None
+        return self._forest.find(ref)
 
     def _is_own(self, thing: Thing) -> bool:
         """Tells whether a thing stands in the file as it is."""
