@@ -321,7 +321,7 @@ export async function rename(element: Ref, before: string, name: string): Promis
 export function place(positions: Record<LayoutKey, Point>): Promise<EditResult | null> {
   const count = Object.keys(positions).length;
   const label = count === 1 ? "Move a box" : `Move ${count} boxes`;
-  return edit([{ kind: "place", view: state().view, positions }], label);
+  return edit([{ kind: "place", file: state().file, view: state().view, positions }], label);
 }
 
 /** Lets the layout place every box anew. */

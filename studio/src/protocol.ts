@@ -93,6 +93,7 @@ export interface CreateCommand {
 
 export interface PlaceCommand {
   kind: "place";
+  file: string;
   view: string;
   /** null forgets: the layout decides again. */
   positions: Record<LayoutKey, Point | null>;

@@ -6,6 +6,7 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.editing.commands import Place
 from jausml.studio import shown
 from jausml.studio.asking import showing
 from jausml.studio.encoding import command
@@ -110,5 +111,9 @@ def _write(desk: Desk, asked: Write) -> dict[str, Any]:
 
 
 def _arrange(desk: Desk, asked: showing.OfView) -> dict[str, Any]:
+    placed = desk.project.positions(asked.file, asked.view)
+    if placed:
+        forget = Place(asked.file, asked.view, dict.fromkeys(placed))
+        desk.changed(desk.project.do([forget], f"Arrange {asked.view}"))
     desk.drawings.forget(asked.file, asked.view)
     return showing.view(desk, asked)

@@ -95,7 +95,8 @@ def view(desk: Desk, asked: OfView) -> dict[str, Any]:
         graph = graph_of(
             verdict.result.model, asked.view, verdict.report.diagnostics, desk.project.root
         )
-        drawn = desk.drawings.draw(asked.file, graph, {})
+        moved = desk.project.positions(asked.file, asked.view)
+        drawn = desk.drawings.draw(asked.file, graph, moved)
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
     return {"revision": verdict.revision, "graph": drawn}
