@@ -55,6 +55,7 @@ def serve(session: Session, host: str, port: int, opened: Callable[[str], None])
     """
     if not host:
         raise ValueError("an empty host would be all addresses")
+    host.encode("idna")
     # It tells of texts that it cannot understand at length, and its editor is told anyway.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
     with socket.create_server((host, port), family=_family(host)) as listener:
