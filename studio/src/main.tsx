@@ -2,6 +2,7 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { listener, use } from "./actions";
+import { fitTexts } from "./canvas/fonts";
 import { Connection, socketAddress, takeToken } from "./connection";
 import "@xyflow/react/dist/base.css";
 import "./styles/index.css";
@@ -10,6 +11,8 @@ const token = takeToken(window.location, window.history, window.sessionStorage);
 const connection = new Connection(socketAddress(window.location, "/socket"), token, listener);
 use(connection);
 connection.open();
+
+fitTexts(document.documentElement);
 
 const root = document.getElementById("root");
 if (root) {

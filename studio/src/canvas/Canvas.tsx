@@ -26,7 +26,7 @@ import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
 import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
 import { active, state, useStudio } from "../store";
 import { Box } from "./Box";
-import { EmptyHint } from "./EmptyHint";
+import { EmptyHint, Nothing } from "./EmptyHint";
 import { Frame } from "./Frame";
 import { type FlowEdge, type FlowNode, keyOfNode, portOfHandle, toEdges, toNodes } from "./flow";
 import { Line } from "./Line";
@@ -47,7 +47,7 @@ export function Canvas() {
   const graph = useStudio((studio) => studio.graph);
   const fault = useStudio((studio) => studio.graphFault);
   const view = useStudio((studio) => `${studio.file} ${studio.view}`);
-  if (!graph) return <p className="quiet">{fault || "Nothing to show yet."}</p>;
+  if (!graph) return fault ? <p className="quiet">{fault}</p> : <Nothing />;
   return (
     <ReactFlowProvider key={view}>
       <Diagram graph={graph} />
@@ -158,7 +158,7 @@ function Diagram({ graph }: { graph: Graph }) {
         minZoom={0.05}
         maxZoom={3}
         fitView
-        fitViewOptions={{ padding: 0.06, maxZoom: 1.2 }}
+        fitViewOptions={{ padding: 0.1, maxZoom: 1.2 }}
         tabIndex={0}
         aria-label={`Diagram of ${graph.title || graph.view}`}
         aria-activedescendant={here ? domId(here) : undefined}

@@ -1,19 +1,58 @@
-import { update } from "../store";
+import { openView } from "../actions";
+import { update, useStudio } from "../store";
 
-/** What to do where there is nothing yet. */
+/** What to do with a diagram that has no boxes. */
 export function EmptyHint() {
   return (
     <div className="hint">
       <p>
-        <strong>There is nothing here yet.</strong>
+        <strong>This diagram is empty.</strong>
       </p>
       <p>
-        Drag a component, a bridge or a node from the palette on the left to this place, or search
-        there by name and press Enter. <kbd>?</kbd> shows all keys.
+        Drag a component, a bridge or a node from the palette on the left to here, or search there
+        by name and press Enter. <kbd>?</kbd> shows all keys.
       </p>
-      <button type="button" onClick={() => update({ dialog: { kind: "help" } })}>
-        Show the keys
-      </button>
+    </div>
+  );
+}
+
+/** Why nothing is drawn, and what to do about it. */
+export function Nothing() {
+  const { link, project, file, views, view } = useStudio();
+  if (link === "opening" || (link === "open" && !project)) return <p className="quiet">Opening…</p>;
+  if (link === "lost" || link === "refused") return <p className="quiet">There is no server.</p>;
+  if (!project?.files.length) {
+    return (
+      <div className="hint">
+        <p>
+          <strong>There is no model in {project?.name} yet.</strong>
+        </p>
+        <button
+          type="button"
+          className="best"
+          onClick={() => update({ dialog: { kind: "create" } })}
+        >
+          New model…
+        </button>
+      </div>
+    );
+  }
+  if (view) return <p className="quiet">Drawing {view}…</p>;
+  const library = views.find((each) => each.library);
+  return (
+    <div className="hint">
+      <p>
+        <strong>{file || "This file"} has nothing of its own to draw.</strong>
+      </p>
+      <p>
+        Systems, attribute maps, services and state machines are drawn. What is wrong with the file
+        stands below, under Problems.
+      </p>
+      {library && (
+        <button type="button" onClick={() => void openView(library.name)}>
+          Look at {library.title || library.name} of the library
+        </button>
+      )}
     </div>
   );
 }

@@ -5,7 +5,7 @@ import type { Graph } from "../protocol";
 import { state, useStudio } from "../store";
 import { matches } from "./following";
 
-const FIT = { padding: 0.06, maxZoom: 1.2 };
+const FIT = { padding: 0.1, maxZoom: 1.2 };
 
 /** Name of the event by which keys of the page ask the diagram to fit. */
 export const FIT_EVENT = "studio-fit";

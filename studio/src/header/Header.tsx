@@ -1,4 +1,5 @@
 import { openFile, openView, redo, undo } from "../actions";
+import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
 
 /** What is open: the file, its view, and what can be done with the whole. */
@@ -30,14 +31,14 @@ export function Header() {
         <select value={view} onChange={(event) => void openView(event.currentTarget.value)}>
           {own.map((each) => (
             <option key={each.name} value={each.name}>
-              {each.title}
+              {titleOf(each)}
             </option>
           ))}
           {library.length > 0 && (
             <optgroup label="Library">
               {library.map((each) => (
                 <option key={each.name} value={each.name}>
-                  {each.title}
+                  {titleOf(each)}
                 </option>
               ))}
             </optgroup>
@@ -45,6 +46,9 @@ export function Header() {
         </select>
       </label>
       <span className="spring" />
+      <button type="button" onClick={() => update({ dialog: { kind: "create" } })}>
+        New model…
+      </button>
       <button type="button" onClick={() => void undo()} title="Ctrl+Z">
         Undo
       </button>
@@ -56,4 +60,10 @@ export function Header() {
       </button>
     </header>
   );
+}
+
+const KINDS = { system: "System", map: "Map", service: "Service", machine: "State machine" };
+
+function titleOf({ kind, title }: ViewInfo): string {
+  return title && title !== kind ? `${KINDS[kind]}: ${title}` : KINDS[kind];
 }
