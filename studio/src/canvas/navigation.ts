@@ -104,16 +104,23 @@ function fromEdge(
   ];
   if (direction === "left") return keyOfEnd(graph, left);
   if (direction === "right") return keyOfEnd(graph, right);
-  // Up and down: the other lines of the box, or the row, from which this line was reached.
+  // Up and down: the other lines at this side of the box from which this line was reached.
   const around = before ? partOf(before) : null;
   const box =
     around?.of === "port" ? around.node : around?.of === "node" ? around.id : edge.source.node;
   const beside = (indexOf(graph).edgesOf.get(box) ?? [])
-    .slice()
+    .filter((each) => isRightOf(graph, each, box) === isRightOf(graph, edge, box))
     .sort((a, b) => height(graph, a) - height(graph, b));
   const at = beside.findIndex((each) => each.id === edge.id);
   const next = beside[at + (direction === "down" ? 1 : -1)];
   return edgeKey(next?.id ?? edge.id);
+}
+
+/** Whether a line of a box goes to its right. */
+function isRightOf(graph: Graph, edge: GraphEdge, box: string): boolean {
+  const node = indexOf(graph).nodes.get(box);
+  const other = edge.source.node === box ? edge.target : edge.source;
+  return node !== undefined && isTowards(graph, node, other, "right");
 }
 
 export function keyOfEnd(graph: Graph, end: GraphEnd): PartKey {

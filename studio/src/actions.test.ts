@@ -1,0 +1,230 @@
+import { expect, test, vi } from "vitest";
+import * as actions from "./actions";
+import type { EditResult, Graph, Notifications } from "./protocol";
+import { edgeKey, nodeKey, portKey } from "./selection";
+import { state, update } from "./store";
+import { PROJECT, serve } from "./testing/fakeServer";
+import { node, smallGraph } from "./testing/graphs";
+
+const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
+const DONE: EditResult = {
+  revision: 2,
+  entry: { number: 1, label: "", files: [], created: [] },
+  created: [],
+};
+
+function serveGraph(graph: Graph = smallGraph(), revision = 1) {
+  const server = serve({
+    views: () => ({ views: VIEWS }),
+    view: () => ({ revision, graph }),
+    edit: () => DONE,
+  });
+  update({ graph, revision: 1, views: VIEWS });
+  return server;
+}
+
+function changed(revision: number, more: Partial<Notifications["changed"]> = {}) {
+  const params = { revision, files: PROJECT.files, by: "edit" as const, ...more };
+  actions.listener.onNotification("changed", params);
+}
+
+test("a greeted page opens the file that was asked for, at its first view", async () => {
+  const graph = smallGraph();
+  serve({
+    views: () => ({ views: VIEWS }),
+    view: () => ({ revision: 3, graph }),
+    problems: () => ({ revision: 3, elapsed_ms: 1, files: [], problems: [] }),
+  });
+  update({ file: "", view: "" });
+  actions.listener.onLink("open", PROJECT, "");
+  await vi.waitFor(() => expect(state().graph).toBe(graph));
+  expect(state()).toMatchObject({ file: "robot.xmi", view: "system", revision: 3 });
+});
+
+test("a refused view says why", async () => {
+  serve({
+    view: () => {
+      throw new Error("no layout");
+    },
+  });
+  await actions.openView("system");
+  expect(state()).toMatchObject({ graph: null, graphFault: "no layout" });
+});
+
+test("changes that come while the graph is loaded are answered by one more", async () => {
+  const graph = smallGraph();
+  const server = serveGraph(graph);
+  changed(2);
+  changed(3);
+  changed(4);
+  await vi.waitFor(() => expect(server.params("view")).toHaveLength(2));
+  await actions.refresh();
+  expect(server.params("view").length).toBeLessThanOrEqual(3);
+});
+
+test("the selection follows boxes and rows by name when ids shift", async () => {
+  const before = smallGraph();
+  serveGraph(before);
+  actions.select([nodeKey("bridge"), portKey("base", "/odom")]);
+  expect(state().chosen).toBe("robot.xmi#/odom");
+  const after = smallGraph();
+  after.nodes = after.nodes
+    .filter((each) => each.id !== "ocu")
+    .map((each) => ({ ...each, id: `new ${each.id}`, element: `robot.xmi#new ${each.id}` }));
+  after.edges = [];
+  serveGraph(after);
+  update({ graph: before });
+  await actions.refresh();
+  expect(state().selection).toEqual([nodeKey("new bridge"), portKey("new base", "/odom")]);
+});
+
+test("what is gone is no longer chosen", async () => {
+  serveGraph();
+  actions.select([edgeKey("e1")]);
+  const after = smallGraph();
+  after.edges = [];
+  serveGraph(after).answer("view", () => ({ revision: 2, graph: after }));
+  update({ graph: smallGraph() });
+  await actions.refresh();
+  expect(state()).toMatchObject({ selection: [], chosen: "" });
+});
+
+test("an edit names the revision that it was thought of, and chooses what it made", async () => {
+  const server = serveGraph();
+  const after = smallGraph();
+  after.nodes.push(node("fresh", []));
+  server.answer("edit", () => ({ ...DONE, created: ["robot.xmi#fresh"] }));
+  server.answer("view", () => ({ revision: 2, graph: after }));
+  await actions.edit([{ kind: "remove", element: "x" }], "Try");
+  expect(server.params("edit")[0]).toMatchObject({ base: 1, label: "Try" });
+  expect(state().selection).toEqual([nodeKey("fresh")]);
+  expect(state().said.text).toBe("Try");
+});
+
+test("a refused edit is told, and changes nothing", async () => {
+  const server = serveGraph();
+  server.answer("edit", () => {
+    throw new Error("it is of the library");
+  });
+  expect(await actions.edit([{ kind: "remove", element: "x" }], "Try")).toBeNull();
+  expect(state().said).toMatchObject({ text: "it is of the library", isError: true });
+});
+
+test("delete asks first where others refer to it", async () => {
+  const server = serveGraph();
+  const referrers = [{ element: "robot.xmi#r", label: "bridge.velocity" }];
+  server.answer("edit", ({ dry }) => (dry ? { ...DONE, referrers, diff: "-a" } : DONE));
+  actions.select([nodeKey("ocu")]);
+  await actions.removeSelected();
+  expect(state().dialog).toMatchObject({ kind: "delete", label: "Remove ocu", referrers });
+  expect(server.params("edit").map((each) => each.dry)).toEqual([true]);
+});
+
+test("delete does it at once where nobody refers to it", async () => {
+  const server = serveGraph();
+  actions.select([portKey("ocu", "drive"), portKey("ocu", "pose")]);
+  await actions.removeSelected();
+  expect(state().dialog).toBeNull();
+  expect(server.params("edit").at(-1)).toMatchObject({
+    label: "Remove 2 elements",
+    commands: [
+      { kind: "remove", element: "robot.xmi#drive" },
+      { kind: "remove", element: "robot.xmi#pose" },
+    ],
+  });
+});
+
+test("a box that was dropped stands where it was dropped", async () => {
+  const server = serveGraph();
+  const after = smallGraph();
+  after.nodes.push(node("fresh", []));
+  server.answer("edit", ({ commands }) => ({
+    ...DONE,
+    created: commands[0]?.kind === "add" ? ["robot.xmi#fresh"] : [],
+  }));
+  server.answer("view", () => ({ revision: 2, graph: after }));
+  const add = { kind: "add" as const, owner: "o", feature: "f", type: "t", values: {} };
+  await actions.drop(
+    {
+      id: "i",
+      group: "elements",
+      label: "node",
+      note: "",
+      documentation: "",
+      drop: { commands: [add] },
+      label_of_edit: "Add a node",
+    },
+    [10.4, 20.6],
+  );
+  expect(server.params("edit").at(-1)?.commands).toEqual([
+    { kind: "place", view: "system", positions: { "key:fresh": [10, 21] } },
+  ]);
+});
+
+test("what was copied is pasted into what is chosen", async () => {
+  const server = serveGraph();
+  const commands = [{ kind: "remove" as const, element: "x" }];
+  server.answer("copy", () => ({ commands }));
+  server.answer("paste", () => DONE);
+  await actions.paste();
+  expect(state().said.text).toBe("Nothing was copied.");
+  actions.select([nodeKey("bridge")]);
+  await actions.copySelected();
+  await actions.paste();
+  expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", commands }]);
+});
+
+test("where a line may end lights up until it is drawn, also if the answer comes late", async () => {
+  const server = serveGraph();
+  server.answer("ends", () => ({
+    ends: [{ node: "base", port: "/odom", label: "", why: "" }],
+  }));
+  await actions.beginDrawing({ node: "ocu", port: "pose" });
+  expect(state().legal).toEqual(new Set([portKey("base", "/odom")]));
+  actions.endDrawing();
+  const late = actions.beginDrawing({ node: "ocu", port: "pose" });
+  actions.endDrawing();
+  await late;
+  expect(state().legal).toBeNull();
+});
+
+test("renaming begins with the name of the model, not with what the box shows", async () => {
+  const server = serveGraph();
+  const field = { feature: "name", values: ["operator"], changeable: true };
+  server.answer("form", () => ({ readonly: false, fields: [field] }) as never);
+  actions.select([nodeKey("ocu")]);
+  await actions.beginRename();
+  expect(state().renaming).toMatchObject({ key: nodeKey("ocu"), name: "operator" });
+  await actions.rename("robot.xmi#ocu", "operator", "driver");
+  expect(server.params("edit").at(-1)?.commands).toEqual([
+    { kind: "rename", element: "robot.xmi#ocu", name: "driver" },
+  ]);
+});
+
+test("a file that is gone makes room for another", async () => {
+  serveGraph();
+  const files = [{ ...PROJECT.files[0]!, path: "other.xmi" }];
+  changed(2, { files, by: "outside" });
+  await vi.waitFor(() => expect(state().file).toBe("other.xmi"));
+  changed(3, { files: [], by: "outside" });
+  await vi.waitFor(() => expect(state()).toMatchObject({ file: "", graph: null }));
+});
+
+test("verdicts are spoken when they change, and only then", () => {
+  serveGraph();
+  const problem = { severity: "error" } as never;
+  const told = (problems: never[]) =>
+    actions.listener.onNotification("problems", {
+      revision: 1,
+      elapsed_ms: 1,
+      files: [],
+      problems,
+    });
+  told([problem]);
+  expect(state().said.text).toBe("1 error.");
+  const { number } = state().said;
+  told([problem]);
+  expect(state().said.number).toBe(number);
+  told([]);
+  expect(state().said.text).toBe("No problems.");
+});

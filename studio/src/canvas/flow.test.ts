@@ -1,0 +1,94 @@
+import { expect, test } from "vitest";
+import { edgeKey, nodeKey } from "../selection";
+import { edge, smallGraph } from "../testing/graphs";
+import { HANDLE, pathOf, portOfHandle, toEdges, toNodes } from "./flow";
+
+const NONE = new Map();
+
+test("boxes have the sizes and places of the server, frames lie below them", () => {
+  const graph = smallGraph();
+  graph.groups = [
+    {
+      id: "h",
+      element: "",
+      kind: "host",
+      title: "onboard",
+      parent: "",
+      x: 1,
+      y: 2,
+      width: 3,
+      height: 4,
+    },
+  ];
+  const [frame, ocu, bridge] = toNodes(graph, NONE, new Set([nodeKey("bridge")]));
+  expect(frame).toMatchObject({ type: "frame", position: { x: 1, y: 2 }, width: 3, zIndex: -1 });
+  expect(ocu).toMatchObject({ id: "ocu", position: { x: 0, y: 0 }, width: 120, height: 66 });
+  expect(ocu?.selected).toBe(false);
+  expect(bridge?.selected).toBe(true);
+});
+
+test("a row has an end at each border of its box, at its middle", () => {
+  const [ocu] = toNodes(smallGraph(), NONE, new Set());
+  const ends = ocu?.handles?.filter((each) => portOfHandle(each.id) === "drive");
+  expect(ends?.map(({ x, y }) => [x, y + HANDLE / 2])).toEqual([
+    [0, 39],
+    [120 - HANDLE, 39],
+  ]);
+});
+
+test("a line leaves to the side where its other end stands, also while that is moved", () => {
+  const graph = smallGraph();
+  const handles = (moved: Map<string, { x: number; y: number }>) => {
+    const line = toEdges(graph, moved, new Set()).find((each) => each.id === "e1");
+    return [line?.sourceHandle, line?.targetHandle];
+  };
+  expect(handles(NONE)).toEqual(["r:drive", "l:velocity"]);
+  expect(handles(new Map([["bridge", { x: -300, y: 0 }]]))).toEqual(["l:drive", "r:velocity"]);
+});
+
+test("the layout's route is drawn until an end moves", () => {
+  const graph = smallGraph();
+  graph.edges[0]!.route = [
+    [0, 0],
+    [1, 1],
+    [2, 2],
+    [3, 3],
+  ];
+  const isRouted = (moved: Map<string, { x: number; y: number }>) =>
+    toEdges(graph, moved, new Set())[0]?.data?.isRouted;
+  expect(isRouted(NONE)).toBe(true);
+  expect(isRouted(new Map([["base", { x: 1, y: 1 }]]))).toBe(true);
+  expect(isRouted(new Map([["ocu", { x: 1, y: 1 }]]))).toBe(false);
+});
+
+test("what did not change is the same data, so that it is not drawn anew", () => {
+  const graph = smallGraph();
+  const first = toNodes(graph, NONE, new Set());
+  const second = toNodes(graph, new Map([["ocu", { x: 9, y: 9 }]]), new Set([nodeKey("base")]));
+  expect(second.map((each) => each.data)).toEqual(first.map((each) => each.data));
+  for (const [at, each] of second.entries()) expect(each.data).toBe(first[at]?.data);
+  const lines = [toEdges(graph, NONE, new Set()), toEdges(graph, NONE, new Set([edgeKey("e1")]))];
+  expect(lines[1]?.[0]?.data).toBe(lines[0]?.[0]?.data);
+});
+
+test("a line whose row is folded ends at the box, one without a box is not drawn", () => {
+  const graph = smallGraph();
+  graph.edges = [
+    edge("a", ["ocu", "gone"], ["base", "/odom"]),
+    edge("b", ["gone", ""], ["base", ""]),
+  ];
+  const lines = toEdges(graph, NONE, new Set());
+  expect(lines.map((each) => [each.id, each.sourceHandle])).toEqual([["a", "r:"]]);
+});
+
+test("a route is a start and cubic curves", () => {
+  expect(
+    pathOf([
+      [0, 1],
+      [2, 3],
+      [4, 5],
+      [6, 7],
+    ]),
+  ).toBe("M0,1C2,3 4,5 6,7");
+  expect(pathOf([])).toBe("");
+});

@@ -1,0 +1,39 @@
+import { fireEvent, render } from "@testing-library/react";
+import { expect, test } from "vitest";
+import { isTyping, nameOfKey } from "./keys";
+
+const PLAIN = { ctrlKey: false, metaKey: false, shiftKey: false, altKey: false };
+
+test("keys have one name each", () => {
+  expect(nameOfKey({ ...PLAIN, key: "z", ctrlKey: true })).toBe("Ctrl+Z");
+  expect(nameOfKey({ ...PLAIN, key: "Z", metaKey: true, shiftKey: true })).toBe("Ctrl+Shift+Z");
+  expect(nameOfKey({ ...PLAIN, key: "?", shiftKey: true })).toBe("?");
+  expect(nameOfKey({ ...PLAIN, key: "ArrowUp", altKey: true })).toBe("Alt+ArrowUp");
+  expect(nameOfKey({ ...PLAIN, key: " " })).toBe("Space");
+});
+
+test("whoever types is left alone, also in a shadow tree", () => {
+  const found: boolean[] = [];
+  const note = (event: Event) => found.push(isTyping(event));
+  document.addEventListener("keydown", note);
+  const { container } = render(
+    <>
+      <input id="text" />
+      <input id="box" type="checkbox" />
+      <textarea id="area" />
+      <button type="button" id="button">
+        b
+      </button>
+      <div id="host" />
+    </>,
+  );
+  const inner = document.createElement("div");
+  inner.setAttribute("contenteditable", "true");
+  container.querySelector("#host")?.attachShadow({ mode: "open" }).append(inner);
+  for (const id of ["text", "box", "area", "button"]) {
+    fireEvent.keyDown(container.querySelector(`#${id}`)!, { key: "z" });
+  }
+  fireEvent.keyDown(inner, { key: "z", composed: true });
+  document.removeEventListener("keydown", note);
+  expect(found).toEqual([true, false, true, false, true]);
+});
