@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
 from jausml.studio import watching
-from jausml.studio.asking import answering, editing, showing
+from jausml.studio.asking import answering, editing, reading, showing
 from jausml.studio.asking.living import Living
 from jausml.studio.checking import Checking
 from jausml.studio.methods import Answering
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from jausml.studio.desk import Desk
     from jausml.studio.rpc import Request
 
-_MODULES = (showing, editing, answering)
+_MODULES = (showing, editing, answering, reading)
 _LOG = logging.getLogger(__name__)
 
 

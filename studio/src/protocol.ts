@@ -352,10 +352,10 @@ export interface Problems {
 
 // Sources, trying, planning ------------------------------------------------------------------
 
+/** Where an element stands: units of UTF-16, with one for each end of a line. */
 export interface Source {
   file: string;
   notation: "xmi" | "text";
-  text: string;
   start: number;
   end: number;
   line: number;

@@ -78,6 +78,22 @@ def graph(context: Context, attribute_map: bridge.AttributeMap) -> Graph:
     return _MapView(context, attribute_map).graph()
 
 
+def ends(
+    context: Context, attribute_map: bridge.AttributeMap
+) -> Iterator[tuple[str, tuple[Member, ...]]]:
+    """Yields the boxes of the view of a map: their ids, and all their members.
+
+    The view itself shows those of interest.
+
+    Args:
+        context: The model.
+        attribute_map: The map.
+    """
+    view = _MapView(context, attribute_map)
+    for side in (view.jaus, view.ros, *view.joins.values()):
+        yield side.node, side.members
+
+
 class _MapView:
     def __init__(self, context: Context, attribute_map: bridge.AttributeMap) -> None:
         self.context = context

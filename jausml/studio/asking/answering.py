@@ -110,7 +110,7 @@ def _palette(desk: Desk, asked: Search) -> object:
 
 def _connect(desk: Desk, asked: Line) -> object:
     scope = scope_of(desk, asked.file)
-    used = _map_of(scope, asked.view)
+    used = map_of(scope, asked.view)
     if used is not None:
         first = end_of(scope, used, asked.source.node, asked.source.port)
         return assign(scope, used, first, end_of(scope, used, asked.target.node, asked.target.port))
@@ -118,7 +118,7 @@ def _connect(desk: Desk, asked: Line) -> object:
     return connect(scope, source, spot(scope, asked.target.node, asked.target.port))
 
 
-def _map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
+def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
     """Returns the map that a view shows, None for a view of something else.
 
     Raises:

@@ -32,7 +32,6 @@ function show(text: string, editable: boolean) {
       source: ({ element }) => ({
         file: "robot.ros2jaus",
         notation: "text",
-        text,
         start,
         end: start + "bridge main {}".length,
         line: 3,

@@ -7,8 +7,7 @@ import { Fault } from "../base/parts";
 import { languageSocket } from "../base/studio";
 import { fileOf, fileUri, LanguageClient, type WorkspaceEdit } from "./languageClient";
 import { edited, languageSupport, showDiagnostics } from "./languageSupport";
-import { inEditor, inFile, lines } from "./lines";
-import { characters, units } from "./offsets";
+import { lines } from "./lines";
 import { basics, openEditor, showSpan } from "./shadowEditor";
 import { fromOutside, IN_STEP, type SyncState, TextSync } from "./textSync";
 
@@ -20,9 +19,9 @@ interface Props {
   notation: "xmi" | "text";
   /** Counts changes of the project: the file is read again at each. */
   revision: number;
-  /** What is chosen, in characters of the file. */
+  /** What is chosen. */
   span: { start: number; end: number } | null;
-  /** The cursor was set to this character of the file. */
+  /** The cursor was set to this place. */
   onCursor: (offset: number) => void;
 }
 
@@ -135,12 +134,8 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
     const isSet = update.transactions.some((each) => each.isUserEvent("select"));
     if (!isSet || update.docChanged) return;
     clearTimeout(cursor);
-    cursor = setTimeout(() => {
-      const own = view.state.doc.toString();
-      onCursor(characters(asFile(own), inFile(own, view.state.selection.main.head, end)));
-    }, CURSOR_PAUSE_MS);
+    cursor = setTimeout(() => onCursor(view.state.selection.main.head), CURSOR_PAUSE_MS);
   });
-  const asFile = (own: string) => (end === "\r\n" ? own.replaceAll("\n", "\r\n") : own);
 
   const step = (way: () => Promise<unknown>) => () => {
     sync
@@ -198,10 +193,8 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
     sync,
     show(span) {
       if (span === null) return view.dispatch({ effects: showSpan.of(null) });
-      const own = asFile(view.state.doc.toString());
-      const place = (offset: number) =>
-        Math.min(inEditor(own, units(own, offset)), view.state.doc.length);
-      const shown = { from: place(span.start), to: place(span.end) };
+      const { length } = view.state.doc;
+      const shown = { from: Math.min(span.start, length), to: Math.min(span.end, length) };
       view.dispatch({ effects: showSpan.of(shown) });
       // A cursor that stands in it was perhaps what chose it.
       if (view.hasFocus) return undefined;

@@ -23,13 +23,3 @@ export function lines(text: string): Lines {
 export function asInFile(text: string, end: LineEnd): string {
   return end === "\n" ? text : text.replaceAll("\n", end);
 }
-
-/** Returns where an offset in the text of the file is in the text of the editor, in units. */
-export function inEditor(fileText: string, offset: number): number {
-  return offset - (fileText.slice(0, offset).split("\r\n").length - 1);
-}
-
-/** Returns where an offset in the text of the editor is in the text of the file, in units. */
-export function inFile(editorText: string, offset: number, end: LineEnd | null): number {
-  return end === "\r\n" ? offset + editorText.slice(0, offset).split("\n").length - 1 : offset;
-}

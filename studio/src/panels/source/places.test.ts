@@ -1,18 +1,8 @@
 import { Text } from "@codemirror/state";
 import { describe, expect, it } from "vitest";
 import { edited, offsetOf, positionOf } from "./languageSupport";
-import { asInFile, inEditor, inFile, lines } from "./lines";
-import { characters, units } from "./offsets";
+import { asInFile, lines } from "./lines";
 import { ros2jaus } from "./words";
-
-describe("characters and units", () => {
-  it("counts a character beyond the first plane as two units", () => {
-    const text = "a😀b";
-    expect(units(text, 2)).toBe(3);
-    expect(characters(text, 3)).toBe(2);
-    expect(units(text, 99)).toBe(4);
-  });
-});
 
 describe("ends of lines", () => {
   it("knows one way, the other, and a mixture", () => {
@@ -22,12 +12,9 @@ describe("ends of lines", () => {
     expect(lines("a\rb\n").end).toBeNull();
   });
 
-  it("keeps places", () => {
+  it("gives back what was there", () => {
     const file = "a\r\nb\r\nc";
-    const text = lines(file).text;
-    expect(inEditor(file, file.indexOf("c"))).toBe(text.indexOf("c"));
-    expect(inFile(text, text.indexOf("c"), "\r\n")).toBe(file.indexOf("c"));
-    expect(asInFile(text, "\r\n")).toBe(file);
+    expect(asInFile(lines(file).text, "\r\n")).toBe(file);
   });
 });
 
