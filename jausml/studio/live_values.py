@@ -129,8 +129,9 @@ def _edge(connection: ConnectionState) -> dict[str, Any]:
 
 
 def _connection_text(connection: ConnectionState) -> str:
+    """Returns a few words for the diagram; why it is so stands in the table."""
     if connection.level is not Level.OK:
-        return cell(f"{shown_state(connection)}: {connection.reason}")
+        return shown_state(connection)
     rate, declared = connection.rate, connection.declared_rate
     if rate is None:
         return shown_state(connection)
@@ -173,7 +174,7 @@ def _boxes(state: SystemState, places: Places) -> dict[str, Any]:
 
 def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> dict[str, Any]:
     """Returns how a component is; of a bridge also what it says of itself on `/diagnostics`."""
-    level, texts = component.level, [component.reason]
+    level, texts = component.level, [_component_text(component)]
     for each in complaints:
         level = each.level if each.level.weight > level.weight else level
         texts.append(f"{each.name}: {each.reason}")
@@ -183,3 +184,9 @@ def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> di
         "controller": component.controller or "",
         "text": cell("; ".join(texts)),
     }
+
+
+def _component_text(component: ComponentState) -> str:
+    if component.level in (Level.NOT_HEARD, Level.UNKNOWN, Level.STALE):
+        return str(component.level.value)
+    return component.state or component.reason

@@ -156,8 +156,8 @@ def test_jaus_alone_where_there_is_no_ros(system, model, monkeypatch):
     page = Page(model, system.port)
     try:
         page.becomes("boxes", "vehicle", state="READY")
-        told = page.becomes("edges", ODOMETRY, level="unknown")
-        assert "no ROS here" in told["text"]
+        page.becomes("edges", ODOMETRY, level="unknown")
+        assert "no ROS here" in page.latest()["sources"]["ROS"]
         assert page.live.message(ODOMETRY)["ros"] == "there is no ROS here"
     finally:
         page.live.stop()
@@ -172,7 +172,7 @@ def test_ros_alone_where_jaus_has_no_network(system, model):
     page.live.start()
     try:
         page.becomes("edges", ODOMETRY, level="ok")
-        told = page.becomes("boxes", "vehicle", level="unknown")
-        assert "the network cannot be used" in told["text"]
+        page.becomes("boxes", "vehicle", level="unknown", text="unknown")
+        assert "the network cannot be used" in page.latest()["sources"]["JAUS"]
     finally:
         page.live.stop()

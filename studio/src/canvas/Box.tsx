@@ -33,8 +33,8 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
             {line}
           </div>
         ))}
-        {live && <div className="live-text">{liveText(live)}</div>}
       </div>
+      {live && <div className="live-text">{liveText(live)}</div>}
       {node.ports.map((port, at) => (
         <Row key={port.id} node={node.id} port={port} states={rows[at] ?? ""} />
       ))}

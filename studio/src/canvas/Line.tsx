@@ -23,7 +23,9 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   if (isActive) classes.push("active");
   if (isDim) classes.push("dim");
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
-  const lines = live ? [...texts, liveText(live)] : texts;
+  // What a topic carries is told where its row ends on the other side of the bridge.
+  const said = live && edge.kind !== "topic" ? [liveText(live)] : [];
+  const lines = [...texts, ...said];
   const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
   return (
     // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: a group of SVG is neither
@@ -37,7 +39,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
             <tspan
               // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name
               key={at}
-              className={live && at === lines.length - 1 ? "live-text" : ""}
+              className={at >= texts.length ? "live-text" : ""}
               x={x}
               y={y + (at - (lines.length - 1) / 2) * LINE_HEIGHT + 3.5}
             >
