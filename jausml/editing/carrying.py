@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.editing.applying import Applying
 from jausml.editing.batches import with_created
-from jausml.editing.commands import NEW, Add, Create, EditError, Move, Place, Set
+from jausml.editing.commands import NEW, Add, Create, EditError, Move, Place, Rename, Set
 from jausml.editing.comparing import matched
 from jausml.editing.creating import new_document
 from jausml.editing.following import followed
@@ -17,12 +18,13 @@ from jausml.editing.planning import Context
 from jausml.editing.records import Referrer
 from jausml.editing.xmi.planner import XmiPlanner
 from jausml.model import refs
+from jausml.model.collector import without_collector
 from jausml.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jausml.editing.commands import Command, Remove, Rename
+    from jausml.editing.commands import Command, Remove
     from jausml.editing.drafts import Draft
     from jausml.editing.forest import Thing
     from jausml.editing.layout import Layout
@@ -31,14 +33,22 @@ if TYPE_CHECKING:
     from jausml.model.refs import Ref
 
 _NAME = "name"
+_BY_NAME = re.compile(rb"""#/+[^/@"'\s]|@\w+\[|["'\s]//[^@"'\s]""")
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What commands did: the elements that they made, and what lost its reference or went too."""
+    """What commands did.
 
-    created: tuple[Ref, ...] = ()
-    referrers: tuple[Referrer, ...] = ()
+    Attributes:
+        created: The elements that they made.
+        referrers: What lost its reference to what went, or went too.
+        forest: The elements of the files that were changed, and of those that refer to them.
+    """
+
+    created: tuple[Ref, ...]
+    referrers: tuple[Referrer, ...]
+    forest: Forest
 
 
 def planner_of(file: str) -> Planner:
@@ -48,20 +58,28 @@ def planner_of(file: str) -> Planner:
     return XmiPlanner()
 
 
-def carry_out(commands: Sequence[Command], draft: Draft) -> Outcome:
+def carry_out(commands: Sequence[Command], draft: Draft, known: Forest | None = None) -> Outcome:
     """Carries out commands in a draft.
 
     Args:
         commands: The commands, each of which finds what those before it did.
         draft: The draft.
+        known: The forest of an earlier outcome, which spares making one where it still holds. It
+            is worth nothing any more.
 
     Raises:
         EditError: They cannot be carried out; the draft is worth nothing any more.
     """
-    work = _Work(draft)
-    for each in commands:
-        work.carry_out(each)
-    return work.outcome()
+    with without_collector():
+        work = _Work(draft, known)
+        for each in commands:
+            work.carry_out(each)
+        return work.outcome()
+
+
+def names_elements(file: str, data: bytes) -> bool:
+    """Tells whether a file may refer to elements by their names."""
+    return file.endswith(SUFFIX) or _BY_NAME.search(data.replace(b"\0", b"")) is not None
 
 
 def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
@@ -99,16 +117,20 @@ class _Work:
     The forest of one command is compared with what is read after it, which is that of the next.
     """
 
-    def __init__(self, draft: Draft) -> None:
+    def __init__(self, draft: Draft, known: Forest | None) -> None:
         self._draft = draft
-        self._forest = Forest({}, draft.root)
+        is_current = known is not None and all(
+            file in draft.files and draft.read(file).model is model
+            for file, model in known.models.items()
+        )
+        self._forest = known if known is not None and is_current else Forest({}, draft.root)
         self._created: list[Thing] = []
         self._referrers: list[Referrer] = []
 
     def outcome(self) -> Outcome:
-        fragments = self._forest.fragments()
+        fragments = self._forest.fragments() if self._created else {}
         created = [self._forest.ref(each, fragments) for each in self._created]
-        return Outcome(tuple(created), tuple(self._referrers))
+        return Outcome(tuple(created), tuple(self._referrers), self._forest)
 
     def carry_out(self, command: Command) -> None:
         """Plans a command, makes the changes in the draft, and checks them."""
@@ -192,7 +214,10 @@ class _Work:
         files = [self._draft.editable(each) for each in named]
         if isinstance(command, Set) and command.feature != _NAME:
             return files
-        return list(dict.fromkeys(f for each in files for f in self._draft.referring(each)))
+        found = dict.fromkeys(f for each in files for f in self._draft.referring(each))
+        if isinstance(command, Set | Rename):
+            return [f for f in found if f in files or names_elements(f, self._draft.files[f].data)]
+        return list(found)
 
     def _find(self, ref: Ref) -> tuple[Thing | Ref, ClassTable]:
         if refs.split(ref)[0] in self._forest.models:

@@ -6,6 +6,7 @@ command means is done to things first, and what is then read of the changed file
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from jausml.metamodel import FeatureKind
@@ -234,15 +235,16 @@ class Forest:
 
 def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
     """Returns what an attribute has, as XMI writes it; nothing when that need not be written."""
+    texts = tuple(lexical(each, feature) for each in contents(obj, feature))
     if feature.many:
-        return tuple(lexical(each, feature) for each in contents(obj, feature))
-    value = getattr(obj, feature.name)
-    if feature.unsettable and not is_set(obj, feature):
-        return ()
-    text = lexical(value, feature) if value is not None else None
-    return () if not feature.unsettable and text == default_text(feature) else (text,)
+        return texts
+    if feature.unsettable:
+        return texts or ((None,) if is_set(obj, feature) else ())
+    text = texts[0] if texts else None
+    return () if text == default_text(feature) else (text,)
 
 
+@cache
 def default_text(feature: FeatureTable) -> str | None:
     """Returns the default of an attribute as XMI writes it, None without one."""
     return lexical(feature.default, feature) if feature.default is not None else None

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from jausml.editing.commands import Add, Command, LayoutKey
+    from jausml.editing.forest import Forest
     from jausml.editing.records import Stored
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
@@ -55,6 +56,7 @@ class Project:
         self._revision = 0
         self._reader = Reader(self.root)
         self._log = Log()
+        self._forest: Forest | None = None
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
         for file in [self.opened, *names] if self.opened and self.opened not in names else names:
@@ -163,7 +165,9 @@ class Project:
         with self._lock:
             self._check_base(commands, base)
             draft = self._draft()
-            outcome = carry_out(commands, draft)
+            forest, self._forest = self._forest, None
+            outcome = carry_out(commands, draft, forest)
+            self._forest = outcome.forest
             changes = draft.changes()
             if not changes:
                 return Entry(0, label, ())
