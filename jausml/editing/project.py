@@ -13,7 +13,7 @@ from jausml.editing.commands import EditError
 from jausml.editing.drafts import Draft
 from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
-from jausml.editing.reading import Reader, is_library, model_files, stored
+from jausml.editing.reading import Reader, is_library, is_model_file, model_files, stored
 from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
 from jausml.editing.splices import applied, difference, inverted
 from jausml.model import refs
@@ -225,6 +225,7 @@ class Project:
         """
         with self._lock:
             wanted = set(paths) or {*self._files, *model_files(self.root)}
+            wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
             return tuple(filter(None, map(self._refreshed, sorted(wanted))))
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:

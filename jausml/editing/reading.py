@@ -51,24 +51,40 @@ def digest(data: bytes) -> str:
 def model_files(root: Path) -> Iterator[str]:
     """Yields model and layout files below a folder, relative to it with forward slashes, in order.
 
-    Hidden folders and those of builds are left out, links that lead out of the folder, and the
-    shipped library.
+    Args:
+        root: The folder, symbolic links followed.
     """
     count = 0
-    library = os.path.realpath(library_root()) + os.sep
     for folder, folders, names in os.walk(root):
-        folders[:] = sorted(each for each in folders if each[0] != "." and each not in _BUILT)
+        folders[:] = sorted(each for each in folders if _is_shown(each))
         for name in sorted(names):
-            path = os.path.join(folder, name)  # noqa: PTH118 -- many
-            if not name.endswith((*SUFFIXES, layout.SUFFIX)) or name.startswith("."):
-                continue
-            real = os.path.realpath(path)
-            if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
-                continue
-            yield os.path.relpath(path, root).replace(os.sep, "/")
-            count += 1
-            if count >= _MOST_FILES:
-                return
+            file = os.path.relpath(os.path.join(folder, name), root).replace(os.sep, "/")  # noqa: PTH118 -- many
+            if is_model_file(file, root):
+                yield file
+                count += 1
+                if count >= _MOST_FILES:
+                    return
+
+
+def is_model_file(file: str, root: Path) -> bool:
+    """Tells whether a file is one of the models or layouts of a folder, by its name and place.
+
+    Hidden files and folders and those of builds are left out, links that lead out of the folder,
+    and the shipped library.
+
+    Args:
+        file: The file, relative to the folder with forward slashes.
+        root: The folder, symbolic links followed.
+    """
+    if not file.endswith((*SUFFIXES, layout.SUFFIX)) or not all(map(_is_shown, file.split("/"))):
+        return False
+    real = os.path.realpath(root / file)
+    library = os.path.realpath(library_root()) + os.sep
+    return real.startswith(f"{root}{os.sep}") and not real.startswith(library)
+
+
+def _is_shown(name: str) -> bool:
+    return not name.startswith(".") and name not in _BUILT
 
 
 def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
