@@ -15,6 +15,7 @@ from jausml.live.peers.network import (
     make_network,
 )
 from jausml.studio import shown
+from jausml.studio.answers.trying import Trials
 from jausml.studio.audience import Audience
 from jausml.studio.checking import Verdicts
 from jausml.studio.drawing import Drawings
@@ -66,6 +67,7 @@ class Desk:
         audience: The pages.
         looked_at: The files that someone looks at.
         drawings: Where the boxes of views stand.
+        trials: Translations that pages try.
     """
 
     project: Project
@@ -74,6 +76,7 @@ class Desk:
     audience: Audience = field(default_factory=Audience)
     looked_at: LookedAt = field(default_factory=LookedAt)
     drawings: Drawings = field(default_factory=Drawings)
+    trials: Trials = field(default_factory=Trials)
 
     def __post_init__(self) -> None:
         self.verdicts = Verdicts(self.project)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
 from jausml.studio import watching
-from jausml.studio.asking import answering, editing, reading, showing
+from jausml.studio.asking import answering, editing, generating, mapping, reading, showing
 from jausml.studio.asking.living import Living
 from jausml.studio.checking import Checking
 from jausml.studio.methods import Answering
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from jausml.studio.desk import Desk
     from jausml.studio.rpc import Request
 
-_MODULES = (showing, editing, answering, reading)
+_MODULES = (showing, editing, answering, reading, mapping, generating)
 _LOG = logging.getLogger(__name__)
 
 
@@ -75,6 +75,7 @@ class Session:
             self._answering.close()
             await watched
             await asyncio.to_thread(self._living.stop)
+            await asyncio.to_thread(self._desk.trials.close)
 
     async def _watch(self, end: asyncio.Event) -> None:
         try:

@@ -125,8 +125,15 @@ def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
         AnswerError: There is no such map.
     """
     kind, _, name = view.partition(":")
-    if kind != "map":
-        return None
+    return map_named(scope, name) if kind == "map" else None
+
+
+def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
+    """Returns the map of a name.
+
+    Raises:
+        AnswerError: There is none.
+    """
     for each in scope.model.instances(bridge.AttributeMap):
         if each.name == name:
             return each

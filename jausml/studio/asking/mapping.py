@@ -1,0 +1,54 @@
+"""Questions about attribute maps: what values of one side become on the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from jausml.studio.answers.trying import inputs
+from jausml.studio.asking.answering import map_named, scope_of
+from jausml.studio.methods import Method
+
+if TYPE_CHECKING:
+    from jausml.studio.desk import Desk
+
+Direction = Literal["to_ros", "to_jaus"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A direction of a map, by the name of the map."""
+
+    file: str
+    map: str
+    direction: Direction
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Values that are tried: texts by path."""
+
+    file: str
+    map: str
+    direction: Direction
+    values: Mapping[str, str]
+
+
+def methods(desk: Desk) -> Mapping[str, Method[Any]]:
+    """Returns the methods by name."""
+    return {
+        "tried": Method(Asked, lambda asked: _inputs(desk, asked)),
+        "try": Method(Trial, lambda asked: _try(desk, asked)),
+    }
+
+
+def _inputs(desk: Desk, asked: Asked) -> object:
+    used = map_named(scope_of(desk, asked.file), asked.map)
+    return {"inputs": inputs(used, to_ros=asked.direction == "to_ros")}
+
+
+def _try(desk: Desk, asked: Trial) -> object:
+    scope = scope_of(desk, asked.file)
+    to_ros = asked.direction == "to_ros"
+    return desk.trials.run(scope, map_named(scope, asked.map), asked.values, to_ros=to_ros)

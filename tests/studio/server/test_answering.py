@@ -1,0 +1,92 @@
+"""Questions that need thought, over a real socket: forms, ends, trials, plans."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from studio_client import RefusedError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from studio_client import Page
+
+pytestmark = pytest.mark.ports
+
+FILE = "catvehicle.xmi"
+
+
+def test_the_form_of_each_box(page: Page) -> None:
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    for each in graph["nodes"]:
+        if each["element"]:
+            form = page.ask("form", element=each["element"])
+            assert form["element"] == each["element"]
+            assert form["class"]
+
+
+def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None:
+    items = page.ask("palette", file=FILE, query="node", limit=50)["items"]
+    added = next(each for each in items if each["group"] == "elements")
+    done = page.ask("edit", commands=added["drop"]["commands"], label=added["label_of_edit"])
+    assert done["created"]
+    assert page.ask("form", element=done["created"][0])["element"] == done["created"][0]
+
+
+def test_ends_can_be_connected(page: Page) -> None:
+    graph = page.ask("view", file=FILE, view="system")["graph"]
+    start = next(each for each in graph["nodes"] if each["kind"] == "component")
+    ends = page.ask("ends", file=FILE, view="system", node=start["id"], port="")["ends"]
+    assert ends
+    target = {"node": ends[0]["node"], "port": ends[0]["port"]}
+    source = {"node": start["id"], "port": ""}
+    found = page.ask("connect", file=FILE, view="system", source=source, target=target)
+    best = found["options"][0]
+    done = page.ask("edit", commands=best["commands"], label=best["label"], dry=True)
+    assert done["diff"]
+
+
+def test_members_are_assigned(page: Page) -> None:
+    view = next(
+        each["name"]
+        for each in page.ask("views", file=FILE)["views"]
+        if each["kind"] == "map" and not each["library"]
+    )
+    edge = page.ask("view", file=FILE, view=view)["graph"]["edges"][0]
+    ends = {"source": edge["source"], "target": edge["target"]}
+    found = page.ask("connect", file=FILE, view=view, **ends)
+    assert found["options"] or found["refusal"]
+
+
+def test_values_are_tried(page: Page) -> None:
+    view = next(
+        each["name"]
+        for each in page.ask("views", file=FILE)["views"]
+        if each["kind"] == "map" and not each["library"]
+    )
+    asked = {"file": FILE, "map": view.removeprefix("map:"), "direction": "to_ros"}
+    inputs = page.ask("tried", **asked)["inputs"]
+    values = {each["path"]: each["default"] for each in inputs}
+    found = page.ask("try", **asked, values=values)
+    assert found["values"] or found["error"]
+
+
+def test_the_plan_is_carried_out_as_it_was_shown(page: Page, folder: Path) -> None:
+    planned = page.ask("plan", file=FILE, out="ws/src")
+    assert not planned["problems"]
+    created = [each["path"] for each in planned["files"] if each["action"] == "create"]
+    shown = {"file": FILE, "out": "ws/src"}
+    assert page.ask("diff", **shown, path=created[0])["diff"].startswith("--- ")
+    with pytest.raises(RefusedError, match="look at the plan again"):
+        page.ask("generate", **shown, digest="0" * 64)
+    assert not (folder / "ws" / "src" / created[0]).exists()
+    done = page.ask("generate", **shown, digest=planned["digest"])
+    assert done["written"] == len(created)
+    assert (folder / "ws" / "src" / created[0]).is_file()
+
+
+@pytest.mark.parametrize("out", ["../elsewhere", "/tmp", "catvehicle.xmi"])
+def test_nothing_is_generated_elsewhere(page: Page, out: str) -> None:
+    with pytest.raises(RefusedError):
+        page.ask("plan", file=FILE, out=out)
