@@ -87,8 +87,8 @@ class Session:
     def _refresh(self, files: list[str]) -> None:
         found = [change for file in files for change in self._refreshed(file)]
         for each in found:
-            if each.is_conflict:
-                self._desk.audience.tell("conflict", {"file": each.file, "diff": each.diff})
+            told = "conflict" if each.is_conflict else "outside"
+            self._desk.audience.tell(told, {"file": each.file, "diff": each.diff})
         if found:
             self._desk.changed(self._desk.project.log[-1], by="outside")
 

@@ -157,7 +157,7 @@ test("a box that was dropped stands where it was dropped", async () => {
     [10.4, 20.6],
   );
   expect(server.params("edit").at(-1)?.commands).toEqual([
-    { kind: "place", view: "system", positions: { "key:fresh": [10, 21] } },
+    { kind: "place", file: "robot.xmi", view: "system", positions: { "key:fresh": [10, 21] } },
   ]);
 });
 

@@ -19,8 +19,8 @@ import type {
   Ref,
   Result,
 } from "./protocol";
-import { carriedOver, elementOf, indexOf, nameOf, type PartKey, partOf } from "./selection";
-import { active, say, state, update } from "./store";
+import { carriedOver, elementOf, has, indexOf, nameOf, type PartKey, partOf } from "./selection";
+import { active, type Outside, say, state, update } from "./store";
 
 let caller: Caller | null = null;
 
@@ -81,14 +81,25 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
     if (!before || verdict(before.problems) !== words) say(words);
   },
   conflict(params) {
-    const others = state().outside.filter((each) => each.file !== params.file);
-    update({ outside: [...others, { ...params, isConflict: true }] });
+    noteOutside({ ...params, isConflict: true });
     say(`${params.file} was changed by another program, and here.`, true);
+  },
+  outside(params) {
+    noteOutside({ ...params, isConflict: false });
   },
   live(params) {
     update({ live: params.state });
   },
 };
+
+/** Keeps the last change of each file; a conflict stays until it is dismissed. */
+function noteOutside(change: Outside): void {
+  const { outside } = state();
+  if (!change.isConflict && outside.some((each) => each.file === change.file && each.isConflict)) {
+    return;
+  }
+  update({ outside: [...outside.filter((each) => each.file !== change.file), change] });
+}
 
 function verdict(problems: { severity: string }[]): string {
   const count = (severity: string) => problems.filter((each) => each.severity === severity).length;
@@ -312,9 +323,12 @@ export async function beginRename(key = active(state())): Promise<void> {
 
 export async function rename(element: Ref, before: string, name: string): Promise<void> {
   update({ renaming: null, dialog: null });
-  if (name && name !== before) {
-    await edit([{ kind: "rename", element, name }], `Rename ${before} to ${name}`);
-  }
+  const { selection } = state();
+  if (!name || name === before) return;
+  if (!(await edit([{ kind: "rename", element, name }], `Rename ${before} to ${name}`))) return;
+  // Names change the keys by which parts are found again, positions do not.
+  const { graph } = state();
+  if (graph && !state().selection.length) select(selection.filter((key) => has(graph, key)));
 }
 
 /** Keeps boxes of the view where the user put them. */

@@ -143,6 +143,7 @@ export type Details = [string, string][];
 export interface GraphPort {
   id: string;
   element: Ref | "";
+  key: LayoutKey;
   label: string;
   note: string;
   mark: string;
@@ -179,6 +180,7 @@ export interface GraphNode {
 export interface GraphGroup {
   id: string;
   element: Ref | "";
+  key: LayoutKey;
   kind: string;
   title: string;
   parent: string;
@@ -196,6 +198,7 @@ export interface GraphEnd {
 export interface GraphEdge {
   id: string;
   element: Ref | "";
+  key: LayoutKey;
   source: GraphEnd;
   target: GraphEnd;
   kind: string;
@@ -525,7 +528,10 @@ export type Result<M extends Method> = Methods[M][1];
 export interface Notifications {
   changed: { revision: number; files: FileInfo[]; entry?: Entry | null; by: "edit" | "outside" };
   problems: Problems;
+  /** Another program changed a file while there were changes here that it does not have. */
   conflict: { file: string; diff: string };
+  /** Another program changed a file. */
+  outside: { file: string; diff: string };
   live: { state: LiveState };
 }
 

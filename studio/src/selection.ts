@@ -103,25 +103,31 @@ export function nameOf(graph: Graph, key: PartKey): string {
 }
 
 /**
- * Finds parts again in a newer graph: by the names of boxes and rows, since ids shift when an
- * earlier sibling goes.
+ * Finds parts again in a newer graph, by keys that go by names: ids shift when an earlier sibling
+ * goes.
  */
 export function carriedOver(keys: PartKey[], before: Graph, after: Graph): PartKey[] {
-  return keys.flatMap((key) => {
-    const found = carried(partOf(key), key, before, after);
-    return found ? [found] : [];
-  });
+  return keys.flatMap((key) => carried(partOf(key), before, after) ?? []);
 }
 
-function carried(part: Part, key: PartKey, before: Graph, after: Graph): PartKey | null {
-  if (part.of === "edge" || part.of === "group") return has(after, key) ? key : null;
-  const old = indexOf(before).nodes.get(part.of === "node" ? part.id : part.node);
-  const node = old && after.nodes.find((each) => each.key === old.key);
-  if (!node) return null;
-  if (part.of === "node") return nodeKey(node.id);
-  const label = old.ports.find((each) => each.id === part.id)?.label;
-  const port =
-    node.ports.find((each) => each.id === part.id && each.label === label) ??
-    node.ports.find((each) => each.label === label);
+function carried(part: Part, before: Graph, after: Graph): PartKey | null {
+  if (part.of === "edge") {
+    const edge = again(part.id, before.edges, after.edges);
+    return edge && edgeKey(edge.id);
+  }
+  if (part.of === "group") {
+    const group = again(part.id, before.groups, after.groups);
+    return group && groupKey(group.id);
+  }
+  const box = part.of === "node" ? part.id : part.node;
+  const node = again(box, before.nodes, after.nodes);
+  if (!node || part.of === "node") return node && nodeKey(node.id);
+  const rows = indexOf(before).nodes.get(box)?.ports ?? [];
+  const port = again(part.id, rows, node.ports);
   return port ? portKey(node.id, port.id) : nodeKey(node.id);
+}
+
+function again<T extends { id: string; key: string }>(id: string, before: T[], after: T[]) {
+  const key = before.find((each) => each.id === id)?.key;
+  return after.find((each) => each.key === key) ?? null;
 }

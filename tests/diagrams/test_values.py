@@ -197,6 +197,15 @@ def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
     assert values.render(shown, Graphviz(), {key: corners(after)[key]}) == after
 
 
+def test_a_box_that_was_moved_goes_back_where_it_stood():
+    shown, standing = graph(), values.Standing()
+    before = values.render(shown, Graphviz(), standing=standing)
+    key = before["nodes"][0]["key"]
+    moved = values.render(shown, Graphviz(), {key: (900, 900)}, standing)
+    assert corners(moved)[key] == (900, 900)
+    assert values.render(shown, Graphviz(), {}, standing) == before
+
+
 def test_a_box_that_grows_makes_room_for_itself_alone():
     nodes = (box("a", rows=1), box("b"), box("c"), box("d", "bridge"))
     old = Graph("system", "s", nodes, (), tuple(line(each, "d") for each in "abc"))

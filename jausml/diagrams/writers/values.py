@@ -83,7 +83,8 @@ def render(
         _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, places.lines, standing)
     known = {**standing.boxes, **moved}
     corners = settle(sheet, {n: known[k] for n, k in keys.items() if k in known}, fixed)
-    standing.boxes |= {keys[name]: corner for name, corner in corners.items()}
+    # A box that users moved goes back to where it stood when they undo that.
+    standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
     standing.shown = {keys[each.id]: each.kind for each in graph.nodes}
     return _values(graph, sheet, corners, fixed, standing)
 

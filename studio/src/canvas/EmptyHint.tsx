@@ -4,7 +4,7 @@ import { update, useStudio } from "../store";
 /** What to do with a diagram that has no boxes. */
 export function EmptyHint() {
   return (
-    <div className="hint">
+    <div className="empty">
       <p>
         <strong>This diagram is empty.</strong>
       </p>
@@ -23,7 +23,7 @@ export function Nothing() {
   if (link === "lost" || link === "refused") return <p className="quiet">There is no server.</p>;
   if (!project?.files.length) {
     return (
-      <div className="hint">
+      <div className="empty">
         <p>
           <strong>There is no model in {project?.name} yet.</strong>
         </p>
@@ -40,7 +40,7 @@ export function Nothing() {
   if (view) return <p className="quiet">Drawing {view}…</p>;
   const library = views.find((each) => each.library);
   return (
-    <div className="hint">
+    <div className="empty">
       <p>
         <strong>{file || "This file"} has nothing of its own to draw.</strong>
       </p>

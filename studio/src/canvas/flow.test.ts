@@ -11,6 +11,7 @@ test("boxes have the sizes and places of the server, frames lie below them", () 
     {
       id: "h",
       element: "",
+      key: "h",
       kind: "host",
       title: "onboard",
       parent: "",

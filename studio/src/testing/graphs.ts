@@ -4,7 +4,8 @@ import type { Graph, GraphEdge, GraphNode, GraphPort } from "../protocol";
 
 export function port(id: string, y: number, more: Partial<GraphPort> = {}): GraphPort {
   const rest = { note: "", mark: "", depth: 0, height: 18, details: [], findings: [] };
-  return { id, element: `robot.xmi#${id}`, label: id, y, ...rest, ...more };
+  const names = { element: `robot.xmi#${id}`, key: `key:${id}`, label: id };
+  return { id, ...names, y, ...rest, ...more };
 }
 
 export function node(id: string, ports: string[], more: Partial<GraphNode> = {}): GraphNode {
@@ -39,6 +40,7 @@ export function edge(
   return {
     id,
     element: `robot.xmi#${id}`,
+    key: `key:${id}`,
     source: { node: source[0], port: source[1] },
     target: { node: target[0], port: target[1] },
     kind: "message",

@@ -92,6 +92,9 @@ def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
     page.ask("problems", file=FILE)
     text = (folder / FILE).read_text(encoding="utf-8")
     (folder / FILE).write_text(text.replace("<system:System", "<system:System ", 1))
+    shown = page.await_told("outside")
+    assert shown["file"] == FILE
+    assert "+<system:System " in shown["diff"]
     told = page.await_told("changed")
     assert told["by"] == "outside"
     assert told["entry"]["outside"]
