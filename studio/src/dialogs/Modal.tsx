@@ -7,6 +7,8 @@ interface Props {
   isWide?: boolean;
 }
 
+const FIRST = "input, [role='listbox'][tabindex='0'], .best";
+
 /** A dialog that holds the focus until it is closed, and gives it back. */
 export function Modal({ title, onClose, children, isWide = false }: Props) {
   const dialog = useRef<HTMLDialogElement>(null);
@@ -14,7 +16,11 @@ export function Modal({ title, onClose, children, isWide = false }: Props) {
   useEffect(() => {
     const element = dialog.current;
     const before = document.activeElement;
-    if (element && !element.open) element.showModal();
+    if (element && !element.open) {
+      element.showModal();
+      // It would begin with the first button, which closes it.
+      element.querySelector<HTMLElement>(FIRST)?.focus();
+    }
     return () => {
       element?.close();
       if (before instanceof HTMLElement && before.isConnected) before.focus();
