@@ -81,7 +81,7 @@ class ElementWriter:
             else:
                 is_needed = is_written(obj, feature)
             if is_needed:
-                yield self._feature(obj, feature)
+                yield self.feature(obj, feature)
 
     def _items(self, obj: EObject) -> list[BlockItem]:
         """Returns what stands in the block of an element, values before owned elements."""
@@ -104,18 +104,19 @@ class ElementWriter:
         """Yields the elements of one feature."""
         value = getattr(obj, feature.name)
         for each in value if feature.many else [value]:
-            if each is None:
-                continue
-            if self._names.is_apart(each):
-                yield Feature(Name(feature.name), [self._names.href(each)])
-                continue
-            table = self._metamodels.class_of(each)
-            is_said_best = table is feature.target and _is_said_by(feature, table)
-            is_unclear = table.qualified_name in self.special and head_name(each) is None
-            if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
-                yield self.value_item(each, feature)
-            else:
-                yield self.element(each)
+            if each is not None:
+                yield self.item(obj, each, feature)
+
+    def item(self, obj: EObject, each: EObject, feature: FeatureTable) -> Element | Feature:
+        """Returns one of the elements of a feature of an element."""
+        if self._names.is_apart(each):
+            return Feature(Name(feature.name), [self._names.href(each)])
+        table = self._metamodels.class_of(each)
+        is_said_best = table is feature.target and _is_said_by(feature, table)
+        is_unclear = table.qualified_name in self.special and head_name(each) is None
+        if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
+            return self.value_item(each, feature)
+        return self.element(each)
 
     def value_item(self, obj: EObject, feature: FeatureTable) -> Feature:
         """Returns an owned element as the value of its feature, `inputs: new message_def A {}`."""
@@ -135,7 +136,8 @@ class ElementWriter:
             return Element(None, None, self._items(obj))
         return Element(Name(snake_case(table.name)), head_name(obj), self._items(obj))
 
-    def _feature(self, obj: EObject, feature: FeatureTable) -> Feature:
+    def feature(self, obj: EObject, feature: FeatureTable) -> Feature:
+        """Returns an attribute or a reference of an element with its values."""
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [value]
         written: list[Value] = []

@@ -57,6 +57,16 @@ def lay_out(document: SyntaxTree) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
+def lines_of(item: Item, room: int) -> list[str]:
+    """Returns the lines of one item with its comments.
+
+    Args:
+        item: The item.
+        room: Columns that there are.
+    """
+    return _list([item], (), room)
+
+
 def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]:
     """Returns the lines of a list of items.
 
@@ -161,10 +171,11 @@ def _value(value: Name | Number | Text | Href | Clock | Element, room: int) -> l
         names = [word(name.text) for name in (value.keyword, value.name) if name is not None]
         head = "".join(f"{each} " for each in (["new", *names] if names else []))
         return _bracketed(head, "{}", value.items, value.closing, room)
-    return [_simple(value)]
+    return [simple(value)]
 
 
-def _simple(value: Name | Number | Text | Href | Clock) -> str:
+def simple(value: Name | Number | Text | Href | Clock) -> str:
+    """Returns a value without a block as it is written."""
     if isinstance(value, Name):
         return path(value.text)
     if isinstance(value, Number):
@@ -212,26 +223,28 @@ def _with_features(lines: list[str], features: Sequence[Feature], room: int) -> 
 
 
 def _direction(direction: Direction, room: int) -> list[str]:
-    head = f"{_way(direction)} "
+    head = f"{shown_way(direction)} "
     return _bracketed(head, "()", direction.assignments, direction.closing, room)
 
 
-def _way(item: Direction | Vector) -> str:
+def shown_way(item: Direction | Vector) -> str:
+    """Returns the arrow of a direction or of a test vector."""
     return "JAUS->ROS" if item.to_ros else "ROS->JAUS"
 
 
 def _assignment(assignment: Assignment, room: int) -> list[str]:
-    sources = ", ".join(map(_simple, assignment.sources))
-    head = f"{sources} -> {', '.join(map(_simple, assignment.targets))}"
+    sources = ", ".join(map(simple, assignment.sources))
+    head = f"{sources} -> {', '.join(map(simple, assignment.targets))}"
     if assignment.conversions:
-        head += f" : {', '.join(map(_call, assignment.conversions))}"
+        head += f" : {', '.join(map(shown_call, assignment.conversions))}"
     if not assignment.items and not assignment.closing:
         return [head]
     return _bracketed(f"{head} ", "{}", assignment.items, assignment.closing, room)
 
 
-def _call(call: Call) -> str:
-    arguments = ", ".join(map(_simple, call.arguments))
+def shown_call(call: Call) -> str:
+    """Returns a conversion as it is written."""
+    arguments = ", ".join(map(simple, call.arguments))
     return f"{word(call.name.text)}({arguments})" if call.arguments else word(call.name.text)
 
 
@@ -244,11 +257,11 @@ def _table(table: Table, room: int) -> list[str]:
 
 
 def _entry(entry: Entry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
-    return [f"{_simple(entry.jaus)} <-> {_simple(entry.ros)}"]
+    return [f"{simple(entry.jaus)} <-> {simple(entry.ros)}"]
 
 
 def _vector(vector: Vector, room: int) -> list[str]:
-    head = f"vector {word(vector.name.text)} {_way(vector)} ("
+    head = f"vector {word(vector.name.text)} {shown_way(vector)} ("
     inner = room - len(_INDENT)
     given = [_lines(entry, inner) for entry in vector.given]
     expected = [_lines(entry, inner) for entry in vector.expected]
@@ -265,7 +278,7 @@ def _vector(vector: Vector, room: int) -> list[str]:
 
 def _vector_entry(entry: VectorEntry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
     tolerance = f" ~ {entry.tolerance.text}" if entry.tolerance is not None else ""
-    return [f"{path(entry.path.text)} = {_simple(entry.value)}{tolerance}"]
+    return [f"{path(entry.path.text)} = {simple(entry.value)}{tolerance}"]
 
 
 _LAYOUTS: dict[type[Item], Callable[[Any, int], list[str]]] = {

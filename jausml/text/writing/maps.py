@@ -70,7 +70,7 @@ class MapWriter:
         said = {name for name, end in ends.items() if end is not None}
         yield from (end for end in ends.values() if end is not None)
         yield from self._elements.values(obj, without=IN_THE_HEAD | said)
-        yield from (self._table(each) for each in obj.tables)
+        yield from (self.table(each) for each in obj.tables)
         yield from map(self._elements.element, obj.quantities)
         yield from map(self._elements.element, obj.joins)
         yield from map(self._elements.element, obj.reportJoins)
@@ -79,7 +79,7 @@ class MapWriter:
                 yield self._elements.value_item(stop, self._feature(obj, name))
         yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
         yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
-        yield from (self._vector(each) for each in obj.vectors)
+        yield from (self.vector(each) for each in obj.vectors)
 
     def _end(self, obj: bridge.AttributeMap, name: str, target: EObject | None) -> End | None:
         """Returns the clause of one end, None when it cannot be named."""
@@ -91,19 +91,18 @@ class MapWriter:
     def _feature(self, obj: EObject, name: str) -> FeatureTable:
         return self._metamodels.class_of(obj).features[name]
 
-    def _table(self, obj: bridge.ValueTable) -> Table | Element:
-        sayable = is_name(obj.name) and _can_be_documented(obj, *obj.entries)
-        if not sayable or any(None in (each.jaus, each.ros) for each in obj.entries):
+    def table(self, obj: bridge.ValueTable) -> Table | Element:
+        """Returns a table, as a uniform block where its own notation cannot say it."""
+        entries = [table_entry(each) for each in obj.entries]
+        pairs = [each for each in entries if each is not None]
+        if not is_name(obj.name) or not _can_be_documented(obj) or len(pairs) < len(entries):
             return self._elements.element(obj)
-        pairs = [
-            documented(Entry(word_or_constant(each.jaus), word_or_constant(each.ros)), each)
-            for each in obj.entries
-        ]
         return documented(Table(Name(obj.name), pairs), obj)
 
-    def _vector(self, obj: bridge.TestVector) -> Vector | Element:
-        given = [_vector_entry(each) for each in obj.given]
-        expected = [_vector_entry(each) for each in obj.expected]
+    def vector(self, obj: bridge.TestVector) -> Vector | Element:
+        """Returns a test vector, as a uniform block where its own notation cannot say it."""
+        given = [vector_entry(each) for each in obj.given]
+        expected = [vector_entry(each) for each in obj.expected]
         entries = [each for each in [*given, *expected] if each is not None]
         if len(entries) < len(given) + len(expected) or not is_name(obj.name):
             return self._elements.element(obj)
@@ -119,7 +118,7 @@ class MapWriter:
         """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
         direction: Direction | None = None
         for each in assignments:
-            arrow = self._arrow(each)
+            arrow = self.arrow(each)
             if arrow is None:
                 if direction is not None:
                     yield direction
@@ -132,7 +131,7 @@ class MapWriter:
         if direction is not None:
             yield direction
 
-    def _arrow(self, obj: bridge.Assignment) -> Assignment | Ignored | None:
+    def arrow(self, obj: bridge.Assignment) -> Assignment | Ignored | None:
         """Returns an assignment as an arrow, None when no arrow says exactly this."""
         targets = _paths(obj.target)
         if targets is None:
@@ -168,14 +167,14 @@ class MapWriter:
     def _convert(
         self, arrow: Assignment, obj: bridge.FieldAssignment | bridge.ListAssignment
     ) -> None:
-        calls = [self._call(each) for each in obj.conversions]
+        calls = [self.call(each) for each in obj.conversions]
         sayable = [each for each in calls if each is not None]
         if len(sayable) == len(calls):
             arrow.conversions = sayable
         else:
             arrow.items += [self._elements.element(each) for each in obj.conversions]
 
-    def _call(self, obj: bridge.Conversion) -> Call | None:
+    def call(self, obj: bridge.Conversion) -> Call | None:
         """Returns a conversion as a call, None when it has what no call of its kind takes."""
         table = self._metamodels.class_of(obj)
         given = [
@@ -206,7 +205,7 @@ class MapWriter:
     def _nested(self, obj: bridge.ListAssignment) -> Iterator[BlockItem]:
         feature = self._feature(obj, "assignments")
         for each in obj.assignments:
-            yield self._arrow(each) or self._elements.value_item(each, feature)
+            yield self.arrow(each) or self._elements.value_item(each, feature)
 
 
 def _are(kind: type, values: list[Any]) -> bool:
@@ -223,7 +222,15 @@ def _is_path(text: str) -> bool:
     return text == "." or ("," not in text and is_name(text.removeprefix("/")))
 
 
-def _vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
+def table_entry(obj: bridge.TableEntry) -> Entry | None:
+    """Returns a pair of a table, None when a pair cannot say it."""
+    if None in (obj.jaus, obj.ros) or not _can_be_documented(obj):
+        return None
+    return documented(Entry(word_or_constant(obj.jaus), word_or_constant(obj.ros)), obj)
+
+
+def vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
+    """Returns a value of a test vector, None when its notation cannot say it."""
     tolerance = number(obj.tolerance)
     if not _is_path(obj.path or "") or obj.value is None or not isinstance(tolerance, Number):
         return None

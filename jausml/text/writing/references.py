@@ -36,37 +36,20 @@ _Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
 _PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
 
 
-class ReferenceNames:
-    """Names elements for one document.
+class DocumentNames:
+    """Names elements for a document that was read.
 
     Args:
-        roots: The root elements of the document.
         model: Knows where elements of other documents stand.
-        path: The file of the document.
+        document: The document, with its imports.
     """
 
-    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
+    def __init__(self, model: Model, document: Document) -> None:
         self._model = model
-        self._folder = Path(os.path.realpath(path)).parent
+        self._document = document
+        self._folder = document.path.parent
         self._library = Path(os.path.realpath(library_root()))
-        self._home = model.document_of(roots[0]) if roots else None
         self._finder = NameFinder(model, self._open_library)
-        self._fragments = self._name_fragments(roots)
-        self._document = Document(path, str(path), is_library=False, given=True)
-        self._document.root_nodes = [self._node(root, None) for root in roots]
-        self._import()
-
-    @property
-    def imports(self) -> list[Name | Text]:
-        """What the document must import: parts of the library, then files by their paths."""
-        imports = self._document.imports
-        files = [
-            os.path.relpath(each.path, self._folder) for each in imports if not each.is_library
-        ]
-        return [
-            *(Name(self._library_name(each)) for each in imports if each.is_library),
-            *(Text(Path(each).as_posix()) for each in files),
-        ]
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
         """Returns how an element is referred to: by its shortest name, else by file and fragment.
@@ -79,7 +62,7 @@ class ReferenceNames:
         Raises:
             UnwritableError: The element stands nowhere.
         """
-        found = self._name(owner, target, feature)
+        found = self.short_name(owner, target, feature)
         return Name(found) if found is not None else self.href(target)
 
     def href(self, target: EObject) -> Href:
@@ -91,18 +74,20 @@ class ReferenceNames:
         Raises:
             UnwritableError: The element stands nowhere.
         """
-        if target in self._fragments:
-            return Href(f"#{self._fragments[target]}")
+        place = self._place(target)
+        if place is not None:
+            return Href(f"#{place}")
         return Href(external_href(target, self._model, self._folder))
 
     def is_apart(self, obj: EObject) -> bool:
         """Tells whether an owned element is the root of another document, which keeps it."""
         document = self._model.document_of(obj)
-        if document is None or document is self._home:
+        if document is None or document is self._home():
             return False
         return document.root_position(obj) is not None
 
-    def _name(self, owner: EObject, target: EObject, feature: FeatureTable) -> str | None:
+    def short_name(self, owner: EObject, target: EObject, feature: FeatureTable) -> str | None:
+        """Returns the shortest name of an element, None when no name leads to it."""
         wanted = cast("ClassTable", feature.target)
         for text in self._candidates(target):
             found = is_name(text) and self._finder.find(text, wanted, self._document, owner)
@@ -110,17 +95,70 @@ class ReferenceNames:
                 return text
         return None
 
+    def import_of(self, document: Document) -> Name | Text:
+        """Returns what the document must import for the names of another one."""
+        if document.is_library:
+            place = document.path.relative_to(self._library).with_suffix("")
+            return Name(".".join(place.parts))
+        return Text(Path(os.path.relpath(document.path, self._folder)).as_posix())
+
+    def _home(self) -> Document | None:
+        """Returns the document of which the model has the elements."""
+        return self._document
+
+    def _place(self, target: EObject) -> str | None:
+        """Returns the fragment of an element of the document, None for others."""
+        is_here = self._model.document_of(target) is self._document
+        return self._model.fragment(target) if is_here else None
+
     def _candidates(self, target: EObject) -> Iterator[str]:
         """Yields the names of an element, the best first: ROS types of elsewhere by package."""
         steps = _path(target)
         qualified_class = self._model.metamodels.class_of(target).qualified_name
-        if qualified_class in _PACKAGED and target not in self._fragments and len(steps) > 1:
+        if qualified_class in _PACKAGED and self._place(target) is None and len(steps) > 1:
             if isinstance(target.eContainer(), ros.ServiceType | ros.ActionType):
                 yield f"{steps[-3]}/{steps[-2]}.{target.eContainmentFeature().name}"
             else:
                 yield f"{steps[-2]}/{steps[-1]}"
         for length in range(1, len(steps) + 1):
             yield ".".join(steps[-length:])
+
+    def _open_library(self, uri: str) -> Document | UriFault:
+        path = self._library / uri.removeprefix(LIBRARY_URI)
+        for document in self._model.documents:
+            if document.path == path:
+                return document
+        return _library_document(path, self._model.metamodels)
+
+
+class ReferenceNames(DocumentNames):
+    """Names elements for a document that is to be written.
+
+    Args:
+        roots: The root elements of the document.
+        model: Knows where elements of other documents stand.
+        path: The file of the document.
+    """
+
+    def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
+        document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)
+        super().__init__(model, document)
+        self._read_from = model.document_of(roots[0]) if roots else None
+        self._fragments = self._name_fragments(roots)
+        self._document.root_nodes = [self._node(root, None) for root in roots]
+        self._import()
+
+    @property
+    def imports(self) -> list[Name | Text]:
+        """What the document must import: parts of the library, then files by their paths."""
+        imports = sorted(self._document.imports, key=lambda each: not each.is_library)
+        return [self.import_of(each) for each in imports]
+
+    def _home(self) -> Document | None:
+        return self._read_from
+
+    def _place(self, target: EObject) -> str | None:
+        return self._fragments.get(target)
 
     def _import(self) -> None:
         """Imports the files that are referred to, and of the library what has no name otherwise.
@@ -146,7 +184,7 @@ class ReferenceNames:
                 imports.pop()
 
     def _count_named(self, references: Sequence[_Reference]) -> int:
-        return sum(self._name(*each) is not None for each in references)
+        return sum(self.short_name(*each) is not None for each in references)
 
     def _references(self) -> Iterator[_Reference]:
         for obj in self._fragments:
@@ -183,17 +221,6 @@ class ReferenceNames:
         node.obj = obj
         node.children = [self._node(each, node) for each, _ in self._owned(obj)]
         return node
-
-    def _library_name(self, document: Document) -> str:
-        place = document.path.relative_to(self._library).with_suffix("")
-        return ".".join(place.parts)
-
-    def _open_library(self, uri: str) -> Document | UriFault:
-        path = self._library / uri.removeprefix(LIBRARY_URI)
-        for document in self._model.documents:
-            if document.path == path:
-                return document
-        return _library_document(path, self._model.metamodels)
 
 
 @cache
