@@ -64,6 +64,17 @@ def link(obj: Any, table: FeatureTable, target: Any) -> None:
         _store(target, opposite, obj)
 
 
+def point(obj: Any, table: FeatureTable, target: Any) -> None:
+    """Has a sketch of an element refer to an element that is not to know of it."""
+    _store(obj, table, target)
+
+
+def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
+    """Gives a sketch of an element an owner that is not to know of it."""
+    obj._container = owner
+    obj._containment_feature = table.feature
+
+
 def _store(obj: Any, table: FeatureTable, target: Any) -> None:
     if table.many:
         collection = _collection(obj, table)

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 _APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
 """Texts, quoted names and comments: within one there is none of the others."""
@@ -27,8 +31,17 @@ def ordinary_comments(text: str) -> list[str]:
     Args:
         text: A text without syntax errors.
     """
-    found = (match.group() for match in _APART.finditer(text))
-    return [each for each in found if each[0] == "/" and not is_documentation(each)]
+    found = (match.group() for match in comments_in(text))
+    return [each for each in found if not is_documentation(each)]
+
+
+def comments_in(text: str) -> Iterator[re.Match[str]]:
+    """Yields the comments of a text, with their marks and places.
+
+    Args:
+        text: A text without syntax errors.
+    """
+    return (match for match in _APART.finditer(text) if match.group()[0] == "/")
 
 
 def documentation_text(comment: str) -> str:

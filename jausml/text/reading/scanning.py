@@ -92,6 +92,11 @@ def language() -> Lark:
     return Lark(Path(__file__).with_name("grammar.lark").read_text(encoding="utf-8"), **options)
 
 
+def with_line_feeds(text: str) -> str:
+    """Returns a text with a line feed for each carriage return that ends a line alone."""
+    return _LONE_RETURN.sub("\n", text)
+
+
 def scan(text: str) -> Scan:
     """Returns the tokens, comments and wrong characters of a text.
 
@@ -100,7 +105,7 @@ def scan(text: str) -> Scan:
     Args:
         text: Any text.
     """
-    parser = language().parse_interactive(_LONE_RETURN.sub("\n", text))
+    parser = language().parse_interactive(with_line_feeds(text))
     result = Scan()
     before: Token | None = None
     for token in parser.lexer_thread.lex(parser.parser_state):

@@ -1,0 +1,1 @@
+"""Changes of ros2jaus texts: splices that keep layout and comments."""
