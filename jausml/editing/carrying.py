@@ -16,6 +16,7 @@ from jausml.editing.forest import Forest
 from jausml.editing.layout import layout_file, placed, read_layout, write_layout
 from jausml.editing.planning import Context
 from jausml.editing.records import Referrer
+from jausml.editing.text.planner import TextPlanner
 from jausml.editing.xmi.planner import XmiPlanner
 from jausml.model import refs
 from jausml.model.collector import without_collector
@@ -54,7 +55,7 @@ class Outcome:
 def planner_of(file: str) -> Planner:
     """Returns the planner of the notation of a file."""
     if file.endswith(SUFFIX):
-        raise EditError(f"{file} is text, which cannot be edited by commands yet")
+        return TextPlanner()
     return XmiPlanner()
 
 

@@ -91,7 +91,8 @@ def _copied(
     sketches: dict[EObject, EObject],
 ) -> EObject:
     table = metamodels.class_of(obj)
-    sketch = sketches[obj] = new_object(table)
+    sketch: EObject = new_object(table)
+    sketches[obj] = sketch
     for feature in table.features.values():
         if not feature.settable or feature.kind is FeatureKind.CONTAINER:
             continue

@@ -12,13 +12,13 @@ from jausml.text.tree import (
     Call,
     Direction,
     Element,
-    Feature,
     Item,
     Table,
     Vector,
 )
 from jausml.text.writing.layout import shown_call
 from jausml.text.writing.maps import MAP, table_entry, vector_entry
+from jausml.text.writing.unparsing import IMPLIED_PARTS
 
 if TYPE_CHECKING:
     from jausml.editing.text.desk import Desk
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
 
 _ARROWS = ("toRos", "toJaus")
-_PARTS = {"system.System", "bridge.MapLibrary"}
-"""The roots that a text need not write."""
 
 
 class Adding:
@@ -100,7 +98,8 @@ class Adding:
         moved: EObject | None,
     ) -> None:
         """Adds an element of a root that the text implies: it stands there by itself."""
-        if self._desk.table(owner).qualified_name not in _PARTS or owner.eContainer() is not None:
+        parts = IMPLIED_PARTS.get(self._desk.table(owner).qualified_name, ())
+        if feature.name not in parts:
             self._desk.part(owner)  # says why not
         item = self._desk.elements.item(owner, sketch, feature)
         if not isinstance(item, Element):
@@ -111,7 +110,8 @@ class Adding:
 
     def _item(self, owner: EObject, part: Part, feature: FeatureTable, sketch: EObject) -> Item:
         """Returns how a new element is written in the block of its owner."""
-        maps, found = self._desk.maps, None
+        maps = self._desk.maps
+        found: Item | None = None
         if isinstance(part, Assignment) and isinstance(sketch, bridge.Assignment):
             found = maps.arrow(sketch)
         elif isinstance(part, Table) and isinstance(sketch, bridge.TableEntry):
@@ -160,8 +160,14 @@ class Adding:
             new: Item = Direction(feature.name == "toRos", [arrow])
         else:
             new = self._desk.elements.value_item(sketch, feature)
-            if lists[0] is not None and lists[0] is lists[1] and isinstance(lists[0].owner, Direction):
-                raise EditError(f"no arrow can say this element of {feature.name}; add it at the end")
+            if (
+                lists[0] is not None
+                and lists[0] is lists[1]
+                and isinstance(lists[0].owner, Direction)
+            ):
+                raise EditError(
+                    f"no arrow can say this element of {feature.name}; add it at the end"
+                )
         self._add_whole(owner, part, feature, before, new)
 
     def _empty_direction(self, part: Element, *, to_ros: bool) -> Body | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from jausml.text.tree import Direction, Entry, Feature, Member, Table, Vector, VectorEntry
@@ -77,9 +78,7 @@ class Blocks:
         else:
             self._fill(body, block)
 
-    def insert_raw(
-        self, body: Body, before: Item | None, item: Item, lines: Sequence[str]
-    ) -> None:
+    def insert_raw(self, body: Body, before: Item | None, item: Item, lines: Sequence[str]) -> None:
         """Puts an item of the text into a list once more, as it is written.
 
         Args:
@@ -148,7 +147,7 @@ class Blocks:
         source = self._source
         indent = self.indent(body)
         cuts = [body.start, *map(self._outline.whole_start, body.items[1:]), body.end]
-        parts = [source.text[a:b].strip() for a, b in zip(cuts, cuts[1:], strict=False)]
+        parts = [source.text[a:b].strip() for a, b in pairwise(cuts)]
         stacked = [f"{indent}{each}" for each in parts if each]
         at = self._outline.place(before)[1] + 1 if before is not None else 0
         stacked[at:at] = lines
@@ -199,7 +198,8 @@ class Blocks:
         if body.owner is None:
             end = body.start + len(inner.rstrip())
             last = "\n" if not inner.strip() and inner.endswith("\n") else ""
-            self._edits.replace(end, end + len(last), f"{'\n\n' if end else ''}{block}{last}")
+            lead = "\n\n" if end else ""
+            self._edits.replace(end, end + len(last), f"{lead}{block}{last}")
         elif inner.strip():
             self._edits.insert(body.start + len(inner.rstrip()), f"\n{block}")
         else:

@@ -11,7 +11,6 @@ from jausml.editing.text.naming import Naming
 from jausml.editing.text.outline import Outline
 from jausml.editing.text.source import Edits, TextSource
 from jausml.model.names import name_of
-from jausml.text.reading.document import TextDocument
 from jausml.text.tree import Element, Import, Item
 from jausml.text.writing.elements import ElementWriter
 from jausml.text.writing.layout import lines_of
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import ClassTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.xmi.parsing import Node
+    from jausml.text.reading.document import TextDocument
 
 
 class Desk:

@@ -49,11 +49,10 @@ class Following:
                 continue
             target = self._target(node, child)
             if target is not None:
-                self._rename(node, child, text, target, named)
+                self._rename(child, text, target, named)
 
     def _rename(
         self,
-        node: Node,
         child: Node,
         text: str,
         target: EObject,

@@ -15,9 +15,7 @@ from jausml.text.tree import (
     Element,
     End,
     Entry,
-    Feature,
     Ignored,
-    Item,
     Name,
     Table,
     Vector,
@@ -95,10 +93,16 @@ class Mapping:
             self._set_assignment(obj, part, sketch, feature, values)
         elif isinstance(part, Call):
             self._set_call(obj, part, sketch)
-        elif isinstance(part, Entry) and (entry := table_entry(cast("bridge.TableEntry", sketch))) is not None:
+        elif (
+            isinstance(part, Entry)
+            and (entry := table_entry(cast("bridge.TableEntry", sketch))) is not None
+        ):
             side = "jaus" if feature.name == "jaus" else "ros"
             self._put(getattr(part, side), simple(getattr(entry, side)))
-        elif isinstance(part, VectorEntry) and (new := vector_entry(cast("bridge.VectorValue", sketch))) is not None:
+        elif (
+            isinstance(part, VectorEntry)
+            and (new := vector_entry(cast("bridge.VectorValue", sketch))) is not None
+        ):
             self._set_vector_entry(part, new, feature.name)
         elif isinstance(part, Vector) and feature.name == "direction" and values:
             self._set_way(part, to_ros=values[0].name == "jausToRos")
@@ -122,7 +126,9 @@ class Mapping:
         assign(sketches[obj], feature, values)
         maps = self._desk.maps
         new = (
-            maps.table(sketch) if isinstance(sketch, bridge.ValueTable) else maps.vector(cast("bridge.TestVector", sketch))
+            maps.table(sketch)
+            if isinstance(sketch, bridge.ValueTable)
+            else maps.vector(cast("bridge.TestVector", sketch))
         )
         self._desk.put(self._desk.outline.item_of(self._desk.part(whole)), new)
 
@@ -157,7 +163,7 @@ class Mapping:
         desk = self._desk
         item = desk.outline.item_of(desk.part(obj))
         name = obj.eContainmentFeature().name
-        feature = desk.table(obj.eContainer()).features[name]
+        feature = desk.table(cast("EObject", obj.eContainer())).features[name]
         new = desk.elements.value_item(sketch, feature)
         body, _ = desk.outline.place(item)
         owner = body.owner
@@ -176,7 +182,7 @@ class Mapping:
         if call is not None:
             self._put(part, shown_call(call))
             return
-        owner = obj.eContainer()
+        owner = cast("EObject", obj.eContainer())
         new, sketches = copied(owner, self._desk.metamodels)
         feature = self._desk.table(owner).features["conversions"]
         conversions = contents(new, feature)

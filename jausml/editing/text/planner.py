@@ -117,9 +117,7 @@ class _Plan:
         else:
             self._mapping.set(obj, part, sketch, feature, values)
 
-    def _put_name(
-        self, obj: EObject, part: Part, feature: FeatureTable, name: str | None
-    ) -> None:
+    def _put_name(self, obj: EObject, part: Part, feature: FeatureTable, name: str | None) -> None:
         if isinstance(part, Table | Vector) and (name is None or not is_name(name)):
             self._mapping.rewrite(obj, feature, [] if name is None else [name])
         else:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.text.tree import Assignment, Call, Direction, Feature, Item
+from jausml.model.names import name_of
+from jausml.text.keywords import snake_case
+from jausml.text.tree import Assignment, Call, Direction, Element, Feature, Item, Name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -45,6 +47,7 @@ class Removing:
         self._remove_items(items)
 
     def _remove_items(self, items: dict[int, Item]) -> None:
+        self._keep_roots(items)
         bodies: dict[Body, list[Item]] = {}
         for item in items.values():
             bodies.setdefault(self._desk.outline.place(item)[0], []).append(item)
@@ -63,6 +66,20 @@ class Removing:
                 self._desk.edits.delete(start, body.end + 1)
         for body, gone in bodies.items():
             self._desk.blocks.remove(body, gone)
+
+    def _keep_roots(self, items: dict[int, Item]) -> None:
+        """Writes roots that nothing implies any more in place of what did."""
+        for root in self._desk.context.document.roots:
+            if self._desk.find_part(root) is not None:
+                continue
+            parts = map(self._desk.find_part, self._desk.model.owned(root))
+            owned = [self._desk.outline.item_of(each) for each in parts if each is not None]
+            if owned and all(id(each) in items for each in owned):
+                first = items.pop(id(owned[0]))
+                outline = self._desk.outline
+                self._desk.edits.delete(outline.whole_start(first), outline.start(first))
+                keyword = snake_case(self._desk.table(root).name)
+                self._desk.put(first, Element(Name(keyword), Name(name_of(root))))
 
     def _remove_value(self, item: Feature, part: Part) -> None:
         """Takes one of several blocks out that are the values of a feature."""

@@ -199,9 +199,10 @@ class Edits:
                 message = "two changes of the same text do not go together; do one after the other"
                 raise EditError(message)
             if found and start == found[-1][1]:
-                before = found.pop()
-                start, new = before[0], before[2] + new
-            found.append((start, end, new))
+                first, _, before = found.pop()
+                found.append((first, end, before + new))
+            else:
+                found.append((start, end, new))
         splices = (self.source.splice(*each) for each in found)
         return [each for each in splices if each.old != each.new]
 

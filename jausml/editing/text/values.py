@@ -87,9 +87,7 @@ class Values:
         """Puts one value in place of all that a feature has."""
         self._replace(item, [value], 0, len(item.values))
 
-    def _must_be_said(
-        self, obj: EObject, feature: FeatureTable, values: Sequence[Any]
-    ) -> bool:
+    def _must_be_said(self, obj: EObject, feature: FeatureTable, values: Sequence[Any]) -> bool:
         """Tells whether a feature that the text leaves open must be stated now."""
         if feature.name in FEATURES and self._desk.table(obj).qualified_name == CONNECTION:
             # What is left open follows from the rest, and that may change.

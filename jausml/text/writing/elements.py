@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from jausml.metamodel import ClassTable, FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EObject
-    from jausml.text.writing.references import ReferenceNames
+    from jausml.text.writing.references import DocumentNames
 
     Special = Callable[[Any], Iterator[BlockItem]]
 
@@ -41,7 +41,7 @@ class ElementWriter:
         names: How the document refers to elements.
     """
 
-    def __init__(self, metamodels: Metamodels, names: ReferenceNames) -> None:
+    def __init__(self, metamodels: Metamodels, names: DocumentNames) -> None:
         self._metamodels = metamodels
         self._names = names
         self.special: dict[str, Special] = {}

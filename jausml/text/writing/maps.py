@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from jausml.metamodel import FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EObject
     from jausml.text.writing.elements import ElementWriter
-    from jausml.text.writing.references import ReferenceNames
+    from jausml.text.writing.references import DocumentNames
 
     Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
 
@@ -57,7 +57,7 @@ class MapWriter:
     """
 
     def __init__(
-        self, elements: ElementWriter, names: ReferenceNames, metamodels: Metamodels
+        self, elements: ElementWriter, names: DocumentNames, metamodels: Metamodels
     ) -> None:
         self._elements = elements
         self._names = names

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
 
-_PARTS = {
+IMPLIED_PARTS = {
     "system.System": ("components", "nodes", "bridges", "hosts", "placements"),
     "bridge.MapLibrary": ("maps",),
 }
@@ -83,7 +83,7 @@ def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> list[BlockItem]:
     """Returns what stands in a root that follows from the file and its contents; else nothing."""
     table = model.metamodels.class_of(root)
-    names = _PARTS.get(table.qualified_name)
+    names = IMPLIED_PARTS.get(table.qualified_name)
     if names is None or name_of(root) != system_name(path):
         return []
     others = (each for name, each in table.features.items() if name not in ("name", *names))
