@@ -172,7 +172,7 @@ class _Work:
         plans = {}
         for file in files:
             model = self._draft.read(file).model
-            context = Context(file, self._draft.root, model, forest, paths, self._class_of)
+            context = Context(file, self._draft.root, model, forest, paths, self._draft.locate)
             plans[file] = planner_of(file).plan(applying.steps, context)
         for file, splices in plans.items():
             self._draft.apply(file, splices)
@@ -226,10 +226,6 @@ class _Work:
             return thing, thing.table
         obj, model = self._draft.locate(ref)
         return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
-
-    def _class_of(self, ref: Ref) -> ClassTable:
-        obj, model = self._draft.locate(ref)
-        return model.metamodels.class_of(obj)
 
     def _known(self, ref: Ref) -> Ref:
         """Returns what `new:0` stands for, and any other ref as it is."""

@@ -31,7 +31,7 @@ class Context:
         model: The model.
         forest: The elements of all files concerned, as the commands will have them.
         paths: The paths of things of the forest before the commands.
-        find_class: Returns the class of the element of a ref.
+        locate: Returns the element of a ref, and a model that has it.
     """
 
     file: str
@@ -39,7 +39,7 @@ class Context:
     model: Model
     forest: Forest
     paths: Mapping[Thing, str]
-    find_class: Callable[[Ref], ClassTable]
+    locate: Callable[[Ref], tuple[EObject, Model]]
 
     @property
     def document(self) -> Document:
@@ -49,6 +49,11 @@ class Context:
     def find(self, ref: Ref) -> EObject | None:
         """Returns the element of a ref, None when neither the file nor what it refers to has it."""
         return refs.find(ref, self.model, self.root)
+
+    def find_class(self, ref: Ref) -> ClassTable:
+        """Returns the class of the element of a ref."""
+        obj, model = self.locate(ref)
+        return model.metamodels.class_of(obj)
 
     def is_own(self, obj: EObject | None) -> bool:
         """Tells whether an element stands in the file."""

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import copy
-from functools import cache
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
-from jausml.model import refs
 from jausml.model.notation import BY_NAME
-from jausml.model.reading.reader import read_models
-from jausml.model.uris import library_root
 from jausml.model.xmi.writer import external_href
-from jausml.text.notation import NOTATIONS
 from jausml.text.tree import Href, Name
 from jausml.text.writing.references import DocumentNames
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from jausml.editing.planning import Context
-    from jausml.metamodel import FeatureTable, Metamodels
+    from jausml.metamodel import FeatureTable
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.documents import Document
     from jausml.model.model import Model
@@ -56,14 +50,9 @@ class Naming(DocumentNames):
             EditError: There is none, or the feature cannot refer to it.
         """
         found = self._context.find(ref)
-        if found is None and ref.startswith(refs.LIBRARY):
-            path = refs.split(ref)[0].removeprefix(refs.LIBRARY)
-            model = _library_model(library_root() / path, self._context.model.metamodels)
-            found = refs.find(ref, model, self._context.root)
-            if found is not None:
-                self._apart[found] = model
         if found is None:
-            raise EditError(f"there is no element {ref}", conflict=True)
+            found, model = self._context.locate(ref)
+            self._apart[found] = model
         target = feature.target
         if target is None or self._model.metamodels.class_of(found) not in target.subtypes:
             raise EditError(f"{feature.name} cannot refer to {ref}, which is a {found.eClass.name}")
@@ -154,8 +143,3 @@ def _features(node: Node) -> set[str]:
         for child in node.children
         if child.get(BY_NAME) is not None or child.get("href") is not None
     }
-
-
-@cache
-def _library_model(path: Path, metamodels: Metamodels) -> Model:
-    return read_models([path], metamodels=metamodels, notations=NOTATIONS).model

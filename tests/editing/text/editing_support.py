@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
 import random
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jausml.editing.commands import Add, Child, Move, Remove, Rename, Set
-from jausml.editing.planning import Context
+from jausml.editing.project import Project
 from jausml.editing.reading import NOTATIONS
-from jausml.editing.splices import applied, inverted, merged
-from jausml.editing.text.planner import TextPlanner
 from jausml.metamodel import FeatureKind, ValueKind
 from jausml.metamodel.filling import contents
 from jausml.model import read_models, refs
 from jausml.model.comparison import Policy, compare
 from jausml.model.values import convert
-from jausml.model.xmi.writer import lexical
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -49,60 +47,70 @@ DERIVED = Policy(ignored=frozenset({"direction", "exchange"}))
 
 
 class Edited:
-    """A text that is edited.
+    """A model file that is edited.
 
     Args:
         path: The file.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.data = path.read_bytes()
-        self.steps: list[Any] = []
-        self.model = self.read()
+        self.path = path.resolve()
+        self.project = Project(path)
+        self.first = path.read_bytes()
+
+    @property
+    def data(self) -> bytes:
+        """What is stored."""
+        return self.path.read_bytes()
+
+    @property
+    def model(self):
+        """What the project has read of it."""
+        return self.project.model(self.path.name).model
+
+    @property
+    def root(self):
+        """The first root element."""
+        return self.model.root
 
     def read(self):
-        """Reads the text anew."""
-        return read_models(
-            [self.path],
-            project_root=self.path.parent,
-            notations=NOTATIONS,
-            contents={self.path.resolve(): self.data},
-        ).model
+        """Reads the file anew."""
+        root = self.path.parent
+        return read_models([self.path], project_root=root, notations=NOTATIONS).model
 
     def ref(self, obj) -> str:
         return refs.ref_of(obj, self.model, self.path.parent)
 
-    def plan(self, *commands):
-        context = Context(self.path.name, self.path.parent, self.model)
-        return merged(TextPlanner().plan(commands, context))
-
     def do(self, *commands) -> str:
         """Carries out commands and returns the text."""
-        splices = self.plan(*commands)
-        self.data = applied(self.data, splices)
-        self.steps.append(splices)
-        self.model = self.read()
-        return self.data.decode()
+        self.project.do(commands, "edit")
+        return self.data.decode("utf-8-sig")
 
     def undo_all(self) -> bytes:
         """Takes all back."""
-        for splices in reversed(self.steps):
-            self.data = applied(self.data, inverted(splices))
+        while self.project.undo() is not None:
+            pass
         return self.data
 
-    def differences(self, *commands) -> list[Any]:
+    def differences(self, *commands) -> list[str]:
         """Carries out commands; returns where the model is not what they mean."""
         wanted = self.read()
         for command in commands:
             Meaning(wanted, self.path.parent).apply(command)
         self.do(*commands)
-        found = []
-        ours, theirs = wanted.documents[0].roots, self.model.documents[0].roots
+        model = self.read()
+        ours, theirs = wanted.documents[0].roots, model.documents[0].roots
         assert len(ours) == len(theirs)
+        found = []
         for one, other in zip(ours, theirs, strict=True):
             found += compare(one, other, wanted.metamodels, DERIVED)
         return [str(each) for each in found]
+
+    def changed_lines(self, old: bytes) -> list[str]:
+        """Returns the lines that a diff against earlier bytes shows."""
+        lines = (each.decode("utf-8-sig").splitlines() for each in (old, self.data))
+        diff = difflib.unified_diff(*lines, n=0, lineterm="")
+        return [each for each in diff if each[0] in "+-" and each[:3] not in ("+++", "---")]
 
 
 class Meaning:
@@ -348,8 +356,3 @@ def dense(text: str) -> str:
     return re.sub(
         r"\n +(?=[\w})])(?!\* )", lambda match: " " if match.start() % 3 else match.group(), text
     )
-
-
-def shown(value, feature) -> str:
-    """Returns a value of an attribute as commands give it."""
-    return lexical(value, feature)

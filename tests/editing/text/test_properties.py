@@ -1,0 +1,50 @@
+"""Random edits of texts: the model is the old one and the command, and all can be taken back."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from editing_support import Commands, Edited, dense, loosened
+
+from jausml.editing.commands import EditError
+
+ROOT = Path(__file__).parents[3]
+FILES = sorted((ROOT / "models").rglob("*.ros2jaus"))
+LAYOUTS = {
+    "canonical": lambda text: text,
+    "loose": loosened,
+    "dense": dense,
+    "returns": lambda text: text.replace("\n", "\r\n"),
+}
+STEPS = 8
+CASES = [(file, list(LAYOUTS)[at % len(LAYOUTS)]) for at, file in enumerate(FILES)]
+CASES += [(file, layout) for file in FILES if file.stem == "catvehicle" for layout in LAYOUTS]
+
+
+@pytest.mark.parametrize(
+    ("file", "layout"), dict.fromkeys(CASES), ids=lambda each: getattr(each, "stem", each)
+)
+def test_random_edits(tmp_path, file, layout):
+    folder = tmp_path / "models"
+    shutil.copytree(file.parent, folder)
+    path = folder / file.name
+    path.write_bytes(LAYOUTS[layout](file.read_text()).encode())
+    edited = Edited(path)
+    commands = Commands(edited, seed=FILES.index(file))
+    done = 0
+    for _ in range(STEPS):
+        command = commands.one()
+        before = edited.data
+        refusal = ""
+        try:
+            assert edited.differences(command) == [], command
+            done += 1
+        except EditError as error:
+            refusal = str(error)
+        # A plan that does not do what it says is one that should have been refused.
+        assert "so nothing is done" not in refusal, command
+        assert not refusal or edited.data == before
+    assert done > STEPS // 3
+    assert edited.undo_all() == edited.first
