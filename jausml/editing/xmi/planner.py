@@ -151,7 +151,11 @@ class _Plan:
         words = [each for each in found if each.node is None]
         children = [each.node for each in found if each.node is not None]
         written = self._source.element(node).attribute(feature.name)
-        if not children and targets and all(map(self._names.is_local, targets)):
+        # Elements of other files are referred to by child elements, those of this one are not.
+        is_apart = not any(e.target and self._names.is_local(e.target) for e in found if e.node)
+        if targets and is_apart and all(map(self._names.is_local, targets)):
+            for child in children:
+                self._edits.remove(child)
             text = " ".join(self._word(each, words) for each in targets)
             if written is not None:
                 self._edits.set_value(written, text)
