@@ -400,6 +400,8 @@ export interface TryResult {
   values: { path: string; value: string; unit: string }[];
   bytes: string;
   error: string;
+  /** What was done to values that do not fit. */
+  notes: string[];
 }
 
 export type PlanAction = "create" | "change" | "keep" | "same" | "remove" | "refuse";
@@ -407,7 +409,7 @@ export type PlanAction = "create" | "change" | "keep" | "same" | "remove" | "ref
 export interface Plan {
   out: string;
   files: { path: string; action: PlanAction; reason: string }[];
-  drift: string[];
+  drift: { path: string; line: number; severity: Severity; message: string; stub: string }[];
   problems: string;
   digest: string;
 }
@@ -512,9 +514,13 @@ export interface Methods {
     TryResult,
   ];
   tried: [{ file: string; map: string; direction: Direction }, { inputs: TriedInput[] }];
-  plan: [{ file: string; out?: string }, Plan];
-  diff: [{ file: string; out: string; path: string }, { diff: string }];
-  generate: [{ file: string; out: string; digest: string }, { written: number; message: string }];
+  /** `force` overwrites generated files that were edited, after a copy. */
+  plan: [{ file: string; out?: string; force?: boolean }, Plan];
+  diff: [{ file: string; out: string; path: string; force: boolean }, { diff: string }];
+  generate: [
+    { file: string; out: string; digest: string; force: boolean },
+    { written: number; message: string },
+  ];
   "live.start": [{ file: string }, unknown];
   "live.stop": [Record<string, never>, unknown];
   "live.message": [{ connection: string }, LiveMessage];

@@ -108,18 +108,19 @@ def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
     return folder
 
 
-def plan(report: Report, out: Path) -> Planned:
+def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
     """Returns what generating from a model into a folder would do; nothing is written.
 
     Args:
         report: The model, and what was found about it.
         out: The folder.
+        force: Whether generated files that were edited are overwritten, after a copy.
     """
     problems = _problems(report)
     if problems:
         return Planned(str(out), problems=problems)
     try:
-        result = _result(report, out)
+        result = _result(report, out, force=force)
     except GenerationError as error:
         return Planned(str(out), problems=str(error))
     return Planned(
@@ -130,25 +131,28 @@ def plan(report: Report, out: Path) -> Planned:
     )
 
 
-def diff(report: Report, out: Path, path: str) -> str:
+def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
     """Returns the patch of one file, empty where nothing would change.
 
     Raises:
         AnswerError: Nothing can be generated from the model, or no such file would be.
     """
-    actions = [each for each in _checked(report, out).plan.actions if each.path == path]
+    actions = [
+        each for each in _checked(report, out, force=force).plan.actions if each.path == path
+    ]
     if not actions:
         raise AnswerError(f"{path} is no file of the plan")
     return unified_diff(Plan(out, tuple(actions)))
 
 
-def carry_out(report: Report, out: Path, shown: str) -> Written:
+def carry_out(report: Report, out: Path, shown: str, *, force: bool = False) -> Written:
     """Generates, if that does what was shown.
 
     Args:
         report: The model, and what was found about it.
         out: The folder.
         shown: The digest of the plan that was shown.
+        force: Whether that plan overwrites generated files that were edited.
 
     Raises:
         AnswerError: The model or a file has changed since, a file is refused, or the operating
@@ -156,7 +160,7 @@ def carry_out(report: Report, out: Path, shown: str) -> Written:
     """
     try:
         with locked(out):
-            result = _checked(report, out)
+            result = _checked(report, out, force=force)
             if digest(result.plan) != shown:
                 raise AnswerError("the model or the files have changed: look at the plan again")
             apply(result.plan)
@@ -185,19 +189,20 @@ def digest(planned: Plan) -> str:
     return summary.hexdigest()
 
 
-def _checked(report: Report, out: Path) -> Result:
+def _checked(report: Report, out: Path, *, force: bool) -> Result:
     problems = _problems(report)
     if problems:
         raise AnswerError(problems)
     try:
-        return _result(report, out)
+        return _result(report, out, force=force)
     except GenerationError as error:
         raise AnswerError(str(error)) from error
 
 
-def _result(report: Report, out: Path) -> Result:
+def _result(report: Report, out: Path, *, force: bool) -> Result:
     selection = select(load_targets())
-    return generate(report.model, selection.targets, out, kept=selection.kept, write=False)
+    kept = selection.kept
+    return generate(report.model, selection.targets, out, kept=kept, force=force, write=False)
 
 
 def _problems(report: Report) -> str:

@@ -17,28 +17,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """A file, and the folder that is generated into; empty for the usual one."""
+    """What shall be generated.
+
+    Attributes:
+        file: The model.
+        out: The folder that is generated into; empty for the usual one.
+        force: Whether generated files that were edited are overwritten, after a copy.
+    """
 
     file: str
     out: str = ""
+    force: bool = False
 
 
 @dataclass(frozen=True)
 class OfPath:
-    """A file of the plan."""
+    """A file of the plan; see `Asked`."""
 
     file: str
     out: str
     path: str
+    force: bool = False
 
 
 @dataclass(frozen=True)
 class Shown:
-    """The plan that was shown, by its digest."""
+    """The plan that was shown, by its digest; see `Asked`."""
 
     file: str
     out: str
     digest: str
+    force: bool = False
 
 
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
@@ -56,14 +65,16 @@ def _out(desk: Desk, file: str, out: str) -> Path:
 
 def _plan(desk: Desk, asked: Asked) -> object:
     report = desk.verdicts.of(asked.file).report
-    return plan(report, _out(desk, asked.file, asked.out))
+    return plan(report, _out(desk, asked.file, asked.out), force=asked.force)
 
 
 def _diff(desk: Desk, asked: OfPath) -> object:
     report = desk.verdicts.of(asked.file).report
-    return {"diff": diff(report, _out(desk, asked.file, asked.out), asked.path)}
+    out = _out(desk, asked.file, asked.out)
+    return {"diff": diff(report, out, asked.path, force=asked.force)}
 
 
 def _generate(desk: Desk, asked: Shown) -> object:
     report = desk.verdicts.of(asked.file).report
-    return carry_out(report, _out(desk, asked.file, asked.out), asked.digest)
+    out = _out(desk, asked.file, asked.out)
+    return carry_out(report, out, asked.digest, force=asked.force)

@@ -90,3 +90,23 @@ def test_the_plan_is_carried_out_as_it_was_shown(page: Page, folder: Path) -> No
 def test_nothing_is_generated_elsewhere(page: Page, out: str) -> None:
     with pytest.raises(RefusedError):
         page.ask("plan", file=FILE, out=out)
+
+
+def test_an_edited_file_is_overwritten_only_when_that_was_shown(page: Page, folder: Path) -> None:
+    shown = {"file": FILE, "out": "ws/src"}
+    planned = page.ask("plan", **shown)
+    page.ask("generate", **shown, digest=planned["digest"])
+    names = [
+        each["path"] for each in page.ask("plan", **shown)["files"] if each["action"] == "same"
+    ]
+    edited = next(each for each in names if each.endswith(".py"))
+    path = folder / "ws" / "src" / edited
+    path.write_text("# mine\n", encoding="utf-8")
+    refused = page.ask("plan", **shown)
+    assert [each["path"] for each in refused["files"] if each["action"] == "refuse"] == [edited]
+    with pytest.raises(RefusedError):
+        page.ask("generate", **shown, digest=refused["digest"])
+    forced = page.ask("plan", **shown, force=True)
+    page.ask("generate", **shown, digest=forced["digest"], force=True)
+    assert path.read_text(encoding="utf-8") != "# mine\n"
+    assert path.with_name(f"{path.name}.orig").read_text(encoding="utf-8") == "# mine\n"

@@ -1,4 +1,4 @@
-import { render, screen, within } from "@testing-library/react";
+import { render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { expect, it } from "vitest";
 import type { Plan } from "../../protocol";
@@ -20,7 +20,9 @@ const PLAN: Plan = {
 const REFUSING: Plan = {
   ...PLAN,
   files: [...PLAN.files, { path: "bridge/edited.py", action: "refuse", reason: "it was edited" }],
-  drift: ["vehicle.py lacks on_stop"],
+  drift: [
+    { path: "vehicle.py", line: 7, severity: "warning", message: "it lacks on_stop", stub: "" },
+  ],
 };
 
 function show(plan: Plan) {
@@ -40,7 +42,7 @@ it("shows what would happen to which file", async () => {
   expect(await screen.findByText("1 created")).toBeVisible();
   expect(screen.getByText("1 refused")).toBeVisible();
   expect(screen.getByText("1 kept")).toBeVisible();
-  expect(screen.getByText("vehicle.py lacks on_stop")).toBeVisible();
+  expect(screen.getByText(/vehicle.py:7: it lacks on_stop/)).toBeVisible();
   expect(screen.getByText("jausml run robot_ws/src")).toBeVisible();
 });
 
@@ -58,26 +60,27 @@ it("generates what was shown", async () => {
   await screen.findByText("1 created");
   await userEvent.click(screen.getByRole("button", { name: "Generate" }));
   expect(server.params("generate")).toEqual([
-    { file: "robot.xmi", out: "robot_ws/src", digest: "d1" },
+    { file: "robot.xmi", out: "robot_ws/src", digest: "d1", force: false },
   ]);
   expect(await screen.findByText("1 file written.")).toBeVisible();
 });
 
-it("asks first where files are refused", async () => {
+it("generates nothing while files are refused, unless they may be overwritten", async () => {
   const server = show(REFUSING);
   await screen.findByText("1 created");
-  await userEvent.click(screen.getByRole("button", { name: "Generate" }));
-  expect(server.params("generate")).toEqual([]);
-  const dialog = screen.getByRole("alertdialog");
-  await userEvent.click(within(dialog).getByRole("button", { name: "Generate the others" }));
-  expect(server.params("generate")).toHaveLength(1);
+  expect(screen.getByRole("button", { name: "Generate" })).toBeDisabled();
+  server.answer("plan", () => PLAN);
+  await userEvent.click(screen.getByRole("checkbox", { name: /Overwrite/ }));
+  expect(server.params("plan").at(-1)).toMatchObject({ force: true });
+  await userEvent.click(await screen.findByRole("button", { name: "Generate" }));
+  expect(server.params("generate")).toMatchObject([{ force: true }]);
 });
 
 it("plans for another folder", async () => {
   const server = show(PLAN);
   await screen.findByText("1 created");
   await userEvent.type(screen.getByLabelText("Folder"), "my out{Enter}");
-  expect(server.params("plan").at(-1)).toEqual({ file: "robot.xmi", out: "my out" });
+  expect(server.params("plan").at(-1)).toEqual({ file: "robot.xmi", out: "my out", force: false });
 });
 
 it("does nothing while there are problems, or nothing to do", async () => {

@@ -1,8 +1,8 @@
-import { useEffect, useState } from "react";
+import { useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { Plan, PlanAction } from "../../protocol";
 import { say, useStudio } from "../../store";
-import { Copyable, Fault, Quiet } from "../base/parts";
+import { Copyable, Fault, Quiet, SeverityMark } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { Diff } from "./Diff";
@@ -28,31 +28,24 @@ export function Generate() {
   const revision = useRevision();
   const [typed, setTyped] = useState("");
   const [out, setOut] = useState("");
-  const {
-    value: plan,
-    error,
-    isPending,
-    again,
-  } = useAnswer("plan", file ? planned(file, out) : null, revision);
+  const [force, setForce] = useState(false);
+  const question = file ? { file, out, force } : null;
+  const { value: plan, error, isPending, again } = useAnswer("plan", question, revision);
   const [shown, setShown] = useState("");
   const [message, setMessage] = useState("");
   const [fault, setFault] = useState("");
-  const [isAsking, setAsking] = useState(false);
   const [isWriting, setWriting] = useState(false);
-
-  // What was said holds for the plan that it was said about.
-  // biome-ignore lint/correctness/useExhaustiveDependencies: a new plan
-  useEffect(() => setAsking(false), [plan?.digest]);
 
   if (!file) return <Quiet>No file is open.</Quiet>;
 
   async function write(taken: Plan) {
-    setAsking(false);
     setWriting(true);
     setFault("");
     try {
-      const done = await ask("generate", { file, out: taken.out, digest: taken.digest });
+      const { out, digest } = taken;
+      const done = await ask("generate", { file, out, digest, force });
       setMessage(done.message);
+      setForce(false);
       say(done.message);
     } catch (error) {
       setFault(messageOf(error));
@@ -62,8 +55,9 @@ export function Generate() {
     }
   }
 
-  const refused = plan?.files.filter((each) => each.action === "refuse") ?? [];
-  const isUpToDate = plan !== null && !plan.files.some((each) => WRITTEN.includes(each.action));
+  const refused = plan?.files.filter((each) => each.action === "refuse").length ?? 0;
+  const hasWork = plan?.files.some((each) => WRITTEN.includes(each.action)) ?? false;
+  const isUpToDate = plan?.problems === "" && !hasWork && refused === 0;
   return (
     <section className="generate" aria-label="Generate">
       <header>
@@ -71,6 +65,7 @@ export function Generate() {
           Folder{" "}
           <input
             type="text"
+            size={Math.max(24, (typed || plan?.out || "").length)}
             value={typed || out}
             placeholder={plan?.out ?? ""}
             onChange={(event) => setTyped(event.currentTarget.value)}
@@ -80,9 +75,9 @@ export function Generate() {
         </label>
         <button
           type="button"
-          className="primary"
-          disabled={plan === null || plan.problems !== "" || isUpToDate || isWriting}
-          onClick={() => plan && (refused.length > 0 ? setAsking(true) : write(plan))}
+          className="best"
+          disabled={plan?.problems !== "" || !hasWork || refused > 0 || isWriting}
+          onClick={() => plan && write(plan)}
         >
           {isWriting ? "Generating…" : isUpToDate ? "Up to date" : "Generate"}
         </button>
@@ -90,33 +85,21 @@ export function Generate() {
         <span>{message}</span>
       </header>
       <Fault>{fault || error || plan?.problems || ""}</Fault>
-      {isAsking && plan && (
-        <div className="confirm" role="alertdialog" aria-label="Files that are refused">
-          <p>
-            {refused.length === 1 ? "One file was" : `${refused.length} files were`} edited by hand
-            and will stay as {refused.length === 1 ? "it is" : "they are"}. Generate the others?
-          </p>
-          <button type="button" onClick={() => write(plan)}>
-            Generate the others
-          </button>{" "}
-          <button type="button" onClick={() => setAsking(false)}>
-            Cancel
-          </button>
-        </div>
+      {(refused > 0 || force) && (
+        <label className="confirm">
+          <input
+            type="checkbox"
+            checked={force}
+            onChange={(event) => setForce(event.currentTarget.checked)}
+          />{" "}
+          Overwrite generated files that were edited by hand; a copy of each stays beside it.
+          Nothing is generated while a file is refused.
+        </label>
       )}
-      {plan && (
+      {plan && plan.problems === "" && (
         <>
-          {plan.drift.length > 0 && (
-            <div className="drift">
-              <h4>Your files that no longer fit the model</h4>
-              <ul>
-                {plan.drift.map((each) => (
-                  <li key={each}>{each}</li>
-                ))}
-              </ul>
-            </div>
-          )}
-          <Files plan={plan} file={file} shown={shown} onShow={setShown} />
+          {plan.drift.length > 0 && <Drift plan={plan} />}
+          <Files plan={plan} file={file} force={force} shown={shown} onShow={setShown} />
           <p className="quiet">Run what was generated in a terminal:</p>
           <Copyable label="the command" text={`jausml run ${quoted(plan.out)}`} />
         </>
@@ -125,19 +108,33 @@ export function Generate() {
   );
 }
 
-function planned(file: string, out: string) {
-  return out === "" ? { file } : { file, out };
+function Drift({ plan }: { plan: Plan }) {
+  return (
+    <div className="drift">
+      <h4>Your files that no longer fit the model</h4>
+      <ul>
+        {plan.drift.map((each) => (
+          <li key={`${each.path} ${each.line} ${each.message}`}>
+            <SeverityMark severity={each.severity} /> {each.path}
+            {each.line > 0 && `:${each.line}`}: {each.message}
+            {each.stub && <pre>{each.stub}</pre>}
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
 }
 
 interface FilesProps {
   plan: Plan;
   file: string;
+  force: boolean;
   /** The file whose diff is shown, empty for none. */
   shown: string;
   onShow: (path: string) => void;
 }
 
-function Files({ plan, file, shown, onShow }: FilesProps) {
+function Files({ plan, file, force, shown, onShow }: FilesProps) {
   return (
     <div className="plan">
       {ACTIONS.map(([action, name, note]) => {
@@ -161,7 +158,9 @@ function Files({ plan, file, shown, onShow }: FilesProps) {
                     {each.path}
                   </button>{" "}
                   <small className="quiet">{each.reason}</small>
-                  {shown === each.path && <FileDiff plan={plan} file={file} path={each.path} />}
+                  {shown === each.path && (
+                    <FileDiff plan={plan} file={file} force={force} path={each.path} />
+                  )}
                 </li>
               ))}
             </ul>
@@ -172,8 +171,15 @@ function Files({ plan, file, shown, onShow }: FilesProps) {
   );
 }
 
-function FileDiff({ plan, file, path }: { plan: Plan; file: string; path: string }) {
-  const { value, error } = useAnswer("diff", { file, out: plan.out, path }, plan.digest);
+interface DiffProps {
+  plan: Plan;
+  file: string;
+  force: boolean;
+  path: string;
+}
+
+function FileDiff({ plan, file, force, path }: DiffProps) {
+  const { value, error } = useAnswer("diff", { file, out: plan.out, path, force }, plan.digest);
   if (error) return <Fault>{error}</Fault>;
   if (value === null) return <Quiet>Comparing…</Quiet>;
   return value.diff === "" ? (

@@ -67,11 +67,12 @@ beforeEach(() => {
     }),
     try: ({ values }) =>
       values.VelocityX === "x"
-        ? { values: [], bytes: "", error: "'x' is no number" }
+        ? { values: [], bytes: "", error: "'x' is no number", notes: [] }
         : {
             values: [{ path: "linear.x", value: values.VelocityX ?? "0", unit: "m/s" }],
             bytes: "0102ff",
             error: "",
+            notes: [],
           },
   });
   update({ view: "map:velocity", graph: GRAPH });

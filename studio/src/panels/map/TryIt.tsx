@@ -103,6 +103,11 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
                 ))}
               </tbody>
             </table>
+            {result.notes.map((each) => (
+              <p className="quiet" key={each}>
+                {each}
+              </p>
+            ))}
             {result.bytes && <Bytes hex={result.bytes} />}
           </>
         )}
