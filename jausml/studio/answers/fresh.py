@@ -59,13 +59,18 @@ def free_address(model: Model) -> str:
     """
     known = [_parts(each) for each in model.instances(jaus.Component, library=False)]
     used = {each for each in known if each is not None}
-    places = Counter((subsystem, node) for subsystem, node, _ in sorted(used))
+    places = Counter(each[:2] for each in sorted(used) if _is_usable(*each[:2]))
     ((subsystem, node), _), *_ = places.most_common(1) or [(_FIRST, 0)]
     for at in range(node, _LAST + 1):
         for number in range(1, _LAST + 1):
             if (subsystem, at, number) not in used:
                 return f"{subsystem}.{at}.{number}"
     return f"{subsystem + 1}.1.1"
+
+
+def _is_usable(subsystem: int, node: int) -> bool:
+    """Tells whether components can be there, and peers on Junior can talk to them."""
+    return 1 <= subsystem < 0xFFFF and 1 <= node <= _LAST and 0xFF not in divmod(subsystem, 0x100)
 
 
 def _parts(component: jaus.Component) -> tuple[int, int, int] | None:
