@@ -21,6 +21,7 @@ import click
 from jausml import __version__
 
 VERBS = {
+    "init": "Make a project of models.",
     "validate": "Check models.",
     "generate": "Generate a workspace from the system in a model.",
     "run": "Start the processes of a generated workspace.",

@@ -6,6 +6,7 @@ import hashlib
 import os
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jausml.editing import layout
@@ -15,13 +16,12 @@ from jausml.model.diagnostics import Diagnostic, Location
 from jausml.model.reading.reader import ReadResult, read_models
 from jausml.model.refs import LIBRARY, file_of
 from jausml.model.rules import READER_RULES
-from jausml.model.uris import library_root
+from jausml.model.uris import library_root, shipped_as
 from jausml.model.xmi.parsing import parse as parse_xmi
 from jausml.text.notation import SUFFIX, Ros2Jaus, decode
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
     from jausml.text.reading.parsing import Parsed
 
@@ -70,7 +70,7 @@ def is_model_file(file: str, root: Path) -> bool:
     """Tells whether a file is one of the models or layouts of a folder, by its name and place.
 
     Hidden files and folders and those of builds are left out, links that lead out of the folder,
-    and the shipped library.
+    and the shipped library with its copies.
 
     Args:
         file: The file, relative to the folder with forward slashes.
@@ -80,7 +80,9 @@ def is_model_file(file: str, root: Path) -> bool:
         return False
     real = os.path.realpath(root / file)
     library = os.path.realpath(library_root()) + os.sep
-    return real.startswith(f"{root}{os.sep}") and not real.startswith(library)
+    if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
+        return False
+    return shipped_as(Path(real)) is None
 
 
 def _is_shown(name: str) -> bool:

@@ -26,6 +26,7 @@ LIBRARY_URI = "http://www.jausml.org/library/"
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")
 _WINDOWS = re.compile(r"[A-Za-z]:[\\/]|.*\\")
+_SCHEMA_LOCATION = re.compile(rb' xsi:schemaLocation="[^"<]*"')
 _PLATFORM = "platform:/resource/"
 
 
@@ -50,6 +51,25 @@ class UriFault:
 def library_root() -> Path:
     """Returns the folder of the shipped library."""
     return Path(str(files("jausml.models"))) / "library"
+
+
+def shipped_as(path: Path) -> Path | None:
+    """Returns the file of the shipped library of which a file is a copy, None for any other.
+
+    Eclipse needs copies in its workspace; they may say there where the metamodels are.
+
+    Args:
+        path: The file, in a folder `library/<set>/`.
+    """
+    library = Path(os.path.realpath(library_root()))
+    if path.parent.parent.name != library.name:
+        return None
+    shipped = library / path.parent.name / path.name
+    try:
+        copied = _SCHEMA_LOCATION.sub(b"", path.read_bytes(), count=1)
+        return shipped if shipped.read_bytes() == copied else None
+    except (OSError, ValueError):
+        return None
 
 
 def find_project_root(paths: Iterable[Path]) -> Path:
@@ -165,6 +185,9 @@ class UriResolver:
                 f"'{written}' lies outside the project root {self._root}",
                 "name another one by --project-root, or use --allow-outside",
             )
+        shipped = shipped_as(real)
+        if shipped is not None:
+            return FileTarget(shipped, display, is_library=True)
         return FileTarget(real, display, is_library=False)
 
     def _projects_of(self, base: Document) -> dict[str, Path]:

@@ -1,0 +1,1 @@
+"""Folders of models as a team keeps them: made once, then theirs."""

@@ -1,0 +1,146 @@
+"""`jausml init`: a project that validates, generates and opens in Eclipse as it is."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import emf_check
+import pytest
+import yaml
+from click.testing import CliRunner
+from lxml import etree
+from needs import EMF
+
+from jausml.cli import main
+from jausml.editing.project import Project
+from jausml.metamodel.classes import jaus
+from jausml.model import read_models
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, list(map(str, arguments)))
+
+
+@pytest.fixture
+def project(tmp_path):
+    """Makes a project with options; returns its folder."""
+
+    def make(*options, name="rover"):
+        folder = tmp_path / name
+        done = run("init", folder, *options)
+        assert done.exit_code == 0, done.output
+        return folder
+
+    return make
+
+
+@pytest.mark.parametrize("notation", ["xmi", "text"])
+@pytest.mark.parametrize("origin", ["example", "empty"])
+def test_it_validates(project, notation, origin):
+    folder = project("--notation", notation, "--from", origin)
+    done = run("validate", folder / "models", "--strict")
+    assert (done.exit_code, done.output) == (0, "no problems in 1 file\n")
+
+
+@pytest.mark.parametrize("notation", ["xmi", "text"])
+def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
+    folder = project("--notation", notation)
+    monkeypatch.chdir(folder)
+    model = f"models/rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"
+    assert run("generate", model, "-o", "src").exit_code == 0
+    jobs = yaml.safe_load(Path(".github/workflows/models.yml").read_text(encoding="utf-8"))["jobs"]
+    commands = [step.get("run", "") for step in jobs["check"]["steps"]]
+    own = [each.split()[1:] for each in commands if each.startswith("jausml ")]
+    assert [each[0] for each in own] == ["validate", "generate"]
+    for each in own:
+        assert run(*each).exit_code == 0
+    hooks = yaml.safe_load(Path(".pre-commit-config.yaml").read_text(encoding="utf-8"))
+    for hook in hooks["repos"][0]["hooks"]:
+        if re.search(hook["files"], model):
+            assert run(*hook["entry"].split()[1:], model).exit_code == 0
+
+
+def test_the_commands_that_it_names_work(project):
+    folder = project()
+    readme = (folder / "README.md").read_text(encoding="utf-8")
+    commands = [line.split() for line in readme.splitlines() if line.startswith("    jausml ")]
+    assert [each[1] for each in commands] == ["validate", "generate", "run"]
+    for each in commands[:2]:
+        command = [sys.executable, "-m", "jausml", *each[1:]]
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+
+
+def test_copies_of_the_library_are_the_library(project):
+    result = read_models([project() / "models" / "rover.xmi"])
+    service = next(
+        each for each in result.model.instances(jaus.Service) if each.name == "Management"
+    )
+    assert result.model.is_library(service)
+    assert [each.display for each in result.model.documents if not each.is_library] == [
+        str(result.model.documents[0].path)
+    ]
+
+
+def test_copies_of_the_library_are_no_files_of_an_opened_project(project):
+    assert [each.path for each in Project(project()).files] == ["models/rover.xmi"]
+
+
+def test_a_copy_that_was_edited_is_the_users(project):
+    folder = project()
+    copy = folder / "library" / "jaus" / "mobility.xmi"
+    copy.write_text(copy.read_text("utf-8").replace('code="0x', 'code="0X', 1), "utf-8")
+    result = read_models([folder / "models" / "rover.xmi"])
+    own = {each.path for each in result.model.documents if not each.is_library}
+    assert copy.resolve() in own
+
+
+@EMF
+def test_eclipse_opens_it_without_a_word(project):
+    folder = project()
+    done = emf_check.ask("models/rover.xmi", cwd=folder)
+    assert (done.returncode, done.stdout) == (0, "")
+    assert etree.parse(folder / ".project").findtext("name") == "rover"
+
+
+def test_again_is_nothing_and_own_files_stay(project):
+    folder = project()
+    before = {each: each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+    done = run("init", folder)
+    assert (done.exit_code, done.output.splitlines()[0]) == (0, f"0 files in {folder}; next:")
+    (folder / "README.md").write_text("mine", encoding="utf-8")
+    (folder / ".gitignore").unlink()
+    done = run("init", folder)
+    assert done.exit_code == 2
+    assert "README.md is there already; nothing was written" in done.output
+    assert not (folder / ".gitignore").exists()
+    for each in before.keys() - {folder / "README.md", folder / ".gitignore"}:
+        assert each.read_bytes() == before[each]
+
+
+@pytest.mark.parametrize(
+    ("folder", "options", "name"),
+    [("My Rover-2", (), "my_rover_2"), ("---", ("--name", "rover"), "rover")],
+)
+def test_the_name(project, folder, options, name):
+    made = project(*options, name=folder)
+    assert (made / "models" / f"{name}.xmi").is_file()
+
+
+@pytest.mark.parametrize(
+    ("folder", "options", "words"),
+    [
+        ("42", (), "makes no name of a system"),
+        ("rover", ("--name", "../rover"), "is no name of a system"),
+        ("rover", ("--name", 'a"b'), "is no name of a system"),
+        ("rover/file/below", (), "cannot be written"),
+    ],
+)
+def test_what_cannot_be_made(tmp_path, folder, options, words):
+    (tmp_path / "rover").mkdir()
+    (tmp_path / "rover" / "file").touch()
+    done = run("init", tmp_path / folder, *options)
+    assert done.exit_code == 2
+    assert words in done.output
