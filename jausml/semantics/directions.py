@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from jausml.metamodel.classes import bridge
-from jausml.semantics.paths import Placed, flattened, has_source, outer_scope
+from jausml.semantics.paths import Followed, Placed, flattened, has_source, outer_scope
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from jausml.semantics.subject import Subject
 
@@ -17,7 +17,7 @@ FirstT = TypeVar("FirstT", bound="bridge.Assignment")
 SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Direction:
     """One direction of a map, a stop or a safe value: what is filled from what.
 
@@ -32,22 +32,29 @@ class Direction:
     owner: bridge.AttributeMap | bridge.Stop | bridge.Connection
     to_ros: bool
     assignments: tuple[Placed[bridge.Assignment], ...]
+    _by_kind: dict[tuple[type[bridge.Assignment], ...], tuple[Placed[Any], ...]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @overload
-    def of_kind(self, kind: type[FirstT], /) -> Iterator[Placed[FirstT]]: ...
+    def of_kind(self, kind: type[FirstT], /) -> tuple[Placed[FirstT], ...]: ...
 
     @overload
     def of_kind(
         self, kind: type[FirstT], other: type[SecondT], /
-    ) -> Iterator[Placed[FirstT | SecondT]]: ...
+    ) -> tuple[Placed[FirstT | SecondT], ...]: ...
 
-    def of_kind(self, *kinds: type[bridge.Assignment]) -> Iterator[Placed[Any]]:
-        """Yields the assignments of some classes.
+    def of_kind(self, *kinds: type[bridge.Assignment]) -> tuple[Placed[Any], ...]:
+        """Returns the assignments of some classes.
 
         Args:
             kinds: The classes, such as `bridge.FieldAssignment`.
         """
-        return (each for each in self.assignments if isinstance(each.assignment, kinds))
+        found = self._by_kind.get(kinds)
+        if found is None:
+            found = tuple(each for each in self.assignments if isinstance(each.assignment, kinds))
+            self._by_kind[kinds] = found
+        return found
 
 
 def directions(subject: Subject) -> tuple[Direction, ...]:
@@ -101,9 +108,14 @@ def _direction(
     to_ros: bool,
 ) -> Direction:
     sound = [each for each in assignments if subject.is_intact(each) and _is_complete(each)]
-    scope = outer_scope(attribute_map, to_ros=to_ros)
+    followed = subject.once(_followed)
+    scope = outer_scope(attribute_map, to_ros=to_ros, followed=followed)
     placed = tuple(each for each in flattened(sound, scope) if _is_complete(each.assignment))
     return Direction(attribute_map, owner, to_ros, placed)
+
+
+def _followed(_: Subject) -> Followed:
+    return Followed()
 
 
 def _is_complete(assignment: bridge.Assignment) -> bool:

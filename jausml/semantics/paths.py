@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeGuard, TypeVar
 
@@ -30,6 +30,32 @@ FoundPlace = PathPlace | PathFault | None
 COUNTERS = ("index", "count")
 
 
+class Followed:
+    """Paths that were followed: those of one type are the same in each map.
+
+    It holds as long as nothing of the model changes.
+    """
+
+    def __init__(self) -> None:
+        self._places: dict[tuple[PathPlace, str], FoundPlace] = {}
+        self._found: dict[PathPlace, Attribute] = {}
+
+    def place(self, start: PathPlace, path: str) -> FoundPlace:
+        """Returns the place that a path leads to."""
+        key = (start, path)
+        if key not in self._places:
+            self._places[key] = start.follow(path)
+        return self._places[key]
+
+    def attribute(self, found: FoundPlace) -> Found:
+        """Returns what an assignment finds at a place."""
+        if not isinstance(found, JausPlace | RosPlace):
+            return found
+        if found not in self._found:
+            self._found[found] = found.attribute()
+        return self._found[found]
+
+
 @dataclass(frozen=True, slots=True)
 class PathScope:
     """The start of the paths of some assignments.
@@ -40,6 +66,7 @@ class PathScope:
         source: Where source paths start.
         target: Where target paths start.
         is_nested: Whether the assignments fill elements of a list.
+        followed: The paths that were followed.
     """
 
     map: bridge.AttributeMap
@@ -47,15 +74,17 @@ class PathScope:
     source: PathPlace
     target: PathPlace
     is_nested: bool = False
+    followed: Followed = field(default_factory=Followed, compare=False)
 
     def find_source(self, path: str) -> FoundPlace:
         """Returns the place that a source path leads to; joins and `/` are known."""
         if path.startswith("/"):
-            return outer_scope(self.map, to_ros=self.to_ros).find_source(path[1:])
+            outer = outer_scope(self.map, to_ros=self.to_ros, followed=self.followed)
+            return outer.find_source(path[1:])
         first, _, rest = path.partition(".")
         join = None if self.is_nested else self._join(first)
         if join is None:
-            return self.source.follow(path)
+            return self.followed.place(self.source, path)
         if isinstance(join, bridge.ReportJoin):
             return message_place(join.message).follow(rest or ".") if join.message else None
         is_indexed = isinstance(self.source, RosPlace) and self.source.indexed
@@ -71,7 +100,7 @@ class PathScope:
         """Returns the place that a target path leads to."""
         if path.startswith("/") and self.is_nested:
             return PathFault("the target of an element lies within the element")
-        return self.target.follow(path)
+        return self.followed.place(self.target, path)
 
     def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
         """Returns the scope of what a list assignment nests; None when its ends are no lists."""
@@ -82,7 +111,7 @@ class PathScope:
         from_element, to_element = source.element(), target.element()
         if from_element is None or to_element is None:
             return None
-        return PathScope(self.map, self.to_ros, from_element, to_element, is_nested=True)
+        return replace(self, source=from_element, target=to_element, is_nested=True)
 
 
 AssignmentT = TypeVar("AssignmentT", bound="bridge.Assignment")
@@ -105,7 +134,8 @@ class Placed(Generic[AssignmentT_co]):
     def targets(self) -> list[tuple[str, Found]]:
         """The target paths and what they lead to."""
         paths = target_paths(self.assignment)
-        return [(path, _attribute(self.scope.find_target(path))) for path in paths]
+        scope = self.scope
+        return [(path, scope.followed.attribute(scope.find_target(path))) for path in paths]
 
     @cached_property
     def sources(self) -> list[tuple[str, Found]]:
@@ -126,11 +156,15 @@ class Placed(Generic[AssignmentT_co]):
         found = self.scope.find_source(path)
         if isinstance(found, PathFault) and self.scope.is_nested and path in COUNTERS:
             return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
-        return _attribute(found)
+        return self.scope.followed.attribute(found)
 
 
 def outer_scope(
-    attribute_map: bridge.AttributeMap, *, to_ros: bool, indexed: bool = False
+    attribute_map: bridge.AttributeMap,
+    *,
+    to_ros: bool,
+    indexed: bool = False,
+    followed: Followed | None = None,
 ) -> PathScope:
     """Returns the scope of the assignments of a map.
 
@@ -138,10 +172,13 @@ def outer_scope(
         attribute_map: A map with its message and type.
         to_ros: Which direction.
         indexed: Whether the elements of ROS sequences may be named by index.
+        followed: The paths that were followed in other maps; None for none.
     """
     ros = RosPlace(type=attribute_map.type, indexed=indexed)
     ends = message_place(attribute_map.message), ros
-    return PathScope(attribute_map, to_ros, *(ends if to_ros else reversed(ends)))
+    source, target = ends if to_ros else reversed(ends)
+    followed = Followed() if followed is None else followed
+    return PathScope(attribute_map, to_ros, source, target, followed=followed)
 
 
 def place(
@@ -215,10 +252,6 @@ def _scope(
         return outer_scope(attribute_map, to_ros=to_ros)
     around = _scope(attribute_map, owner.eContainer(), to_ros=to_ros)
     return around.inner(owner) if around is not None else None
-
-
-def _attribute(found: FoundPlace) -> Found:
-    return found.attribute() if isinstance(found, JausPlace | RosPlace) else found
 
 
 def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
