@@ -12,6 +12,8 @@ from jausml.diagrams.layout.sheet import LayoutError
 from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.model.refs import file_of
 from jausml.studio import shown
+from jausml.studio.answers.cures import cures
+from jausml.studio.answers.elements import Scope
 from jausml.studio.methods import Method
 from jausml.studio.rpc import REFUSED, RpcError
 from jausml.text.notation import SUFFIX, decode
@@ -20,8 +22,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.model.diagnostics import Diagnostic
+    from jausml.studio.answers.shapes import Cure
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
+
+
+_MOST_CURED = 200
+"""Findings whose cures are told: nobody reads more before the first ones are mended."""
 
 
 @dataclass(frozen=True)
@@ -115,15 +122,23 @@ def _text(desk: Desk, asked: OfFile) -> dict[str, Any]:
 def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
     """Returns a verdict as pages know it."""
     desk.looked_at.look(verdict.file)
+    scope = Scope(verdict.report.model, desk.project.root)
+    cured = [
+        cures(scope, each) if index < _MOST_CURED else ()
+        for index, each in enumerate(verdict.report.diagnostics)
+    ]
+    pairs = zip(verdict.report.diagnostics, cured, strict=True)
     return {
         "revision": verdict.revision,
         "elapsed_ms": round(verdict.elapsed_ms, 1),
         "files": [verdict.file],
-        "problems": [_problem(desk, verdict, each) for each in verdict.report.diagnostics],
+        "problems": [_problem(desk, verdict, *each) for each in pairs],
     }
 
 
-def _problem(desk: Desk, verdict: Verdict, found: Diagnostic) -> dict[str, Any]:
+def _problem(
+    desk: Desk, verdict: Verdict, found: Diagnostic, cured: tuple[Cure, ...]
+) -> dict[str, Any]:
     file = _file_at(desk, verdict, found.location.path)
     return {
         "file": file,
@@ -135,7 +150,7 @@ def _problem(desk: Desk, verdict: Verdict, found: Diagnostic) -> dict[str, Any]:
         "hint": found.hint,
         "element": f"{file}#{found.fragment}" if found.fragment else "",
         "path": found.element,
-        "cures": [],
+        "cures": cured,
     }
 
 
