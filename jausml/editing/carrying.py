@@ -45,11 +45,13 @@ class Outcome:
         created: The elements that they made.
         referrers: What lost its reference to what went, or went too.
         forest: The elements of the files that were changed, and of those that refer to them.
+        shifts: How each command changed refs: new ones by old ones, empty for what is gone.
     """
 
     created: tuple[Ref, ...]
     referrers: tuple[Referrer, ...]
     forest: Forest
+    shifts: tuple[Mapping[Ref, Ref], ...]
 
 
 def planner_of(file: str) -> Planner:
@@ -127,11 +129,13 @@ class _Work:
         self._forest = known if known is not None and is_current else Forest({}, draft.root)
         self._created: list[Thing] = []
         self._referrers: list[Referrer] = []
+        self._shifts: list[Mapping[Ref, Ref]] = []
 
     def outcome(self) -> Outcome:
         fragments = self._forest.fragments() if self._created else {}
         created = [self._forest.ref(each, fragments) for each in self._created]
-        return Outcome(tuple(created), tuple(self._referrers), self._forest)
+        shifts = tuple(self._shifts)
+        return Outcome(tuple(created), tuple(self._referrers), self._forest, shifts)
 
     def carry_out(self, command: Command) -> None:
         """Plans a command, makes the changes in the draft, and checks them."""
@@ -176,9 +180,12 @@ class _Work:
             plans[file] = planner_of(file).plan(applying.steps, context)
         for file, splices in plans.items():
             self._draft.apply(file, splices)
-        self._check(applying)
+        found = self._check(applying)
+        if not isinstance(command, Set | Rename):
+            self._shifts.append(_shift(forest.fragments(paths), found, self._forest))
 
-    def _check(self, applying: Applying) -> None:
+    def _check(self, applying: Applying) -> Mapping[Thing, Thing]:
+        """Reads what was changed; returns the things that were read by those that were meant."""
         read = self._grown(list(self._forest.roots))
         found = matched(self._forest, read)
         for file in self._forest.roots:
@@ -188,12 +195,13 @@ class _Work:
         self._created = [found[each] for each in self._created if each in found]
         self._created += [found[each] for each in applying.created]
         self._forest = read
+        return found
 
     def _take(self, files: Sequence[str]) -> None:
-        """Has the forest hold the elements of some files."""
-        if set(files) <= set(self._forest.roots):
+        """Has the forest hold the elements of some files, and of those where something was made."""
+        wanted = dict.fromkeys([*(self._forest.roots if self._created else ()), *files])
+        if set(wanted) == set(self._forest.roots):
             return
-        wanted = dict.fromkeys([*self._forest.roots, *files])
         forest = self._grown(list(wanted))
         found = matched(self._forest, forest) if self._created else {}
         self._created = [found[each] for each in self._created]
@@ -235,6 +243,21 @@ class _Work:
         if not number.isdecimal() or int(number) >= len(self._created):
             raise EditError(f"{ref} is nothing that was added before")
         return self._forest.ref(self._created[int(number)])
+
+
+def _shift(
+    before: Mapping[Thing, str], found: Mapping[Thing, Thing], after: Forest
+) -> dict[Ref, Ref]:
+    """Returns the new refs of things by the old ones where they differ, empty for what is gone."""
+    fragments = after.fragments()
+    shift: dict[Ref, Ref] = {}
+    for thing, fragment in before.items():
+        now = found.get(thing)
+        ref = f"{thing.file}#{fragment}"
+        new = after.ref(now, fragments) if now is not None else ""
+        if new != ref:
+            shift[ref] = new
+    return shift
 
 
 def _referrers_of(applying: Applying, paths: Mapping[Thing, str]) -> Iterable[Referrer]:

@@ -134,9 +134,13 @@ class Forest:
         obj = find(ref, model, self.folder) if model is not None else None
         return self.things.get(obj) if obj is not None else None
 
-    def fragments(self) -> dict[Thing, str]:
-        """Returns by which fragments things are found now: ids, else paths."""
-        return {**self.paths(), **self._identifiers}
+    def fragments(self, paths: Mapping[Thing, str] | None = None) -> dict[Thing, str]:
+        """Returns by which fragments things are found: ids, else paths.
+
+        Args:
+            paths: The paths of things, those of now when None.
+        """
+        return {**(self.paths() if paths is None else paths), **self._identifiers}
 
     def paths(self) -> dict[Thing, str]:
         """Returns the paths of things by features, as they stand now."""

@@ -14,6 +14,7 @@ from jausml.editing.drafts import Draft
 from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
 from jausml.editing.reading import Reader, is_library, is_model_file, model_files, stored
+from jausml.editing.rebasing import Rebasing
 from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
 from jausml.editing.splices import applied, difference, inverted
 from jausml.model import refs
@@ -56,6 +57,7 @@ class Project:
         self._revision = 0
         self._reader = Reader(self.root)
         self._log = Log()
+        self._rebasing = Rebasing()
         self._forest: Forest | None = None
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
@@ -153,7 +155,8 @@ class Project:
         Args:
             commands: The commands, each of which finds what those before it did.
             label: What they do, for people.
-            base: The revision of which their refs are; None for the present one.
+            base: The revision of which their refs are; None for the present one. Refs are
+                followed through what was done since.
 
         Returns:
             The entry of the log. One without changes was not logged: nothing was to be done.
@@ -163,7 +166,9 @@ class Project:
                 written.
         """
         with self._lock:
-            self._check_base(commands, base)
+            if base is not None:
+                now = self._revision
+                commands = [self._rebasing.rebased(each, base, now) for each in commands]
             draft = self._draft()
             forest, self._forest = self._forest, None
             outcome = carry_out(commands, draft, forest)
@@ -172,7 +177,9 @@ class Project:
             if not changes:
                 return Entry(0, label, ())
             self._write({each.file: draft.files.get(each.file) for each in changes})
-            return self._log.add(label, changes, outcome.created)
+            entry = self._log.add(label, changes, outcome.created)
+            self._rebasing.note(self._revision, entry, outcome.shifts)
+            return entry
 
     def write_text(self, file: str, text: str, base: int) -> Entry:
         """Writes what somebody typed; what cannot be parsed is written too, and its model stays.
@@ -198,6 +205,7 @@ class Project:
             if entry is not None:
                 self._replay([_inverted(each) for each in entry.changes])
                 self._log.step_back()
+                self._rebasing.note_again(self._revision, entry, back=True)
             return entry
 
     def redo(self) -> Entry | None:
@@ -211,6 +219,7 @@ class Project:
             if entry is not None:
                 self._replay(entry.changes)
                 self._log.step_on()
+                self._rebasing.note_again(self._revision, entry, back=False)
             return entry
 
     def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
@@ -265,16 +274,6 @@ class Project:
 
     def _draft(self) -> Draft:
         return Draft(self.root, self._files, self._reader, self._revision + 1)
-
-    def _check_base(self, commands: Sequence[Command], base: int | None) -> None:
-        if base is None or base == self._revision:
-            return
-        named = {refs.split(each.element)[0] for each in commands if hasattr(each, "element")}
-        named |= {refs.split(each.owner)[0] for each in commands if hasattr(each, "owner")}
-        changed = [f for f in named if f in self._files and self._files[f].revision > base]
-        if changed:
-            message = f"{changed[0]} has changed since: look at it again, and repeat the edit"
-            raise EditError(message, conflict=True)
 
     def _write(self, changed: Mapping[str, Stored | None]) -> None:
         """Writes files, all or none, if they are still as this project knows them."""
@@ -356,6 +355,7 @@ class Project:
             after = self._files[file].digest
         step = tuple(difference(file, old, new))
         change = FileChange(file, (step,), known.digest if known is not None else "", after)
+        self._rebasing.note_unknown(self._revision, [file])
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
         return Change(file, diff)
 

@@ -84,13 +84,29 @@ def test_undoing_over_a_change_that_nobody_told_is_refused(project):
     assert text(project) == MODEL
 
 
-def test_a_command_for_an_older_revision_is_refused_when_its_file_changed(project):
-    project.do([Add("robot.xmi#/", "nodes", "ros.Node", {"name": ("a",)}, position=0)], "add")
+def test_a_command_for_an_older_revision_finds_its_element(project):
+    added = Add("robot.xmi#/", "nodes", "ros.Node", {"name": ("a",)}, position=0)
+    project.do([added], "add")
+    project.do([Rename(NODE, "pilot")], "rename", base=0)
+    assert [each.name for each in project.model("robot.xmi").model.root.nodes] == ["a", "pilot"]
+    project.undo()
+    project.undo()
+    project.do([Rename("robot.xmi#//@nodes.1", "captain")], "rename", base=1)
+    assert node(project).name == "captain"
+    project.do([Remove(NODE)], "remove", base=0)
+    with pytest.raises(EditError, match="gone") as caught:
+        project.do([Rename(NODE, "again")], "rename", base=0)
+    assert caught.value.conflict
+
+
+def test_a_command_for_what_another_program_has_changed_since_is_a_conflict(project):
+    save(project, OTHER)
+    project.refresh()
     with pytest.raises(EditError) as caught:
         project.do([Remove(NODE)], "remove", base=0)
     assert caught.value.conflict
     project.do([Remove(NODE)], "remove", base=project.revision)
-    assert text(project) == MODEL
+    assert "pilot" not in text(project)
 
 
 def test_a_broken_file_keeps_its_last_model_and_is_never_overwritten(project):
