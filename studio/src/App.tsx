@@ -41,18 +41,20 @@ export function App() {
 }
 
 function Middle() {
-  const middle = useStudio((studio) => studio.middle);
+  const chosen = useStudio((studio) => studio.middle);
   const isMap = useStudio((studio) => studio.view.startsWith("map:"));
   const tabs: [MiddleTab, string][] = [
     ["diagram", "Diagram"],
     ["table", "Table"],
   ];
+  // A map has more members than its diagram shows, and can be tried.
+  if (isMap) tabs.push(["members", "All members, and try it"]);
+  const middle = chosen === "members" && !isMap ? "diagram" : chosen;
   return (
     <main className="middle">
       <Tabs label="View as" tabs={tabs} chosen={middle} onChoose={(tab) => update({ middle: tab })}>
-        {middle === "table" ? <TableView /> : <Canvas />}
+        {middle === "table" ? <TableView /> : middle === "members" ? <MapEditor /> : <Canvas />}
       </Tabs>
-      {isMap && <MapEditor />}
     </main>
   );
 }

@@ -508,6 +508,11 @@ export interface Methods {
   /** The innermost element whose text has the character at an offset of a file. */
   at: [{ file: string; offset: number }, { element: Ref | "" }];
   members: [{ file: string; view: string }, { sides: MapSide[] }];
+  /** How a member of a map may be filled without a source. */
+  fill: [
+    { file: string; view: string; target: GraphEnd; value: string },
+    { constant: ConnectResult; clock: ConnectResult; ignore: ConnectResult },
+  ];
   write: [{ file: string; text: string; base: number }, { revision: number }];
   try: [
     { file: string; map: string; direction: Direction; values: Record<string, string> },

@@ -49,7 +49,7 @@ export interface Said {
 }
 
 export type BottomTab = "problems" | "generate" | "live" | "log";
-export type MiddleTab = "diagram" | "table";
+export type MiddleTab = "diagram" | "table" | "members";
 export type RightTab = "form" | "source";
 
 export interface Studio {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from jausml.diagrams.views import maps
 from jausml.diagrams.views.context import Context
 from jausml.metamodel.classes import bridge
 from jausml.model import refs
@@ -18,7 +19,7 @@ from jausml.studio.answers.spots import spot
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from jausml.studio.desk import Desk
 
@@ -143,9 +144,22 @@ def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
 def _ends(desk: Desk, asked: Start) -> object:
     scope = scope_of(desk, asked.file)
     ids = Context(scope.model, asked.view, ())
+    used = map_of(scope, asked.view)
+    if used is not None:
+        return {"ends": list(_members_beside(ids, used, asked.node))}
     found = []
     for end, why in ends(scope, spot(scope, asked.node, asked.port)):
         port = ids.id_of(end.element) if end.element is not None else ""
         label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
         found.append({"node": ids.id_of(end.owner), "port": port, "label": label, "why": why})
     return {"ends": found}
+
+
+def _members_beside(ids: Context, used: bridge.AttributeMap, node: str) -> Iterator[dict[str, str]]:
+    """Yields the members of the other boxes of a map; only trying tells which of them fit."""
+    for box, members in maps.ends(ids, used):
+        waiting = list(reversed(members)) if box != node else []
+        while waiting:
+            each = waiting.pop()
+            waiting += reversed(each.inner)
+            yield {"node": box, "port": each.path, "label": each.path, "why": each.port.note}

@@ -6,8 +6,11 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from jausml.studio.answers.assigning import clock, constant, ignore
+from jausml.studio.answers.elements import AnswerError
+from jausml.studio.answers.members import end_of
 from jausml.studio.answers.trying import inputs
-from jausml.studio.asking.answering import map_named, scope_of
+from jausml.studio.asking.answering import Port, map_named, map_of, scope_of
 from jausml.studio.methods import Method
 
 if TYPE_CHECKING:
@@ -35,10 +38,28 @@ class Trial:
     values: Mapping[str, str]
 
 
+@dataclass(frozen=True)
+class Filling:
+    """A member that is filled without a source.
+
+    Attributes:
+        file: The file.
+        view: The view of the map.
+        target: The member.
+        value: The constant that it may become.
+    """
+
+    file: str
+    view: str
+    target: Port
+    value: str = ""
+
+
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
         "tried": Method(Asked, lambda asked: _inputs(desk, asked)),
+        "fill": Method(Filling, lambda asked: _fill(desk, asked)),
         "try": Method(Trial, lambda asked: _try(desk, asked)),
     }
 
@@ -46,6 +67,19 @@ def methods(desk: Desk) -> Mapping[str, Method[Any]]:
 def _inputs(desk: Desk, asked: Asked) -> object:
     used = map_named(scope_of(desk, asked.file), asked.map)
     return {"inputs": inputs(used, to_ros=asked.direction == "to_ros")}
+
+
+def _fill(desk: Desk, asked: Filling) -> object:
+    scope = scope_of(desk, asked.file)
+    used = map_of(scope, asked.view)
+    if used is None:
+        raise AnswerError(f"{asked.view} is no view of a map")
+    target = end_of(scope, used, asked.target.node, asked.target.port)
+    return {
+        "constant": constant(scope, used, target, asked.value),
+        "clock": clock(scope, used, target),
+        "ignore": ignore(scope, used, target),
+    }
 
 
 def _try(desk: Desk, asked: Trial) -> object:

@@ -1,5 +1,5 @@
 import "@testing-library/jest-dom/vitest";
-import { cleanup } from "@testing-library/react";
+import { cleanup, configure } from "@testing-library/react";
 import { afterEach, beforeEach } from "vitest";
 import { BEGINNING, useStudio } from "../store";
 
@@ -30,6 +30,9 @@ HTMLDialogElement.prototype.close ??= function (this: HTMLDialogElement) {
   this.open = false;
   this.dispatchEvent(new Event("close"));
 };
+
+// Other work of the machine may take long; what does not come at all still fails.
+configure({ asyncUtilTimeout: 4000 });
 
 beforeEach(() => useStudio.setState(BEGINNING, true));
 afterEach(cleanup);

@@ -59,6 +59,20 @@ def test_members_are_assigned(page: Page) -> None:
     assert found["options"] or found["refusal"]
 
 
+def test_a_member_is_filled_without_a_source(page: Page) -> None:
+    view = "map:velocity_state"
+    ros = page.ask("members", file=FILE, view=view)["sides"][1]["node"]
+    ends = page.ask("ends", file=FILE, view=view, node=ros, port="header.stamp")["ends"]
+    assert {"Velocity_X", "TimeStamp"} <= {each["port"] for each in ends}
+    asked = {"file": FILE, "view": view, "target": {"node": ros, "port": "twist.twist.linear.z"}}
+    found = page.ask("fill", **asked, value="2.5")
+    [option] = found["constant"]["options"]
+    assert "2.5" in option["preview"]
+    assert found["clock"]["refusal"]
+    assert page.ask("edit", commands=option["commands"], label="fill", dry=True)["diff"]
+    assert page.ask("fill", **asked, value="fast")["constant"]["refusal"]
+
+
 def test_values_are_tried(page: Page) -> None:
     view = next(
         each["name"]

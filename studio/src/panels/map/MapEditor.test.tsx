@@ -1,7 +1,7 @@
-import { fireEvent, render, screen, within } from "@testing-library/react";
+import { fireEvent, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, it } from "vitest";
-import type { Graph, MapMember } from "../../protocol";
+import type { ConnectOption, Graph, MapMember } from "../../protocol";
 import { state, update } from "../../store";
 import { type FakeServer, serve } from "../../testing/fakeServer";
 import { edge, node, port, smallGraph } from "../../testing/graphs";
@@ -43,6 +43,14 @@ const member = (path: string, depth = 0): MapMember => ({
   depth,
 });
 
+const option = (label: string, element: string): ConnectOption => ({
+  label,
+  why: "",
+  preview: label,
+  commands: [{ kind: "remove", element }],
+  is_best: true,
+});
+
 let server: FakeServer;
 
 beforeEach(() => {
@@ -58,6 +66,14 @@ beforeEach(() => {
       ],
     }),
     connect: () => ({ options: [], refusal: "they do not fit" }),
+    fill: ({ value }) => ({
+      constant:
+        value === "x"
+          ? { options: [], refusal: "'x' is no number" }
+          : { options: [option("constant", value)], refusal: "" },
+      clock: { options: [], refusal: "it is no time" },
+      ignore: { options: [option("leave out", "")], refusal: "" },
+    }),
     edit: () => ({ revision: 1, created: [] }),
     tried: ({ direction }) => ({
       inputs:
@@ -123,10 +139,25 @@ it("maps by keyboard alone, and Escape ends it", async () => {
   expect(ends()).toEqual([["YawRate", "angular.z"]]);
 });
 
-it("fills a member without a source", async () => {
+it("fills a member without a source, with what the rules accept", async () => {
   (await row(/^angular/)).focus();
   await userEvent.keyboard("f");
-  expect(ends()).toEqual([["", "angular"]]);
+  const constant = await screen.findByLabelText("Constant");
+  expect(constant).toHaveFocus();
+  await userEvent.type(constant, "x");
+  expect(await screen.findByText(/'x' is no number/)).toBeVisible();
+  await userEvent.type(constant, "{Backspace}2");
+  await waitFor(() => expect(screen.getByRole("button", { name: "Set constant" })).toBeEnabled());
+  await userEvent.keyboard("{Enter}");
+  expect(server.params("edit")[0]?.commands).toEqual([{ kind: "remove", element: "2" }]);
+  await waitFor(() => expect(screen.queryByLabelText("Constant")).toBeNull());
+});
+
+it("leaves a member out", async () => {
+  (await row(/^angular/)).focus();
+  await userEvent.keyboard("f");
+  await userEvent.click(await screen.findByRole("button", { name: "leave out" }));
+  expect(server.params("edit")[0]?.label).toBe("Fill angular: leave out");
 });
 
 it("shows an assignment in the form, and deletes it", async () => {

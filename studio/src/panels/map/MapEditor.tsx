@@ -5,6 +5,7 @@ import { useStudio } from "../../store";
 import { Quiet } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
+import { Fill } from "./Fill";
 import { MemberTree } from "./MemberTree";
 import { type Filter, sides } from "./rows";
 import { TryIt } from "./TryIt";
@@ -21,6 +22,7 @@ export function MapEditor() {
   const { value: members } = useAnswer("members", question, revision);
   const [query, setQuery] = useState("");
   const [filter, setFilter] = useState<Filter>("all");
+  const [filled, setFilled] = useState<GraphEnd | null>(null);
   const [begun, setBegun] = useState<GraphEnd | null>(null);
 
   const ends = useMemo(() => (graph ? sides(graph, members?.sides ?? []) : []), [graph, members]);
@@ -44,6 +46,7 @@ export function MapEditor() {
       chosen={element}
       onBegin={setBegun}
       onConnect={connect}
+      onFill={setFilled}
       onChoose={choose}
       onRemove={(use, label) => remove([use], label)}
     />
@@ -74,6 +77,16 @@ export function MapEditor() {
             : "Drag a member onto one of the other side, or press c on both; f fills one with a constant."}
         </span>
       </header>
+      {filled && (
+        <Fill
+          key={`${filled.node} ${filled.port}`}
+          file={file}
+          view={view}
+          target={filled}
+          revision={revision}
+          onDone={() => setFilled(null)}
+        />
+      )}
       <div className="map-sides">
         <div>{ends.filter((each) => each.side === "jaus").map(tree)}</div>
         <div>{ends.filter((each) => each.side === "ros").map(tree)}</div>

@@ -12,13 +12,13 @@ interface Props {
   begun: GraphEnd | null;
   chosen: Ref;
   onBegin: (end: GraphEnd | null) => void;
-  /** A connection was drawn; without a source the member is to be filled with something else. */
+  /** A connection was drawn. */
   onConnect: (source: GraphEnd, target: GraphEnd) => void;
+  /** A member is to be filled without a source. */
+  onFill: (target: GraphEnd) => void;
   onChoose: (element: Ref) => void;
   onRemove: (element: Ref, label: string) => void;
 }
-
-const NOTHING: GraphEnd = { node: "", port: "" };
 
 /** One end of a map: its members as a tree, each with what fills or reads it. */
 export function MemberTree(props: Props) {
@@ -86,7 +86,7 @@ export function MemberTree(props: Props) {
     else if (key === "ArrowLeft") focus(around(row, shown));
     else if ((key === "c" || key === "Enter") && begun !== null) finish(row);
     else if (key === "c") props.onBegin({ node: row.node, port: row.path });
-    else if (key === "f") props.onConnect(NOTHING, { node: row.node, port: row.path });
+    else if (key === "f") props.onFill({ node: row.node, port: row.path });
     else if (key === "Enter" && use) props.onChoose(use.element);
     else if (key === "Enter" && row.hasInner) toggle(row.path, !isOpen);
     else if (key === "Delete" && use) props.onRemove(use.element, use.edge.title);
@@ -242,7 +242,7 @@ function Member(props: MemberProps) {
               type="button"
               tabIndex={-1}
               title="Fill it with a constant or the clock, or ignore it (f)"
-              onClick={() => props.onConnect(NOTHING, { node: row.node, port: row.path })}
+              onClick={() => props.onFill({ node: row.node, port: row.path })}
             >
               fill…
             </button>

@@ -1,0 +1,88 @@
+import { useState } from "react";
+import { change, messageOf } from "../../actions";
+import type { ConnectOption, ConnectResult, GraphEnd } from "../../protocol";
+import { Fault } from "../base/parts";
+import { useAnswer } from "../base/useAnswer";
+import { useSettled } from "../base/useSettled";
+
+const PAUSE_MS = 150;
+
+interface Props {
+  file: string;
+  view: string;
+  target: GraphEnd;
+  revision: number;
+  onDone: () => void;
+}
+
+/** Fills a member without a source: with a constant or the present time; or leaves it out. */
+export function Fill({ file, view, target, revision, onDone }: Props) {
+  const [typed, setTyped] = useState("");
+  const [fault, setFault] = useState("");
+  const value = useSettled(typed, PAUSE_MS);
+  const answer = useAnswer("fill", { file, view, target, value }, revision);
+  const ways = answer.value;
+  const [constant] = ways?.constant.options ?? [];
+  const isJudged = value === typed && ways !== null;
+
+  async function take(option: ConnectOption) {
+    try {
+      await change(option.commands, `Fill ${target.port}: ${option.label}`);
+      onDone();
+    } catch (error) {
+      setFault(messageOf(error));
+    }
+  }
+
+  return (
+    <form
+      className="fill"
+      aria-label={`Fill ${target.port}`}
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (isJudged && constant) take(constant);
+      }}
+      onKeyDown={(event) => {
+        if (event.key !== "Escape") return;
+        event.stopPropagation();
+        onDone();
+      }}
+    >
+      <strong>{target.port}</strong>
+      <label>
+        {"= "}
+        <input
+          // biome-ignore lint/a11y/noAutofocus: it was asked for by a key or a button just now
+          autoFocus
+          type="text"
+          aria-label="Constant"
+          autoComplete="off"
+          value={typed}
+          onChange={(event) => setTyped(event.currentTarget.value)}
+        />
+      </label>
+      <button type="submit" disabled={!isJudged || !constant}>
+        Set constant
+      </button>
+      <Way way={ways?.clock} onTake={take} />
+      <Way way={ways?.ignore} onTake={take} />
+      <button type="button" onClick={onDone}>
+        Cancel
+      </button>
+      <Fault>{fault || answer.error || (typed && ways?.constant.refusal) || ""}</Fault>
+    </form>
+  );
+}
+
+interface WayProps {
+  way: ConnectResult | undefined;
+  onTake: (option: ConnectOption) => void;
+}
+
+function Way({ way, onTake }: WayProps) {
+  return way?.options.map((each) => (
+    <button type="button" key={each.label} title={each.preview} onClick={() => onTake(each)}>
+      {each.label}
+    </button>
+  ));
+}
