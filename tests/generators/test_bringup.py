@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 import yaml
@@ -10,13 +11,15 @@ import yaml
 from jausml.generation import render
 from jausml.generators.bringup.target import TARGET as BRINGUP
 from jausml.generators.bringup.views import SETTINGS
-from jausml.metamodel.classes import ros
+from jausml.metamodel.classes import bridge, ros
 from jausml.model import read_models
 from jausml.runtime.base.settings import TransportSettings
+from jausml.semantics import stops
 from jausml.text.notation import NOTATIONS
 
 from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
 
+STOPS = ROOT / "tests" / "live" / "stops.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "waypoint_list" / "waypoint_list.ros2jaus"
 
 # As much of launch as the generated files use; every call is checked like a real one would be.
@@ -297,6 +300,24 @@ def test_hostile_values_arrive_unchanged():
     }
 
 
+def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():
+    model = read_models([STOPS], notations=NOTATIONS, allow_outside=True).model
+    files = [each for each in render(model, [BRINGUP]) if each.path.endswith(".yaml")]
+    seconds = {}
+    for each in files:
+        values = yaml.safe_load(each.text)["/**"]["ros__parameters"]
+        for name, value in values.items():
+            if name.endswith(".silence_timeout"):
+                seconds[Path(each.path).stem, name.partition(".")[0]] = value
+    made = {
+        (owner.name, connection.name): stops.silence_timeout(connection)
+        for owner in model.instances(bridge.Bridge, library=False)
+        for connection in owner.bridgeConnections
+    }
+    assert set(made.values()) == {0.0, 1.0}
+    assert seconds == made
+
+
 def test_a_list_is_not_shaped():
     model = read_models([LISTS], notations=NOTATIONS).model
     (robot,) = (each for each in render(model, [BRINGUP]) if each.path.endswith("robot.yaml"))
@@ -304,8 +325,6 @@ def test_a_list_is_not_shaped():
     assert {name for name in values if name.startswith("waypoints.")} == {
         "waypoints.action",
         "waypoints.frame_id",
-        "waypoints.silence_timeout",
-        "waypoints.latency",
     }
 
 

@@ -106,14 +106,15 @@ def _connection_lines(view: ConnectionView) -> Iterator[ParameterLine]:
         yield ParameterLine(f"{name}.peers", view.named_peers)
     if view.rate is not None:
         yield ParameterLine(f"{name}.rate", view.rate, "Messages each second (Hz).")
-    yield ParameterLine(
-        f"{name}.silence_timeout",
-        float(connection.silenceTimeout or freshness_of(connection)),
-        "Seconds without a message that count as silence; 0 is never.",
-    )
     if not isinstance(view, ActionView):
+        yield ParameterLine(
+            f"{name}.silence_timeout",
+            view.silence_timeout or freshness_of(connection),
+            "Seconds without a message that count as silence; 0 is never.",
+        )
         yield from _shape_lines(view)
-    yield ParameterLine(f"{name}.latency", value=False, about="Whether its latency is measured.")
+        about = "Whether its latency is measured."
+        yield ParameterLine(f"{name}.latency", value=False, about=about)
     for join in view.joins:
         owner = f"{name}.{join.name}"
         yield ParameterLine(

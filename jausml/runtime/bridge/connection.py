@@ -100,13 +100,17 @@ class Connection(Limiting, Stopping, Generic[SourceT, TargetT]):
         self.counters = ends.component.counters
         self._is_open = True
         self._transcode = self._made_transcode()
-        self._wants_latency = ends.ros.parameter(
-            parameters.latency(self.name), self._set_wants_latency
-        )
         self._plain = None
         age = self.make_age()
         if age is not None:
             self._shaping.open(self.name, ends, age, self.choose_way)
+
+    def declare(self, ends: Ends) -> None:
+        """Declares the parameters of the connection, and reads what they say."""
+        super().declare(ends)
+        self._wants_latency = ends.ros.parameter(
+            parameters.latency(self.name), self._set_wants_latency
+        )
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes the objects that the readable translation is given."""

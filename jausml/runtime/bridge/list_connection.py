@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from .actions import ListAction
     from .connection import Take
+    from .ends import Ends
     from .stopping import Switch
     from .stops import StopReason
 
@@ -39,6 +40,12 @@ class ListConnection(Connection[SourceT, TargetT]):
         """
         super().__init__(name, translate, is_command=True)
         self._action = action
+
+    def declare(self, ends: Ends) -> None:
+        """Declares nothing: lists have no silence, and their latency is not measured."""
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Measures nothing: lists are rare."""
 
     def watch(self) -> None:
         """Nothing is to be stopped before there is a list."""

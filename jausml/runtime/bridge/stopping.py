@@ -81,13 +81,21 @@ class Stopping:
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
-        """Reads what parameters say of silence.
+        """Begins a life, in which nothing was stopped yet.
 
         Args:
             ends: The bridge, whose two sides are there.
         """
         self._ends = ends
         self._halt = self.stopped = None  # of an earlier life
+        self.declare(ends)
+
+    def declare(self, ends: Ends) -> None:
+        """Declares the parameters of the connection, and reads what they say.
+
+        Args:
+            ends: The bridge.
+        """
         self.silence_timeout = ends.ros.parameter(
             parameters.silence_timeout(self.name, self.silence_timeout), self._set_silence_timeout
         )
