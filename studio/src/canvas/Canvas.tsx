@@ -9,7 +9,6 @@ import {
   SelectionMode,
   useReactFlow,
   useStore,
-  type XYPosition,
 } from "@xyflow/react";
 import {
   type DragEvent,
@@ -28,7 +27,18 @@ import { active, state, useStudio } from "../store";
 import { Box } from "./Box";
 import { EmptyHint, Nothing } from "./EmptyHint";
 import { Frame } from "./Frame";
-import { type FlowEdge, type FlowNode, keyOfNode, portOfHandle, toEdges, toNodes } from "./flow";
+import {
+  edgesWithStates,
+  type FlowEdge,
+  type FlowNode,
+  keyOfNode,
+  type Moved,
+  NOTHING_MOVED,
+  portOfHandle,
+  toEdges,
+  toNodes,
+  withStates,
+} from "./flow";
 import { Line } from "./Line";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
@@ -40,7 +50,6 @@ const EDGE_TYPES = { line: Line };
 const MANY_BOXES = 100;
 /** Below this zoom labels cannot be read, and are not drawn. */
 const FAR = 0.45;
-const NOTHING_MOVED: ReadonlyMap<string, XYPosition> = new Map();
 
 /** The diagram of the chosen view. */
 export function Canvas() {
@@ -59,8 +68,13 @@ function Diagram({ graph }: { graph: Graph }) {
   const selection = useStudio((studio) => studio.selection);
   const chosen = useMemo(() => new Set(selection), [selection]);
   const [moved, setMoved] = useMoved(graph);
-  const nodes = useMemo(() => toNodes(graph, moved, chosen), [graph, moved, chosen]);
-  const edges = useMemo(() => toEdges(graph, moved, chosen), [graph, moved, chosen]);
+  const boxes = useMemo(() => toNodes(graph), [graph]);
+  const lines = useMemo(() => toEdges(graph), [graph]);
+  const nodes = useMemo(() => withStates(boxes, moved, chosen), [boxes, moved, chosen]);
+  const edges = useMemo(
+    () => edgesWithStates(graph, lines, moved, chosen),
+    [graph, lines, moved, chosen],
+  );
   const isFar = useStore((flow) => flow.transform[2] < FAR);
   const here = useStudio(active);
   const flow = useReactFlow();
@@ -80,13 +94,12 @@ function Diagram({ graph }: { graph: Graph }) {
           return after;
         });
       }
-      const byId = (id: string) => nodes.find((each) => each.id === id);
       takeSelection(changes, (id) => {
-        const node = byId(id);
+        const node = boxes.find((each) => each.id === id);
         return node ? keyOfNode(node) : null;
       });
     },
-    [nodes, setMoved],
+    [boxes, setMoved],
   );
   const onEdgesChange = useCallback((changes: EdgeChange<FlowEdge>[]) => {
     takeSelection(changes, edgeKey);
@@ -190,7 +203,7 @@ function Diagram({ graph }: { graph: Graph }) {
 
 /** Places of boxes while they are moved; a new graph has them itself. */
 function useMoved(graph: Graph) {
-  const [moved, setMoved] = useState(NOTHING_MOVED);
+  const [moved, setMoved] = useState<Moved>(NOTHING_MOVED);
   const [shown, setShown] = useState(graph);
   if (shown !== graph) {
     setShown(graph);

@@ -1,7 +1,15 @@
 import { expect, test } from "vitest";
 import { edgeKey, nodeKey } from "../selection";
 import { edge, smallGraph } from "../testing/graphs";
-import { HANDLE, pathOf, portOfHandle, toEdges, toNodes } from "./flow";
+import {
+  edgesWithStates,
+  HANDLE,
+  pathOf,
+  portOfHandle,
+  toEdges,
+  toNodes,
+  withStates,
+} from "./flow";
 
 const NONE = new Map();
 
@@ -21,15 +29,15 @@ test("boxes have the sizes and places of the server, frames lie below them", () 
       height: 4,
     },
   ];
-  const [frame, ocu, bridge] = toNodes(graph, NONE, new Set([nodeKey("bridge")]));
+  const [frame, ocu, bridge] = withStates(toNodes(graph), NONE, new Set([nodeKey("bridge")]));
   expect(frame).toMatchObject({ type: "frame", position: { x: 1, y: 2 }, width: 3, zIndex: -1 });
   expect(ocu).toMatchObject({ id: "ocu", position: { x: 0, y: 0 }, width: 120, height: 66 });
-  expect(ocu?.selected).toBe(false);
+  expect(ocu?.selected).toBeFalsy();
   expect(bridge?.selected).toBe(true);
 });
 
 test("a row has an end at each border of its box, at its middle", () => {
-  const [ocu] = toNodes(smallGraph(), NONE, new Set());
+  const [ocu] = toNodes(smallGraph());
   const ends = ocu?.handles?.filter((each) => portOfHandle(each.id) === "drive");
   expect(ends?.map(({ x, y }) => [x, y + HANDLE / 2])).toEqual([
     [0, 39],
@@ -40,7 +48,9 @@ test("a row has an end at each border of its box, at its middle", () => {
 test("a line leaves to the side where its other end stands, also while that is moved", () => {
   const graph = smallGraph();
   const handles = (moved: Map<string, { x: number; y: number }>) => {
-    const line = toEdges(graph, moved, new Set()).find((each) => each.id === "e1");
+    const line = edgesWithStates(graph, toEdges(graph), moved, new Set()).find(
+      (each) => each.id === "e1",
+    );
     return [line?.sourceHandle, line?.targetHandle];
   };
   expect(handles(NONE)).toEqual(["r:drive", "l:velocity"]);
@@ -56,20 +66,21 @@ test("the layout's route is drawn until an end moves", () => {
     [3, 3],
   ];
   const isRouted = (moved: Map<string, { x: number; y: number }>) =>
-    toEdges(graph, moved, new Set())[0]?.data?.isRouted;
+    edgesWithStates(graph, toEdges(graph), moved, new Set())[0]?.data?.isRouted;
   expect(isRouted(NONE)).toBe(true);
   expect(isRouted(new Map([["base", { x: 1, y: 1 }]]))).toBe(true);
   expect(isRouted(new Map([["ocu", { x: 1, y: 1 }]]))).toBe(false);
 });
 
-test("what did not change is the same data, so that it is not drawn anew", () => {
+test("what did not change is the same object, so that it is not drawn anew", () => {
   const graph = smallGraph();
-  const first = toNodes(graph, NONE, new Set());
-  const second = toNodes(graph, new Map([["ocu", { x: 9, y: 9 }]]), new Set([nodeKey("base")]));
-  expect(second.map((each) => each.data)).toEqual(first.map((each) => each.data));
-  for (const [at, each] of second.entries()) expect(each.data).toBe(first[at]?.data);
-  const lines = [toEdges(graph, NONE, new Set()), toEdges(graph, NONE, new Set([edgeKey("e1")]))];
-  expect(lines[1]?.[0]?.data).toBe(lines[0]?.[0]?.data);
+  const [boxes, lines] = [toNodes(graph), toEdges(graph)];
+  const moved = new Map([["ocu", { x: 9, y: 9 }]]);
+  const nodes = withStates(boxes, moved, new Set([nodeKey("base")]));
+  expect(nodes.map((each, at) => each === boxes[at])).toEqual([false, true, false]);
+  const edges = edgesWithStates(graph, lines, moved, new Set([edgeKey("e2")]));
+  expect(edges.map((each, at) => each === lines[at])).toEqual([false, false, true, false]);
+  expect(edges[1]?.data).toBe(lines[1]?.data);
 });
 
 test("a line whose row is folded ends at the box, one without a box is not drawn", () => {
@@ -78,7 +89,7 @@ test("a line whose row is folded ends at the box, one without a box is not drawn
     edge("a", ["ocu", "gone"], ["base", "/odom"]),
     edge("b", ["gone", ""], ["base", ""]),
   ];
-  const lines = toEdges(graph, NONE, new Set());
+  const lines = toEdges(graph);
   expect(lines.map((each) => [each.id, each.sourceHandle])).toEqual([["a", "r:"]]);
 });
 

@@ -2,7 +2,7 @@
 
 import { type Edge, type Node, type NodeHandle, Position, type XYPosition } from "@xyflow/react";
 import type { Graph, GraphEdge, GraphEnd, GraphGroup, GraphNode } from "../protocol";
-import { edgeKey, groupKey, nodeKey, type PartKey } from "../selection";
+import { edgeKey, groupKey, indexOf, nodeKey, type PartKey } from "../selection";
 
 export type BoxNode = Node<{ node: GraphNode }, "box">;
 export type FrameNode = Node<{ group: GraphGroup }, "frame">;
@@ -11,6 +11,7 @@ export type FlowEdge = Edge<{ edge: GraphEdge; isRouted: boolean }, "line">;
 
 /** Places of boxes that are being moved, by id. */
 export type Moved = ReadonlyMap<string, XYPosition>;
+export const NOTHING_MOVED: Moved = new Map();
 
 /** Width and height of the ends of lines, which a pointer can take. */
 export const HANDLE = 12;
@@ -21,7 +22,8 @@ type Side = keyof typeof SIDES;
 export const handleId = (side: Side, port: string): string => `${side}:${port}`;
 export const portOfHandle = (handle: string | null | undefined): string => handle?.slice(2) ?? "";
 
-export function toNodes(graph: Graph, moved: Moved, selected: ReadonlySet<PartKey>): FlowNode[] {
+/** The boxes and frames of a graph, none of them moved or selected. */
+export function toNodes(graph: Graph): FlowNode[] {
   const frames: FlowNode[] = graph.groups.map((group) => ({
     id: frameId(group.id),
     type: "frame",
@@ -32,33 +34,36 @@ export function toNodes(graph: Graph, moved: Moved, selected: ReadonlySet<PartKe
     data: { group },
     draggable: false,
     connectable: false,
-    selected: selected.has(groupKey(group.id)),
     zIndex: -1,
   }));
-  return [...frames, ...graph.nodes.map((node) => toNode(node, moved, selected))];
+  return [...frames, ...graph.nodes.map(toNode)];
 }
 
-function toNode(node: GraphNode, moved: Moved, selected: ReadonlySet<PartKey>): BoxNode {
+function toNode(node: GraphNode): BoxNode {
   return {
     id: node.id,
     type: "box",
-    position: moved.get(node.id) ?? { x: node.x, y: node.y },
+    position: { x: node.x, y: node.y },
     width: node.width,
     height: node.height,
     measured: { width: node.width, height: node.height },
     handles: handlesOf(node),
-    data: node === kept.get(node)?.node ? kept.get(node)! : keep(node),
-    selected: selected.has(nodeKey(node.id)),
+    data: { node },
   };
 }
 
-// The same data for the same box: what is memoised by it is not drawn again.
-const kept = new WeakMap<GraphNode, { node: GraphNode }>();
-
-function keep(node: GraphNode): { node: GraphNode } {
-  const data = { node };
-  kept.set(node, data);
-  return data;
+/** The same with what is moved and selected; all others stay the same objects, and are not drawn anew. */
+export function withStates(
+  nodes: FlowNode[],
+  moved: Moved,
+  selected: ReadonlySet<PartKey>,
+): FlowNode[] {
+  return nodes.map((node) => {
+    const position = moved.get(node.id);
+    const isSelected = selected.has(keyOfNode(node));
+    if (!position && !isSelected) return node;
+    return { ...node, position: position ?? node.position, selected: isSelected };
+  });
 }
 
 /** Id of a frame among the nodes of React Flow, where boxes have their own ids. */
@@ -98,39 +103,55 @@ function handle(side: Side, port: string, x: number, y: number): NodeHandle {
   };
 }
 
-export function toEdges(graph: Graph, moved: Moved, selected: ReadonlySet<PartKey>): FlowEdge[] {
-  const nodes = new Map(graph.nodes.map((each) => [each.id, each]));
+/** The lines of a graph, none of them selected; to be asked again only for lines whose ends move. */
+export function toEdges(graph: Graph, moved: Moved = NOTHING_MOVED): FlowEdge[] {
+  const { nodes } = indexOf(graph);
   return graph.edges.flatMap((edge) => {
     const source = nodes.get(edge.source.node);
     const target = nodes.get(edge.target.node);
-    if (!source || !target) return [];
-    const [from, to] = sides(source, target, edge, moved, graph.downwards);
-    const isRouted = edge.route.length > 3 && !moved.has(source.id) && !moved.has(target.id);
-    return {
-      id: edge.id,
-      type: "line" as const,
-      source: source.id,
-      target: target.id,
-      sourceHandle: handleId(from, rowOf(source, edge.source)),
-      targetHandle: handleId(to, rowOf(target, edge.target)),
-      data: dataOf(edge, isRouted),
-      selected: selected.has(edgeKey(edge.id)),
-    };
+    return source && target ? [toEdge(graph, edge, source, target, moved)] : [];
   });
 }
 
-const lines = new WeakMap<GraphEdge, { edge: GraphEdge; isRouted: boolean }[]>();
+function toEdge(
+  graph: Graph,
+  edge: GraphEdge,
+  source: GraphNode,
+  target: GraphNode,
+  moved: Moved,
+): FlowEdge {
+  const [from, to] = sides(source, target, edge, moved, graph.downwards);
+  const isMoved = moved.has(source.id) || moved.has(target.id);
+  return {
+    id: edge.id,
+    type: "line",
+    source: source.id,
+    target: target.id,
+    sourceHandle: handleId(from, rowOf(source, edge.source)),
+    targetHandle: handleId(to, rowOf(target, edge.target)),
+    data: { edge, isRouted: edge.route.length > 3 && !isMoved },
+  };
+}
 
-function dataOf(edge: GraphEdge, isRouted: boolean): { edge: GraphEdge; isRouted: boolean } {
-  let both = lines.get(edge);
-  if (!both) {
-    both = [
-      { edge, isRouted: false },
-      { edge, isRouted: true },
-    ];
-    lines.set(edge, both);
-  }
-  return both[isRouted ? 1 : 0]!;
+/** The same with what is selected, and with ways of their own where an end is moved. */
+export function edgesWithStates(
+  graph: Graph,
+  edges: FlowEdge[],
+  moved: Moved,
+  selected: ReadonlySet<PartKey>,
+): FlowEdge[] {
+  const { nodes } = indexOf(graph);
+  return edges.map((line) => {
+    const isMoved = moved.has(line.source) || moved.has(line.target);
+    const selectedNow = selected.has(edgeKey(line.id));
+    if (!isMoved && !selectedNow) return line;
+    const [source, target] = [nodes.get(line.source), nodes.get(line.target)];
+    const now =
+      isMoved && line.data && source && target
+        ? toEdge(graph, line.data.edge, source, target, moved)
+        : line;
+    return { ...now, selected: selectedNow };
+  });
 }
 
 function rowOf(node: GraphNode, end: GraphEnd): string {
