@@ -106,8 +106,7 @@ function Delete({ dialog }: Of<"delete">) {
         <button type="button" onClick={close}>
           Keep it
         </button>
-        {/* biome-ignore lint/a11y/noAutofocus: Enter does what was asked for; it can be undone */}
-        <button type="button" className="best" autoFocus onClick={onDelete}>
+        <button type="button" className="best" onClick={onDelete}>
           Delete
         </button>
       </footer>
@@ -150,8 +149,7 @@ function Connect({ dialog }: Of<"connect">) {
       <Modal title="This cannot be connected" onClose={close}>
         <p role="alert">{dialog.refusal || "No rule allows it."}</p>
         <footer>
-          {/* biome-ignore lint/a11y/noAutofocus: there is nothing else to do */}
-          <button type="button" className="best" autoFocus onClick={close}>
+          <button type="button" className="best" onClick={close}>
             Understood
           </button>
         </footer>
@@ -197,8 +195,6 @@ function Rename({ dialog }: Of<"rename">) {
         <label>
           New name{" "}
           <input
-            // biome-ignore lint/a11y/noAutofocus: the dialog was opened to type
-            autoFocus
             spellCheck={false}
             value={name}
             onFocus={(event) => event.currentTarget.select()}
@@ -233,8 +229,6 @@ function Create() {
           <label>
             Name{" "}
             <input
-              // biome-ignore lint/a11y/noAutofocus: the dialog was opened to type
-              autoFocus
               spellCheck={false}
               value={name}
               onFocus={(event) => event.currentTarget.select()}

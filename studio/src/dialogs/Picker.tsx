@@ -55,8 +55,6 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
           aria-expanded
           aria-controls={id}
           aria-activedescendant={active}
-          // biome-ignore lint/a11y/noAutofocus: the dialog was opened to search
-          autoFocus
           spellCheck={false}
           value={typed}
           onChange={(event) => {
@@ -72,8 +70,6 @@ export function Picker({ label, picks, onPick, isSearched = true }: Props) {
         role="listbox"
         aria-label={label}
         tabIndex={isSearched ? -1 : 0}
-        // biome-ignore lint/a11y/noAutofocus: the dialog was opened to choose
-        autoFocus={!isSearched}
         aria-activedescendant={isSearched ? undefined : active}
         onKeyDown={isSearched ? undefined : onKeyDown}
       >

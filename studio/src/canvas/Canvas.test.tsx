@@ -1,0 +1,171 @@
+import { act, fireEvent, render, screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { beforeEach, expect, test } from "vitest";
+import { select } from "../actions";
+import { edgeKey, nodeKey, portKey } from "../selection";
+import { state, update } from "../store";
+import { type FakeServer, serve } from "../testing/fakeServer";
+import { smallGraph } from "../testing/graphs";
+import { Canvas } from "./Canvas";
+import { domId } from "./marks";
+
+let server: FakeServer;
+
+beforeEach(() => {
+  const graph = smallGraph();
+  server = serve({
+    views: () => ({ views: [] }),
+    view: () => ({ revision: 2, graph }),
+    edit: () => ({ revision: 1, entry: null, created: [] }),
+  });
+  update({ graph, revision: 1 });
+});
+
+const diagram = () => screen.getByRole("application", { name: "Diagram of robot" });
+const box = (name: string) => screen.getByRole("group", { name: new RegExp(name) });
+const part = (key: string) => document.getElementById(domId(key));
+
+async function press(keys: string) {
+  act(() => diagram().focus());
+  await userEvent.keyboard(keys);
+}
+
+test("boxes have names, rows and what is wrong with them, as words too", () => {
+  const graph = smallGraph();
+  graph.nodes[0]!.findings = [{ severity: "error", rule: "JML1", message: "has no address" }];
+  update({ graph });
+  render(<Canvas />);
+  const ocu = box("component ocu, 2 rows, error: has no address");
+  expect(within(ocu).getByRole("img", { name: "error" })).toHaveTextContent("×");
+  expect(within(ocu).getByRole("group", { name: "drive" })).toBeVisible();
+  expect(box("node base")).toBeVisible();
+});
+
+test("model text is text", () => {
+  const graph = smallGraph();
+  graph.title = "robot";
+  graph.nodes[0]!.title = "<script>alert(1)</script>";
+  graph.nodes[0]!.ports[0]!.label = '"><img src=x onerror=alert(1)>';
+  update({ graph });
+  render(<Canvas />);
+  expect(document.querySelector("script, img")).toBeNull();
+  expect(screen.getByText("<script>alert(1)</script>")).toBeVisible();
+});
+
+test("the diagram is one tab stop", async () => {
+  render(<Canvas />);
+  const stops = [...document.querySelectorAll<HTMLElement>(".flow, .flow *")].filter(
+    (each) => each.tabIndex === 0 && each.tagName !== "A",
+  );
+  expect(stops).toEqual([diagram()]);
+});
+
+test("arrows go about, and the diagram names where the keyboard stands", async () => {
+  render(<Canvas />);
+  await press("{ArrowDown}");
+  expect(diagram()).toHaveAttribute("aria-activedescendant", domId(nodeKey("ocu")));
+  await press("{ArrowDown}{ArrowRight}");
+  expect(state().selection).toEqual([edgeKey("e1")]);
+  await press("{ArrowRight}");
+  expect(state().selection).toEqual([portKey("bridge", "velocity")]);
+  expect(part(portKey("bridge", "velocity"))).toHaveClass("chosen", "active");
+  await press("{Shift>}{ArrowUp}{/Shift}");
+  expect(state().selection).toEqual([portKey("bridge", "velocity"), nodeKey("bridge")]);
+  await press("{Control>}a{/Control}");
+  expect(state().selection).toHaveLength(3);
+  await press("{Escape}");
+  expect(state().selection).toEqual([]);
+});
+
+test("a click on a row chooses the row", () => {
+  render(<Canvas />);
+  fireEvent.click(screen.getByRole("group", { name: "/odom" }));
+  expect(state()).toMatchObject({
+    selection: [portKey("base", "/odom")],
+    chosen: "robot.xmi#/odom",
+  });
+});
+
+test("Alt and arrows move boxes; what is moved in a row is one edit", async () => {
+  render(<Canvas />);
+  act(() => select([nodeKey("bridge")]));
+  await press("{Alt>}{ArrowRight}{ArrowDown}{Shift>}{ArrowDown}{/Shift}{/Alt}");
+  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
+  expect(server.params("edit")[0]?.commands).toMatchObject([
+    { kind: "place", positions: { "key:bridge": [230, 60] } },
+  ]);
+});
+
+test("F2 renames in place, Escape leaves it, Enter keeps it", async () => {
+  const field = { feature: "name", values: ["ocu"], changeable: true };
+  server.answer("form", () => ({ readonly: false, fields: [field] }) as never);
+  render(<Canvas />);
+  act(() => select([nodeKey("ocu")]));
+  await press("{F2}");
+  const input = await screen.findByLabelText("New name");
+  expect(input).toHaveFocus();
+  await userEvent.keyboard("{Escape}");
+  expect(screen.queryByLabelText("New name")).toBeNull();
+  expect(server.params("edit")).toEqual([]);
+  await press("{F2}");
+  await screen.findByLabelText("New name");
+  // Neither letters nor Delete reach the diagram meanwhile.
+  await userEvent.keyboard("dr{Delete}{Enter}");
+  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
+  expect(server.params("edit")[0]?.commands).toEqual([
+    { kind: "rename", element: "robot.xmi#ocu", name: "dr" },
+  ]);
+});
+
+test("what is watched stands out by shape and word, not by colour alone", () => {
+  const still = { rate: null, declared: null, age: null, latency: null, drops: {} };
+  update({
+    live: {
+      edges: {
+        e1: { ...still, level: "ok", text: "25.0 of 25 Hz" },
+        e2: { ...still, level: "error", text: "failing: no peer" },
+        e3: { ...still, level: "not heard", text: "silent" },
+      },
+      boxes: { base: { level: "stale", state: "", controller: "", text: "nothing heard" } },
+    } as never,
+  });
+  render(<Canvas />);
+  expect(part(edgeKey("e1"))).toHaveClass("live-ok");
+  expect(part(edgeKey("e1"))).toHaveTextContent("✓ 25.0 of 25 Hz");
+  expect(part(edgeKey("e2"))).toHaveClass("live-failing");
+  expect(part(edgeKey("e3"))).toHaveClass("live-silent");
+  expect(part(nodeKey("base"))).toHaveClass("live-silent");
+  expect(part(nodeKey("base"))).toHaveTextContent("? nothing heard");
+});
+
+test("a filter fades what does not fit, and Enter goes from one to the next", async () => {
+  render(<Canvas />);
+  const field = screen.getByLabelText("Filter by name");
+  await userEvent.type(field, "odom");
+  expect(part(nodeKey("ocu"))).toHaveClass("dim");
+  expect(part(nodeKey("base"))).not.toHaveClass("dim");
+  await userEvent.keyboard("{Enter}{Enter}");
+  expect(state().selection).toEqual([portKey("base", "/odom")]);
+  await userEvent.keyboard("{Escape}");
+  expect(part(nodeKey("ocu"))).not.toHaveClass("dim");
+  expect(diagram()).toHaveFocus();
+});
+
+test("an item of the palette that is dropped is added", async () => {
+  render(<Canvas />);
+  const item = { drop: { commands: [{ kind: "remove", element: "x" }] }, label_of_edit: "Add it" };
+  fireEvent.drop(diagram(), { dataTransfer: { getData: () => JSON.stringify(item) } });
+  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
+  expect(server.params("edit")[0]).toMatchObject({ label: "Add it" });
+});
+
+test("an empty folder offers a new model, an empty diagram says what to do", async () => {
+  const { rerender } = render(<Canvas />);
+  act(() => update({ graph: { ...smallGraph(), nodes: [], edges: [] } }));
+  expect(screen.getByText("This diagram is empty.")).toBeVisible();
+  const project = { ...state().project!, files: [] };
+  act(() => update({ graph: null, file: "", view: "", project }));
+  rerender(<Canvas />);
+  await userEvent.click(screen.getByRole("button", { name: "New model…" }));
+  expect(state().dialog).toEqual({ kind: "create" });
+});

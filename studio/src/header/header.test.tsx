@@ -1,0 +1,66 @@
+import { act, render, screen } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { beforeEach, expect, test } from "vitest";
+import { listener } from "../actions";
+import { state, update } from "../store";
+import { type FakeServer, PROJECT, serve } from "../testing/fakeServer";
+import { smallGraph } from "../testing/graphs";
+import { Banners } from "./Banners";
+import { Header } from "./Header";
+
+let server: FakeServer;
+
+beforeEach(() => {
+  server = serve({
+    view: () => ({ revision: 1, graph: smallGraph() }),
+    undo: () => ({ revision: 1, entry: null }),
+  });
+});
+
+test("views of the file come before those of the library, each with its kind", async () => {
+  const view = (name: string, kind: "system" | "map" | "service", library = false) => ({
+    name,
+    kind,
+    title: name.split(":")[1] ?? "",
+    library,
+  });
+  update({
+    views: [view("system", "system"), view("map:pose", "map"), view("service:S", "service", true)],
+  });
+  render(<Header />);
+  const names = screen.getAllByRole("option").map((each) => each.textContent);
+  expect(names).toEqual(["robot.xmi", "System", "Map: pose", "Service: S"]);
+  expect(screen.getByRole("group", { name: "Library" })).toBeVisible();
+  await userEvent.selectOptions(screen.getByLabelText("View"), "map:pose");
+  expect(server.params("view")).toEqual([{ file: "robot.xmi", view: "map:pose" }]);
+  await userEvent.click(screen.getByRole("button", { name: "Undo" }));
+  expect(state().said.text).toBe("There is nothing to undo.");
+});
+
+test("a lost or refused connection is told at once", () => {
+  render(<Banners />);
+  act(() => listener.onLink("lost", null, ""));
+  expect(screen.getByRole("alert")).toHaveTextContent("connection to the server is lost");
+  act(() => listener.onLink("refused", null, "the token is another one"));
+  expect(screen.getByRole("alert")).toHaveTextContent("the token is another one");
+});
+
+test("a stale file is told as long as it is stale", () => {
+  render(<Banners />);
+  expect(screen.queryByRole("status")).toBeNull();
+  const files = [{ ...PROJECT.files[0]!, stale: true }];
+  act(() => update({ project: { ...PROJECT, files } }));
+  expect(screen.getByRole("status")).toHaveTextContent("robot.xmi cannot be read as it is now");
+});
+
+test("what another program did is shown; a conflict stays until it is dismissed", async () => {
+  render(<Banners />);
+  act(() => listener.onNotification("conflict", { file: "robot.xmi", diff: "-mine\n+theirs" }));
+  act(() => listener.onNotification("outside", { file: "robot.xmi", diff: "+more" }));
+  act(() => listener.onNotification("outside", { file: "maps.xmi", diff: "" }));
+  expect(screen.getAllByRole("status").map((each) => each.textContent?.[0])).toEqual(["×", "i"]);
+  await userEvent.click(screen.getByRole("button", { name: "Show the difference" }));
+  expect(state().dialog).toMatchObject({ kind: "diff", diff: "-mine\n+theirs" });
+  await userEvent.click(screen.getAllByRole("button", { name: "Dismiss" })[0]!);
+  expect(screen.getAllByRole("status")).toHaveLength(1);
+});
