@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
@@ -17,7 +17,7 @@ from jausml.live.peers.network import (
 from jausml.studio import shown
 from jausml.studio.answers.trying import Trials
 from jausml.studio.audience import Audience
-from jausml.studio.checking import Verdicts
+from jausml.studio.checking import Verdict, Verdicts
 from jausml.studio.drawing import Drawings
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ class Desk:
 
     def __post_init__(self) -> None:
         self.verdicts = Verdicts(self.project)
+        self.told_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}
+        """The latest verdict of each file as pages know it."""
         self.followers: list[Callable[[], None]] = []
         """Are called when the project has changed."""
 

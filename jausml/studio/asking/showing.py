@@ -13,7 +13,7 @@ from jausml.diagrams.views import UnknownViewError, graph_of, view_names
 from jausml.model.refs import file_of
 from jausml.studio import shown
 from jausml.studio.answers.cures import cures
-from jausml.studio.answers.elements import Scope
+from jausml.studio.answers.elements import AnswerError, Scope
 from jausml.studio.methods import Method
 from jausml.studio.rpc import REFUSED, RpcError
 from jausml.text.notation import SUFFIX, decode
@@ -21,14 +21,14 @@ from jausml.text.notation import SUFFIX, decode
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from jausml.model import Document
     from jausml.model.diagnostics import Diagnostic
-    from jausml.studio.answers.shapes import Cure
     from jausml.studio.checking import Verdict
     from jausml.studio.desk import Desk
 
 
 _MOST_CURED = 200
-"""Findings whose cures are told: nobody reads more before the first ones are mended."""
+"""Findings for which cures are looked for: each takes a while, and nobody reads so many."""
 
 
 @dataclass(frozen=True)
@@ -120,43 +120,50 @@ def _text(desk: Desk, asked: OfFile) -> dict[str, Any]:
 
 
 def problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
-    """Returns a verdict as pages know it."""
+    """Returns a verdict as pages know it, worked out once for all of them."""
     desk.looked_at.look(verdict.file)
+    known = desk.told_verdicts.get(verdict.file)
+    if known is None or known[0] is not verdict:
+        known = desk.told_verdicts[verdict.file] = (verdict, _problems(desk, verdict))
+    return known[1]
+
+
+def _problems(desk: Desk, verdict: Verdict) -> dict[str, Any]:
     scope = Scope(verdict.report.model, desk.project.root)
-    cured = [
-        cures(scope, each) if index < _MOST_CURED else ()
-        for index, each in enumerate(verdict.report.diagnostics)
-    ]
-    pairs = zip(verdict.report.diagnostics, cured, strict=True)
+    documents = {each.display: each for each in scope.model.documents}
+    found = verdict.report.diagnostics
     return {
         "revision": verdict.revision,
         "elapsed_ms": round(verdict.elapsed_ms, 1),
         "files": [verdict.file],
-        "problems": [_problem(desk, verdict, *each) for each in pairs],
+        "problems": [
+            _problem(scope, documents.get(each.location.path), each, is_cured=index < _MOST_CURED)
+            for index, each in enumerate(found)
+        ],
     }
 
 
 def _problem(
-    desk: Desk, verdict: Verdict, found: Diagnostic, cured: tuple[Cure, ...]
+    scope: Scope, document: Document | None, found: Diagnostic, *, is_cured: bool
 ) -> dict[str, Any]:
-    file = _file_at(desk, verdict, found.location.path)
     return {
-        "file": file,
+        "file": file_of(document, scope.root) if document is not None else found.location.path,
         "line": found.location.line,
         "column": found.location.column,
         "severity": found.severity,
         "rule": found.rule,
         "message": found.message,
         "hint": found.hint,
-        "element": f"{file}#{found.fragment}" if found.fragment else "",
+        "element": _element(scope, document, found.fragment),
         "path": found.element,
-        "cures": cured,
+        "cures": cures(scope, found) if is_cured else (),
     }
 
 
-def _file_at(desk: Desk, verdict: Verdict, path: str) -> str:
-    """Returns how pages name the file that a finding names."""
-    for document in verdict.report.model.documents:
-        if document.display == path:
-            return file_of(document, desk.project.root)
-    return path
+def _element(scope: Scope, document: Document | None, fragment: str) -> str:
+    if document is None or not fragment:
+        return ""
+    try:
+        return scope.ref(scope.find_in(document, fragment))
+    except AnswerError:
+        return ""

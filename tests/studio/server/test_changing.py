@@ -88,6 +88,19 @@ def test_problems_come_with_each_change(page: Page) -> None:
     assert any(each["element"] == element and each["file"] == FILE for each in found)
 
 
+def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
+    element = node_of(page, "component")
+    before = page.ask("form", element=element)
+    address = next(each for each in before["fields"] if each["feature"] == "address")["values"]
+    bridge = node_of(page, "bridge")
+    same = {"kind": "set", "element": bridge, "feature": "address", "values": address}
+    page.ask("edit", commands=[same], label="break")
+    found = page.ask("problems", file=FILE)["problems"]
+    cure = next(each for problem in found for each in problem["cures"])
+    page.ask("edit", commands=cure["commands"], label=cure["label"])
+    assert page.ask("problems", file=FILE)["problems"] == []
+
+
 def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
     page.ask("problems", file=FILE)
     text = (folder / FILE).read_text(encoding="utf-8")
