@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from jausml.metamodel import ClassTable
     from jausml.model.refs import Ref
 
-_NAME = "name"
+_NAMING = ("name", "urn", "version")
+"""The features by which texts find elements: of one service in several versions the newest."""
 _BY_NAME = re.compile(rb"""#/+[^/@"'\s]|@\w+\[|["'\s]//[^@"'\s]""")
 
 
@@ -221,7 +222,7 @@ class _Work:
         for each in named:
             self._draft.element(each)
         files = [self._draft.editable(each) for each in named]
-        if isinstance(command, Set) and command.feature != _NAME:
+        if isinstance(command, Set) and command.feature not in _NAMING:
             return files
         found = dict.fromkeys(f for each in files for f in self._draft.referring(each))
         if isinstance(command, Set | Rename):

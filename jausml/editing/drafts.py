@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import posixpath
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from jausml.editing.commands import EditError
 from jausml.editing.layout import is_layout
@@ -55,7 +57,7 @@ class Draft:
 
     def referring(self, file: str) -> list[str]:
         """Returns a file and those whose models have elements of it, itself first."""
-        others = [each for each in self.models if each != file]
+        others = [f for f in self.models if f != file and _mentions(self.files[f].good, file)]
         return [file, *(each for each in others if file in self.documents(each))]
 
     def documents(self, file: str) -> list[str]:
@@ -141,3 +143,15 @@ class Draft:
             for file, steps in sorted(self._steps.items())
             if self._before.get(file) != self.files.get(file)
         )
+
+
+def _mentions(data: bytes, file: str) -> bool:
+    """Tells whether a file may refer to another one, without reading what it says.
+
+    It does so by its name at the end of a path or URI.
+    """
+    name = posixpath.basename(file)
+    if quote(name) != name:
+        return True  # written in one of several ways
+    # Every other byte of UTF-16 is nought.
+    return name.encode("ascii") in data.replace(b"\0", b"")

@@ -1,0 +1,89 @@
+"""Random commands on models of several files, in both notations, that refer to each other."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+from random_commands import Commands
+
+from jausml.editing.commands import EditError, Move, Remove, Rename
+from jausml.editing.project import Project
+from jausml.model import read_models
+from jausml.model.uris import LIBRARY_URI
+from jausml.text.notation import NOTATIONS
+from jausml.text.writing.unparsing import to_text
+
+WINCH = Path("models/examples/winch")
+SEEDS = max(4, settings().max_examples // 10)
+OUR_FAULTS = ("something else", "do not go together", "cannot be read")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A service set in XMI, and a system that uses it: in XMI in a folder below, and as text."""
+    (tmp_path / "below").mkdir()
+    service = (WINCH / "service.xmi").read_text(encoding="utf-8")
+    (tmp_path / "service.xmi").write_text(service.replace("../../library/", LIBRARY_URI))
+    system = (WINCH / "winch.xmi").read_text(encoding="utf-8")
+    system = system.replace("../../library/", LIBRARY_URI)
+    beside = tmp_path / "winch.xmi"
+    beside.write_text(system)
+    model = read_models([beside], notations=NOTATIONS).model
+    (tmp_path / "text.ros2jaus").write_text(
+        to_text([model.root], model, tmp_path / "text.ros2jaus")
+    )
+    (tmp_path / "below" / "winch.xmi").write_text(system.replace('"service', '"../service'))
+    beside.unlink()
+    return tmp_path
+
+
+def contents(folder):
+    return {each: each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+
+
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_references_follow_over_files_and_undo_gives_the_same_bytes(folder, seed):
+    before = contents(folder)
+    project = Project(folder)
+    chance = random.Random(seed)
+    several = 0
+    for _ in range(8):
+        commands = Commands(project, "service.xmi", chance)
+        kinds = ("Service", "MessageDef", "ServiceSet")
+        commands.own = [each for each in commands.own if each.eClass.name in kinds]
+        command = chance.choice([commands.rename, commands.move, commands.remove, commands.add])()
+        if command is None:
+            continue
+        try:
+            several += len(project.do([command], "any").files) > 1
+        except EditError as error:
+            if any(each in str(error) for each in OUR_FAULTS):
+                raise
+    while project.undo():
+        pass
+    assert contents(folder) == before
+
+
+def test_a_text_and_an_xmi_file_follow_what_they_refer_to(folder):
+    project = Project(folder)
+    message = "service.xmi#Winch.ReportWinchState"
+    entry = project.do([Rename(message, "ReportState")], "rename")
+    assert entry.files == ("service.xmi", "text.ros2jaus")
+    text = (folder / "text.ros2jaus").read_text()
+    assert "ReportState" in text
+    assert "ReportWinchState" not in text
+    found = {each.element.partition("#")[0] for each in project.referrers(message)}
+    assert {"text.ros2jaus", "below/winch.xmi"} <= found
+    removed = project.do([Remove(message)], "remove")
+    assert set(removed.files) == {"service.xmi", "text.ros2jaus", "below/winch.xmi"}
+    assert not any(project.model(each.path).has_errors for each in project.files)
+
+
+def test_what_moves_between_owners_is_found_by_all(folder):
+    project = Project(folder)
+    owner = "service.xmi#Winch"
+    project.do([Move("service.xmi#Winch.ReportWinchState", owner, "inputs", 0)], "move")
+    assert not any(project.model(each.path).has_errors for each in project.files)
