@@ -12,6 +12,7 @@ import { MapEditor } from "./panels/map/MapEditor";
 import { Palette } from "./panels/palette/Palette";
 import { Problems } from "./panels/problems/Problems";
 import { Source } from "./panels/source/Source";
+import { asProperties, Splitter, useSizes } from "./Splitter";
 import { type BottomTab, type MiddleTab, update, useStudio } from "./store";
 import { Tabs } from "./Tabs";
 import { TableView } from "./table/TableView";
@@ -22,8 +23,11 @@ export function App() {
     document.addEventListener("keydown", onShortcut);
     return () => document.removeEventListener("keydown", onShortcut);
   }, []);
+  const right = useStudio((studio) => studio.right);
+  const [sizes, resize] = useSizes();
+  const fold = () => resize({ isFolded: !sizes.isFolded });
   return (
-    <div className="studio">
+    <div className="studio" style={asProperties(sizes, right)}>
       <Header />
       <Banners />
       <aside className="left" aria-label="Palette">
@@ -33,7 +37,26 @@ export function App() {
       <aside className="right" aria-label="What is chosen">
         <Right />
       </aside>
-      <Bottom />
+      <Bottom isFolded={sizes.isFolded} onFold={fold} />
+      <Splitter
+        side="left"
+        label="Width of the palette"
+        size={sizes.left}
+        onSize={(left) => resize({ left })}
+      />
+      <Splitter
+        side={right}
+        label="Width of the properties"
+        size={sizes[right]}
+        onSize={(size) => resize({ [right]: size })}
+      />
+      <Splitter
+        side="bottom"
+        label="Height of the lower panel"
+        size={sizes.bottom}
+        onSize={(bottom) => resize({ bottom, isFolded: false })}
+        onFold={fold}
+      />
       <Dialogs />
       <Said />
     </div>
@@ -76,7 +99,7 @@ function Right() {
   );
 }
 
-function Bottom() {
+function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
   const bottom = useStudio((studio) => studio.bottom);
   const tabs: [BottomTab, string][] = [
     ["problems", "Problems"],
@@ -88,7 +111,24 @@ function Bottom() {
   const Panel = panels[bottom];
   return (
     <section className="bottom" aria-label="Verdicts and work">
-      <Tabs label="Show" tabs={tabs} chosen={bottom} onChoose={(tab) => update({ bottom: tab })}>
+      <button
+        type="button"
+        className="fold"
+        aria-expanded={!isFolded}
+        aria-label="Lower panel"
+        onClick={onFold}
+      >
+        {isFolded ? "▴" : "▾"}
+      </button>
+      <Tabs
+        label="Show"
+        tabs={tabs}
+        chosen={bottom}
+        onChoose={(tab) => {
+          update({ bottom: tab });
+          if (isFolded) onFold();
+        }}
+      >
         <Panel />
       </Tabs>
     </section>
