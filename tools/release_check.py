@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import venv
+import zipfile
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 RELEASE = re.compile(r"\d+\.\d+\.\d+")
+PAGE = "jausml/studio/page/"
 EXAMPLE = "minimal/minimal.xmi"
 SMOKE = (
     *("tests/metamodel/test_shipped.py", "tests/model"),
@@ -85,6 +87,17 @@ def lowest(requirements: Iterable[str]) -> list[str]:
     return constraints
 
 
+def check_page(names: Iterable[str]) -> None:
+    """Checks that a wheel has the page of the studio.
+
+    Raises:
+        NotReleasableError: it has not.
+    """
+    files = {each.removeprefix(PAGE) for each in names if each.startswith(PAGE)}
+    if "index.html" not in files or not any(each.endswith(".js") for each in files):
+        raise NotReleasableError(f"the wheel has no page of the studio: {sorted(files)}")
+
+
 def build(place: Path) -> Path:
     """Builds sdist and wheel; returns the wheel."""
     run(sys.executable, "-m", "build", "--outdir", place, ROOT)
@@ -121,7 +134,8 @@ class Release:
         return {
             "nothing is uncommitted": self.clean,
             "version, changelog and tag agree": self.version,
-            "sdist and wheel are built": self.built,
+            "the page of the studio is built": self.page,
+            "sdist and wheel are built, the page in them": self.built,
             "the wheel works with the newest dependencies": self.newest,
             "it works with the lowest dependencies": self.lowest,
         }
@@ -138,9 +152,15 @@ class Release:
         version = run(sys.executable, "-c", code).strip()
         check_version(version, changelog, run("git", "tag").split())
 
+    def page(self) -> None:
+        """Builds the page; its tests are not those of a release."""
+        run(sys.executable, "tools/build_studio.py", "--no-check")
+
     def built(self) -> None:
-        """Builds."""
+        """Builds, and looks for the page, whose files are not committed."""
         self._wheel = build(self._place / "dist")
+        with zipfile.ZipFile(self._wheel) as wheel:
+            check_page(wheel.namelist())
 
     def newest(self) -> None:
         """Installs the wheel as a user does, and uses it."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
@@ -11,7 +13,6 @@ from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
-from jausml.studio.language import LanguageSocket
 from jausml.studio.page_socket import PageSocket
 from jausml.studio.security import Guard, Token
 
@@ -78,6 +79,10 @@ class Studio:
                 await PageSocket(socket, self.session).run(self.token)
 
     async def _language_socket(self, socket: WebSocket) -> None:
+        # It takes longer to load than all else, and who draws only never needs it.
+        await asyncio.to_thread(import_module, "jausml.studio.language")
+        from jausml.studio.language import LanguageSocket  # noqa: PLC0415
+
         async with self._accepted(socket) as is_accepted:
             if is_accepted:
                 await LanguageSocket(socket, self.session.root).run(self.token)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import metadata
 
 import pytest
-from release_check import NotReleasableError, check_version, lowest
+from release_check import NotReleasableError, check_page, check_version, lowest
 
 CHANGELOG = "# Changelog\n\n## [Unreleased]\n\n## [1.2.3] - 2026-01-02\n"
 
@@ -41,3 +41,11 @@ def test_a_requirement_without_a_lower_bound_is_refused():
 
 def test_each_dependency_of_the_project_has_a_lowest_version():
     assert "pyecore==0.15.2" in lowest(metadata.requires("jausml"))
+
+
+def test_a_wheel_has_the_page_of_the_studio() -> None:
+    page = ["jausml/studio/page/index.html", "jausml/studio/page/assets/index-abc.js"]
+    check_page([*page, "jausml/__init__.py"])
+    for missing in page:
+        with pytest.raises(NotReleasableError, match="no page"):
+            check_page([each for each in page if each != missing])
