@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from jausml.editing.applying import feature_of
 from jausml.editing.commands import EditError
-from jausml.editing.reading import SUFFIXES
+from jausml.editing.reading import SUFFIXES, is_model_file
 from jausml.metamodel import FeatureKind, load_metamodels
 from jausml.metamodel.filling import new_object, set_value, set_values
 from jausml.model.model import Model
@@ -68,6 +68,8 @@ def _check_name(file: str, draft: Draft) -> None:
         raise EditError(f"{file!r} is no name of a file below the opened folder")
     if not file.endswith(SUFFIXES):
         raise EditError(f"{file} must end in {' or '.join(SUFFIXES)}")
+    if not is_model_file(file, draft.root):
+        raise EditError(f"{file} would not be among the models of the opened folder")
     if file in draft.files or (draft.root / file).exists():
         raise EditError(f"there is a {file} already")
 

@@ -61,8 +61,14 @@ class Project:
         self._forest: Forest | None = None
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
-        for file in [self.opened, *names] if self.opened and self.opened not in names else names:
-            self._files[file] = stored(file, (self.root / file).read_bytes(), 0)
+        if self.opened and self.opened not in names:
+            names.append(self.opened)
+        for file in names:
+            data = self._readable(file)
+            if data is not None:
+                self._files[file] = stored(file, data, 0)
+        if self.opened and self.opened not in self._files:
+            (self.root / self.opened).read_bytes()
 
     @property
     def files(self) -> tuple[FileInfo, ...]:
@@ -237,6 +243,13 @@ class Project:
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
             return tuple(filter(None, map(self._refreshed, sorted(wanted))))
 
+    def _readable(self, file: str) -> bytes | None:
+        """Returns what is stored of a file, None when it cannot be read."""
+        try:
+            return self._on_disk(file)
+        except EditError:
+            return None
+
     def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:
         """Returns commands that would add elements once more; owner and feature are open."""
         raise NotImplementedError  # replaced by the module of descriptions
@@ -340,7 +353,10 @@ class Project:
 
     def _refreshed(self, file: str) -> Change | None:
         known = self._files.get(file)
-        found = self._on_disk(file)
+        try:
+            found = self._on_disk(file)
+        except EditError:
+            return None  # it is left alone until it can be read again
         if found == (known.data if known is not None else None):
             return None
         old = known.data if known is not None else b""

@@ -79,6 +79,9 @@ def is_model_file(file: str, root: Path) -> bool:
     if not file.endswith((*SUFFIXES, layout.SUFFIX)) or not all(map(_is_shown, file.split("/"))):
         return False
     real = os.path.realpath(root / file)
+    # A device or pipe would keep its reader waiting.
+    if os.path.exists(real) and not os.path.isfile(real):  # noqa: PTH110, PTH113 -- many
+        return False
     library = os.path.realpath(library_root()) + os.sep
     if not real.startswith(f"{root}{os.sep}") or real.startswith(library):
         return False

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.editing.commands import Add, EditError, Remove, Rename, Set
+from jausml.editing.commands import Add, Create, EditError, Place, Remove, Rename, Set
 from jausml.editing.project import Project
 
 MODEL = """\
@@ -151,6 +151,25 @@ def test_files_that_come_are_found(project):
     assert [each.file for each in project.refresh()] == ["sub/new.xmi"]
     assert [each.path for each in project.files] == ["robot.xmi", "sub/new.xmi"]
     assert project.refresh(["../elsewhere.xmi", "link.xmi", ".hidden.xmi"]) == ()
+
+
+def test_what_leads_out_of_the_folder_or_is_no_file_is_left_alone(project, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("outside")
+    (outside / "other.xmi").write_text(OTHER)
+    (project.root / "sub").symlink_to(outside)
+    (project.root / "other.xmi").symlink_to(outside / "other.xmi")
+    (project.root / "robot.layout.json").symlink_to(outside / "layout.json")
+    os.mkfifo(project.root / "pipe.xmi")
+    assert [each.path for each in Project(project.root).files] == ["robot.xmi"]
+    for command in (
+        Create("sub/new.xmi", "system.System", {}),
+        Set("other.xmi#/", "name", ("x",)),
+        Place("robot.xmi", "system", {"node:driver": (1, 2)}),
+    ):
+        with pytest.raises(EditError):
+            project.do([command], "out")
+    assert [each.name for each in outside.iterdir()] == ["other.xmi"]
+    assert (outside / "other.xmi").read_text() == OTHER
 
 
 def test_nothing_of_two_files_is_written_when_one_cannot_be(project):
