@@ -92,7 +92,8 @@ class Document:
             return [child for child in node.children if child.tag == tag]
         index = self._by_tag.get(node)
         if index is None:
-            index = self._by_tag[node] = {}
+            index = {}
             for child in node.children:
                 index.setdefault(child.tag, []).append(child)
+            self._by_tag[node] = index  # whole: another thread may ask meanwhile
         return index.get(tag, [])

@@ -118,11 +118,13 @@ class Model:
             KeyError: The metamodels have no such class.
         """
         wanted = {table.eclass for table in self.metamodels.class_of(kind).subtypes}
-        if self._by_class is None:
-            self._by_class = {}
+        by_class = self._by_class
+        if by_class is None:
+            by_class = {}
             for position, obj in enumerate(self.elements()):
-                self._by_class.setdefault(obj.eClass, []).append((position, obj))
-        lists = [each for eclass, each in self._by_class.items() if eclass in wanted]
+                by_class.setdefault(obj.eClass, []).append((position, obj))
+            self._by_class = by_class  # whole: another thread may ask meanwhile
+        lists = [each for eclass, each in by_class.items() if eclass in wanted]
         found = [obj for _, obj in sorted(chain(*lists), key=itemgetter(0))]
         return found if library else [obj for obj in found if not self.is_library(obj)]
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
 from jausml.studio import watching
+from jausml.studio.answers.palette import library_entries
 from jausml.studio.asking import answering, editing, generating, mapping, reading, showing
 from jausml.studio.asking.living import Living
 from jausml.studio.checking import Checking
@@ -67,6 +69,8 @@ class Session:
         end = asyncio.Event()
         watched = asyncio.create_task(self._watch(end))
         self._checking.start()
+        # Reading the library takes seconds on a busy computer: better before somebody asks for it.
+        threading.Thread(target=library_entries, name="library", daemon=True).start()
         try:
             yield
         finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus, ros
@@ -81,9 +82,17 @@ class Scope:
         return self.model.documents[0].notation is not None
 
 
-@cache
+_READING = Lock()
+
+
 def library() -> Model:
-    """Returns the whole shipped library, read at the first call."""
+    """Returns the whole shipped library, read at the first call; all threads get the same."""
+    with _READING:
+        return _library()
+
+
+@cache
+def _library() -> Model:
     folder = library_root()
     suffixes = (".xmi", *(suffix for each in NOTATIONS for suffix in each.suffixes))
     paths = sorted(each for each in folder.rglob("*") if each.name.endswith(suffixes))
