@@ -5,6 +5,7 @@ That an edit does what it says, `Project.do` checks itself; that check failing i
 
 from __future__ import annotations
 
+import difflib
 import random
 import re
 import tempfile
@@ -15,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_commands import Commands
 
-from jausml.editing.commands import EditError
+from jausml.editing.commands import Add, EditError
 from jausml.editing.project import Project
 from jausml.model.uris import LIBRARY_URI
 from jausml.model.xmi.writer import to_xmi
@@ -130,3 +131,57 @@ def do_any(project, chance):
         if any(each in str(error) for each in OUR_FAULTS):
             raise
         return None
+
+
+@pytest.mark.parametrize("variant", ["canonical", "commented", "crlf", "tabs"])
+@given(seed=st.integers(0, 2**32))
+@settings(max_examples=max(2, settings().max_examples // 10))
+def test_a_difference_shows_the_edit_and_nothing_else(variant, seed):
+    chance = random.Random(seed)
+    path = Path("models/catvehicle/catvehicle.xmi")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "model.xmi"
+        file.write_bytes(VARIANTS[variant](with_library(path.read_text(encoding="utf-8"), path)))
+        project = Project(folder)
+        commands = Commands(project, "model.xmi", chance)
+        command = chance.choice([commands.rename, commands.add, commands.set])()
+        if command is None:
+            return
+        before = project.text("model.xmi").decode().splitlines(keepends=True)
+        obj, model = project.find(command.owner if isinstance(command, Add) else command.element)
+        line = model.location(obj).line
+        try:
+            project.do([command], "any")
+        except EditError:
+            return
+        after = project.text("model.xmi").decode().splitlines(keepends=True)
+        matcher = difflib.SequenceMatcher(None, before, after, autojunk=False)
+        changed = [each for each in matcher.get_opcodes() if each[0] != "equal"]
+        gone = [at for _, start, end, _, _ in changed for at in range(start + 1, end + 1)]
+        own = lines_of_element(before, line)
+        if isinstance(command, Add):
+            # The tag of an owner of nothing is opened, and references by position shift.
+            own |= {at for at, each in enumerate(before, 1) if "@" in each} | namespaces(before)
+        assert set(gone) <= own | namespaces(before), (command, [before[at - 1] for at in gone])
+
+
+def lines_of_element(lines, line):
+    """Returns the lines of an element, from that of its start tag on."""
+    tag = re.search(r"<(\w+(?::\w+)?)", lines[line - 1])[1]
+    depth = 0
+    for at in range(line, len(lines) + 1):
+        text = re.sub(r"<!--.*?-->", "", lines[at - 1])
+        depth += len(re.findall(rf"<{tag}\b", text)) - len(re.findall(rf"</{tag}>", text))
+        depth -= len(re.findall(r"/>", text)) if depth == 1 and is_closed_by(text, tag) else 0
+        if depth <= 0:
+            return set(range(line, at + 1))
+    return set(range(line, len(lines) + 1))
+
+
+def is_closed_by(text, tag):
+    """Tells whether a line ends the tag of an element, which may have begun before."""
+    return "/>" in text and (f"<{tag}" in text or "<" not in text)
+
+
+def namespaces(lines):
+    return {at for at, each in enumerate(lines, 1) if "xmlns" in each}
