@@ -1,10 +1,10 @@
-import { render, screen, within } from "@testing-library/react";
+import { act, render, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, describe, expect, it } from "vitest";
 import { CallError } from "../../connection";
 import type { Form, FormField } from "../../protocol";
 import { state, update } from "../../store";
-import { type FakeServer, serve } from "../../testing/fakeServer";
+import { type FakeServer, PROJECT, serve } from "../../testing/fakeServer";
 import { PropertyForm } from "./PropertyForm";
 
 const ELEMENT = "robot.xmi#drive";
@@ -127,6 +127,21 @@ describe("the property form", () => {
     expect(rate.value).toBe("10");
     await userEvent.tab();
     expect(commands()).toEqual([]);
+  });
+
+  it("shows what is there again when an edit is undone", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "5{Enter}");
+    const changed = FIELDS.map((each) =>
+      each.feature === "rate" ? { ...each, values: ["105"] } : each,
+    );
+    server.answer("form", () => ({ ...FORM, fields: changed }));
+    act(() => update({ project: { ...PROJECT, revision: 2 } }));
+    await waitFor(() => expect(server.params("form")).toHaveLength(2));
+    await waitFor(() => expect(rate).toHaveValue("105"));
+    server.answer("form", () => FORM);
+    act(() => update({ project: { ...PROJECT, revision: 3 } }));
+    await waitFor(() => expect(rate).toHaveValue("10"));
   });
 
   it("tells a wrong number where it is, and sends nothing", async () => {

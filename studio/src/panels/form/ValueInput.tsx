@@ -90,9 +90,8 @@ function Reference({ id, field, index, label, describedBy, isWrong, onChange }: 
   );
 }
 
-/** What is typed, and for which value. */
+/** What is typed. */
 interface Draft {
-  of: string;
   text: string;
   /** It was handed on, and is not to be handed on again when the focus goes. */
   isSent: boolean;
@@ -100,13 +99,17 @@ interface Draft {
 
 function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFault }: Props) {
   const given = field.values[index] ?? "";
-  const [draft, setDraft] = useState<Draft | null>(null);
+  const [typed, setDraft] = useState<Draft | null>(null);
+  const [known, setKnown] = useState(given);
   const usual = useId();
   // What the server says wins over what was typed before it came.
-  const typed = draft?.of === given ? draft : null;
+  if (known !== given) {
+    setKnown(given);
+    setDraft(null);
+  }
 
   function type(text: string) {
-    setDraft({ of: given, text, isSent: false });
+    setDraft({ text, isSent: false });
   }
 
   function commit() {
