@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 from jausml.editing.commands import Add, Child, Remove
 from jausml.metamodel.classes import bridge
 from jausml.semantics.attributes import LIST, NUMBER, NUMBERS
-from jausml.semantics.conversions import CONVERSIONS, UnitEffect
+from jausml.semantics.conversions import CONVERSIONS, UnitEffect, conversions_between
 from jausml.semantics.frames import axis_of
 from jausml.semantics.paths import is_many, outer_scope, parse_path, source_paths, target_paths
 from jausml.semantics.units import attribute_measure
 from jausml.studio.answers.elements import AnswerError
-from jausml.studio.answers.members import Member, member
+from jausml.studio.answers.members import Member, leaves, member
 from jausml.studio.answers.shapes import Option, Options
 from jausml.studio.answers.trial import Judged, judge
 
@@ -405,3 +405,39 @@ def _list_of(
             if ends == ([source.outer], [target.outer]):
                 return each
     return None
+
+
+def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
+    """Returns the members of the other side to which a member may be assigned, with how.
+
+    Args:
+        scope: The model.
+        used: The map.
+        source: Where the value comes from.
+    """
+    others = [
+        each
+        for each in leaves(used, is_jaus=not source.is_jaus)
+        if bool(each.outer) is bool(source.outer)
+    ]
+    own, feature = source.inner, _TO_ROS if source.is_jaus else _TO_JAUS
+    plain = [
+        _in_list(draft, source, each, feature) if source.outer else draft.child(feature)
+        for each in others
+        for draft in [_Draft((own,), (each.inner,))]
+    ]
+    found = []
+    for each, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
+        if judged.is_possible:
+            found.append((each, "as it is"))
+        elif conversions_between([source.attribute.kind], each.attribute.kind) and _may_become(
+            source, each
+        ):
+            found.append((each, "by a conversion"))
+    return sorted(found, key=lambda pair: pair[1])
+
+
+def _may_become(source: Member, target: Member) -> bool:
+    """Tells whether the units of two members do not stand against it."""
+    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    return own is None or other is None or own.unit.is_compatible(other.unit)

@@ -258,7 +258,7 @@ def stop_in(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
     return stop is not None or bool(used.holdReason)
 
 
-def profile_of(scope: Scope, end: ros.TopicEndpoint) -> dict[str, str]:
+def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str, str]:
     """Returns the quality of service of an endpoint, as far as it is stated."""
     if end.qos is None:
         return {}

@@ -27,7 +27,7 @@ from jausml.studio.answers.ready import fitting
 from jausml.studio.answers.shapes import Option, Options
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.metamodel.classes.ecore import EObject
     from jausml.studio.answers.elements import Scope
@@ -89,7 +89,8 @@ def through(
         return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
     if end is None:
         topic = name_of(used.topics[0]) if used.topics else name_of(used)
-        add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS)
+        own = profile_of(scope, used.topics[0]) if used.topics else {}
+        add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS, qos=own)
         noun = "subscription" if direction == TO_ROS else "publisher"
         preview = f"{noun} {add.values['name'][0]} {{ topic: {topic}  type: {ros_name(kind)} }}"
         label = f"new {noun} of {topic}"
@@ -265,14 +266,22 @@ def _topic(owner: EObject, node: EObject, end: ros.TopicEndpoint) -> str:
 
 
 def _new_end(
-    scope: Scope, node: EObject, kind: ros.MessageType, topic: str, *, to_ros: bool
+    scope: Scope,
+    node: EObject,
+    kind: ros.MessageType,
+    topic: str,
+    *,
+    to_ros: bool,
+    qos: Mapping[str, str] | None = None,
 ) -> Add:
     feature, cls = (
         ("subscriptions", "ros.Subscription") if to_ros else ("publishers", "ros.Publisher")
     )
     name = name_among(topic, getattr(node, feature))
     values = {"name": (name,), "topic": (topic,), "type": (scope.ref(kind),)}
-    return Add(scope.ref(node), feature, cls, values)
+    profile = {each: (value,) for each, value in (qos or {}).items()}
+    inner = (Child("qos", "ros.QoSProfile", profile),) if profile else ()
+    return Add(scope.ref(node), feature, cls, values, inner)
 
 
 def _call(

@@ -12,10 +12,13 @@ from jausml.semantics.ros_paths import RosPlace
 from jausml.studio.answers.elements import AnswerError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.semantics.attributes import Attribute
     from jausml.semantics.paths import PathPlace
     from jausml.studio.answers.elements import Scope
 
+_DEEPEST = 8
 JAUS_END, ROS_END = "!jaus", "!ros"
 
 
@@ -97,3 +100,41 @@ def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Mem
             is_jaus = isinstance(join, bridge.ReportJoin)
             return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
     raise AnswerError("that box is no end of the map")
+
+
+def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
+    """Returns the members of a side that hold values: numbers, texts, times, orientations.
+
+    Args:
+        used: The map.
+        is_jaus: Which side.
+    """
+    if used.message is None or used.type is None:
+        return []
+    scope = outer_scope(used, to_ros=is_jaus)
+    found = []
+    for path in _paths(scope.source, "", 0):
+        try:
+            each = member(used, path, is_jaus=is_jaus)
+        except AnswerError:
+            continue
+        if each.attribute.kind:
+            found.append(each)
+    return found
+
+
+def _paths(place: PathPlace, before: str, depth: int) -> Iterator[str]:
+    """Yields the paths of what a place holds, elements of lists included."""
+    inner = place.element() if is_many(place) else place
+    if inner is None or depth > _DEEPEST:
+        return
+    if isinstance(inner, JausPlace):
+        names = [str(each.name) for each in inner.members() or () if each.name]
+    else:
+        names = [str(each.name) for each in inner.type.fields] if inner.type is not None else []
+    for name in names:
+        found = inner.step(name)
+        if isinstance(found, JausPlace | RosPlace):
+            path = f"{before}.{name}" if before else name
+            yield path
+            yield from _paths(found, path, depth + 1)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.diagrams.views import maps
 from jausml.diagrams.views.context import Context
 from jausml.metamodel.classes import bridge
 from jausml.model import refs
-from jausml.studio.answers.assigning import assign
+from jausml.studio.answers.assigning import assign, partners
 from jausml.studio.answers.connecting import connect, ends
 from jausml.studio.answers.elements import AnswerError, Scope, label_of
 from jausml.studio.answers.forms import form
-from jausml.studio.answers.members import end_of
+from jausml.studio.answers.members import JAUS_END, ROS_END, end_of
 from jausml.studio.answers.palette import MOST, palette
 from jausml.studio.answers.spots import spot
 from jausml.studio.methods import Method
@@ -146,7 +145,7 @@ def _ends(desk: Desk, asked: Start) -> object:
     ids = Context(scope.model, asked.view, ())
     used = map_of(scope, asked.view)
     if used is not None:
-        return {"ends": list(_members_beside(ids, used, asked.node))}
+        return {"ends": list(_members_beside(scope, ids, used, asked))}
     found = []
     for end, why in ends(scope, spot(scope, asked.node, asked.port)):
         port = ids.id_of(end.element) if end.element is not None else ""
@@ -155,11 +154,11 @@ def _ends(desk: Desk, asked: Start) -> object:
     return {"ends": found}
 
 
-def _members_beside(ids: Context, used: bridge.AttributeMap, node: str) -> Iterator[dict[str, str]]:
-    """Yields the members of the other boxes of a map; only trying tells which of them fit."""
-    for box, members in maps.ends(ids, used):
-        waiting = list(reversed(members)) if box != node else []
-        while waiting:
-            each = waiting.pop()
-            waiting += reversed(each.inner)
-            yield {"node": box, "port": each.path, "label": each.path, "why": each.port.note}
+def _members_beside(
+    scope: Scope, ids: Context, used: bridge.AttributeMap, asked: Start
+) -> Iterator[dict[str, str]]:
+    """Yields the members of the other end of a map that a member may become."""
+    start = end_of(scope, used, asked.node, asked.port)
+    box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
+    for each, why in partners(scope, used, start):
+        yield {"node": box, "port": each.path, "label": each.path, "why": why}

@@ -8,7 +8,7 @@ from answers_support import CAR, SHIPPED, scope_of
 from jausml.editing.commands import Add, Remove
 from jausml.metamodel.classes import bridge
 from jausml.semantics.conversions import CONVERSIONS
-from jausml.studio.answers.assigning import assign, clock, constant, ignore
+from jausml.studio.answers.assigning import assign, clock, constant, ignore, partners
 from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.members import end_of, member
 
@@ -142,6 +142,17 @@ def test_ids_of_the_map_view_name_members():
     assert not found.is_jaus
     with pytest.raises(AnswerError, match="no end"):
         end_of(velocity.scope, velocity.map, "bridge", "x")
+
+
+def test_partners_of_a_member_are_told(velocity):
+    start = velocity.member("YawRate", is_jaus=True)
+    found = {each.path: why for each, why in partners(velocity.scope, velocity.map, start)}
+    assert found["twist.twist.angular.z"] == "by a conversion"
+    assert "twist.twist.linear.x" not in found
+    assert "header.frame_id" not in found
+    back = velocity.member("twist.twist.linear.x", is_jaus=False)
+    found = {each.path: why for each, why in partners(velocity.scope, velocity.map, back)}
+    assert found["Velocity_X"] == "as it is"
 
 
 @pytest.mark.parametrize("name", [each for each in SHIPPED if not each.endswith(".xmi")])

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import pytest
-from answers_support import CAR, scope_of
+from answers_support import CAR, MODELS, scope_of
 
 from jausml.diagrams.views import graph_of
 from jausml.editing.commands import Add, Set
+from jausml.editing.project import Project
 from jausml.metamodel.classes import bridge, jaus, ros
+from jausml.model import LIBRARY_URI, Severity
 from jausml.studio.answers.connecting import connect, ends
-from jausml.studio.answers.elements import AnswerError
+from jausml.studio.answers.elements import AnswerError, Scope
 from jausml.studio.answers.spots import Spot, spot
+from jausml.validation.engine import check
 
 
 class Ends:
@@ -142,3 +145,33 @@ def test_all_ends_of_a_component_are_told(car):
     assert ("velocity_controller", "dead_reckoning") in names
     assert ("operator_control_unit", "") in names
     assert all(why for _, why in found)
+
+
+@pytest.mark.parametrize("file", [CAR, "examples/catvehicle/catvehicle.ros2jaus"])
+def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
+    name = file.rpartition("/")[2]
+    text = (MODELS / file).read_text(encoding="utf-8")
+    (tmp_path / name).write_text(text.replace('"../library/', f'"{LIBRARY_URI}'), encoding="utf-8")
+    project = Project(tmp_path / name)
+    before = errors_of(project, name)
+    drawn = (
+        ("vehicle", "velocity_controller/dead_reckoning"),
+        ("vehicle", "operator_control_unit"),
+        ("steering_controller/dead_reckoning", "logger"),
+        ("steering_controller/dead_reckoning", "logger/odometry"),
+        ("bridge/odometry", "velocity_controller"),
+        ("steering_controller", "vehicle/SetWrenchEffort"),
+    )
+    for source, target in drawn:
+        ends_now = Ends(Scope(project.model(name).model, project.root))
+        best = ends_now.connect(source, target).options[0]
+        project.do(best.commands, best.label)
+        assert errors_of(project, name) - before <= {"JML451"}, (source, target)
+        project.undo()
+    assert (tmp_path / name).read_text(encoding="utf-8").count("\n") == text.count("\n")
+
+
+def errors_of(project, name):
+    """Returns the rules that find an error or a warning."""
+    report = check(project.model(name))
+    return {each.rule for each in report.diagnostics if each.severity is not Severity.INFO}
