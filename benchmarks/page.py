@@ -84,6 +84,7 @@ def files(data: Mapping[str, Any]) -> dict[str, str]:
         *page_others.components(sections),
         *page_others.codecs(sections),
         *page_others.toolchain(sections),
+        *page_others.studio(sections),
         *page_others.soak(data.get("soak")),
         *_failed(data["failed"]),
     ]

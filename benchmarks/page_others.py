@@ -105,6 +105,23 @@ def toolchain(sections: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
+def studio(sections: Mapping[str, Any]) -> Iterator[str]:
+    """Yields the part on edits in the studio."""
+    found = sections.get("studio")
+    if not found:
+        return
+    yield "## The studio\n"
+    yield (
+        "From an edit by a page until the verdict of all rules on it is there. The models are the "
+        "example system, and bridges of connections with a map each.\n"
+    )
+    rows = [
+        (name, each["elements"], each["median"], each["worst"], each["processor"])
+        for name, each in sorted(found.items(), key=lambda each: each[1]["elements"])
+    ]
+    yield table(("", "elements", "median, ms", "worst, ms", "processor time, ms"), rows)
+
+
 def soak(found: Mapping[str, Any] | None) -> Iterator[str]:
     """Yields the part on a bridge that ran for long.
 

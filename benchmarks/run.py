@@ -76,6 +76,7 @@ SECTIONS = (
     Section("one_processor", "components", "measure_on_one_processor"),
     Section("codecs", "message_codecs"),
     Section("toolchain", "toolchain", limit=600),
+    Section("studio", "studio"),
 )
 NAMES = tuple(each.name for each in SECTIONS)
 

@@ -197,6 +197,16 @@ def _letter(sections: Sections) -> Iterator[Finding]:
             yield "a letter with its completions", found["completion_ms"]
 
 
+def _verdict(*names: str) -> Callable[[Sections], Iterator[Finding]]:
+    def find(sections: Sections) -> Iterator[Finding]:
+        for name in names:
+            found = sections.get("studio", {}).get(name)
+            if found:
+                yield name, found["median"]
+
+    return find
+
+
 TARGETS = (
     Target(
         "small",
@@ -253,4 +263,18 @@ TARGETS = (
     Target("validate", "`jausml validate` of 100,000 elements", 4, " s", _validate),
     Target("verbs", "start of verbs that need no model", 0.1, " s", _verbs),
     Target("letter", "a letter in the editor, 1,000 lines, processor time", 50, " ms", _letter),
+    Target(
+        "edit",
+        "from an edit in the studio to the verdict, the example system",
+        200,
+        " ms",
+        _verdict("the example"),
+    ),
+    Target(
+        "large_edit",
+        "the same with 10,000 elements",
+        1000,
+        " ms",
+        _verdict("10,000 elements"),
+    ),
 )

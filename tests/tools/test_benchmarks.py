@@ -31,6 +31,7 @@ SECTIONS = (
     "one_processor",
     "codecs",
     "toolchain",
+    "studio",
 )
 
 
