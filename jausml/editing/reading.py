@@ -101,8 +101,9 @@ def stored(file: str, data: bytes, revision: int, before: Stored | None = None) 
         revision: Revision of the project in which they came.
         before: The file as it was, None for a new one.
     """
-    is_good = before is None or not before.good or can_be_parsed(file, data)
-    good = data if is_good or before is None else before.good
+    good = data
+    if before is not None and not can_be_parsed(file, data) and can_be_parsed(file, before.good):
+        good = before.good
     return Stored(file, data, digest(data), revision, good)
 
 

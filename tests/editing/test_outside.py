@@ -133,6 +133,13 @@ def test_a_file_that_was_broken_from_the_start_is_left_alone(tmp_path, data):
     with pytest.raises(EditError):
         project.do([Rename(NODE, "x")], "rename")
     assert (tmp_path / "robot.xmi").read_bytes() == data
+    (tmp_path / "robot.xmi").write_text(BROKEN)
+    project.refresh()
+    assert [each.rule for each in project.model("robot.xmi").diagnostics] == ["JML004"]
+    (tmp_path / "robot.xmi").write_text(MODEL)
+    project.refresh()
+    project.do([Rename(NODE, "x")], "rename")
+    assert node(project).name == "x"
 
 
 def test_a_file_that_was_deleted_comes_back_by_undo(project):
