@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import jausml
-from jausml.generation.errors import GenerationError
 from jausml.metamodel.classes import bridge
 from jausml.semantics.attributes import (
     BOOL,
@@ -212,12 +211,10 @@ class Trials:
             request = _request(used, given, to_ros=to_ros)
             with self._lock:
                 process = self._process(scope, used, to_ros=to_ros)
-                answer = process.ask(request, self._seconds)
+            answer = process.ask(request, self._seconds)
             return _tried(used, answer, to_ros=to_ros)
         except AnswerError as error:
             return Tried(error=str(error))
-        except GenerationError as error:
-            return Tried(error=f"this map cannot be generated yet: {error}")
 
     def _process(self, scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> _Process:
         """Returns the process of a translation: the same as long as its code is the same."""
@@ -226,7 +223,7 @@ class Trials:
         if known is not None and known.is_alive and known.made_of is used:
             self._processes.move_to_end(key)
             return known
-        code = trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
+        code = _code(scope, used, to_ros=to_ros)
         if known is not None and known.is_alive and known.code.digest == code.digest:
             known.made_of = used
             self._processes.move_to_end(key)
@@ -240,12 +237,26 @@ class Trials:
         return made
 
 
+def _code(scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> TrialBridge:
+    """Returns the generated code of a map.
+
+    Raises:
+        AnswerError: There is none.
+    """
+    try:
+        return trial_bridge(scope.model.metamodels, used, to_ros=to_ros)
+    except Exception as error:
+        # Generators take models without errors; what an editor holds may have any.
+        raise AnswerError(f"'{used.name}' cannot be tried before its errors are mended") from error
+
+
 class _Process:
     """A process with one translation."""
 
     def __init__(self, code: TrialBridge, made_of: bridge.AttributeMap) -> None:
         self.code = code
         self.made_of = made_of
+        self._lock = threading.Lock()
         self._folder = tempfile.TemporaryDirectory(prefix="jausml_trial_")
         workspace = Path(self._folder.name)
         for path, text in code.files.items():
@@ -278,18 +289,13 @@ class _Process:
             late.set()
             self._process.kill()
 
-        timer = threading.Timer(seconds, end)
-        timer.start()
-        line = ""
-        try:
-            if self._process.stdin is not None and self._process.stdout is not None:
-                self._process.stdin.write(json.dumps(request) + "\n")
-                self._process.stdin.flush()
-                line = self._process.stdout.readline()
-        except OSError:
-            pass  # it has ended; why is told below
-        finally:
-            timer.cancel()
+        with self._lock:
+            timer = threading.Timer(seconds, end)
+            timer.start()
+            try:
+                line = self._told(request)
+            finally:
+                timer.cancel()
         if line:
             found: dict[str, Any] = json.loads(line)
             return found
@@ -297,9 +303,22 @@ class _Process:
             raise AnswerError(f"the translation took longer than {seconds:g} s")
         raise AnswerError(f"the translation failed: {self._last_words()}")
 
+    def _told(self, request: Mapping[str, Any]) -> str:
+        """Returns the line that answers a request, nothing when the process has ended."""
+        if self._process.stdin is None or self._process.stdout is None:
+            return ""
+        try:
+            self._process.stdin.write(json.dumps(request) + "\n")
+            self._process.stdin.flush()
+            return self._process.stdout.readline()
+        except (OSError, ValueError):  # its pipes were closed meanwhile
+            return ""
+
     def _last_words(self) -> str:
         self._process.wait()
-        text = self._process.stderr.read() if self._process.stderr is not None else ""
+        text = ""
+        if self._process.stderr is not None and not self._process.stderr.closed:
+            text = self._process.stderr.read()
         return text.strip().rpartition("\n")[2] or "its process has ended"
 
     def close(self) -> None:

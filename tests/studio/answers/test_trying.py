@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from answers_support import CAR, SHIPPED, scope_of
 
 from jausml.metamodel.classes import bridge
+from jausml.model import read_models
+from jausml.studio.answers.elements import Scope
 from jausml.studio.answers.trying import Trials, inputs
 
+RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 BUSY = 60.0
 """Seconds that a process may take on a busy machine."""
 
@@ -120,6 +125,17 @@ def test_elements_of_lists_and_joins_have_values(trials):
     given = {"latitude": "48", "longitude": "11", "imu.orientation.w": "1"}
     found = run(trials, "global_pose", given, to_ros=False, file=file)
     assert float(shown(found)["Latitude"]) == pytest.approx(48, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("case", "name", "to_ros"),
+    [("JML414-features", "velocity", True), ("JML441-expressions", "speed", False)],
+)
+def test_a_map_with_errors_is_not_tried(trials, case, name, to_ros):
+    path = RULES / case / "bad.xmi"
+    scope = Scope(read_models([path]).model, path.parent)
+    found = trials.run(scope, map_of(scope, name), {}, to_ros=to_ros)
+    assert found.error == f"'{name}' cannot be tried before its errors are mended"
 
 
 @pytest.mark.slow
