@@ -55,7 +55,7 @@ format: $(READY)  ## lay out the code and mend what can be mended
 bench: $(READY)  ## measure all, some twelve minutes, and write docs/performance.md
 	$(BIN)/python benchmarks/run.py $(BENCH) $(if $(ONLY),--only $(ONLY))
 
-faults: $(READY)  ## every fault with real processes, some six minutes; writes docs/reference/faults.md
+faults: $(READY)  ## every fault with real processes, some twelve minutes; writes docs/reference/faults.md
 	JAUSML_FAULTS=benchmarks/faults.json $(BIN)/python -m pytest -p no:xdist --durations=10 tests/faults
 	$(BIN)/python benchmarks/fault_page.py --check
 

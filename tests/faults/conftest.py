@@ -13,6 +13,7 @@ import pytest
 
 from tests.live.bridge_support import generate
 
+from .networks import OnePort
 from .rover_system import STALE, System
 
 FIGURES = os.environ.get("JAUSML_FAULTS", "")
@@ -95,13 +96,14 @@ def system(path, tmp_path_factory):
 @pytest.fixture
 def shared_system(path, tmp_path):
     """All roles at one port, which the vehicle owns; see `running`."""
-    with running(path, tmp_path, is_shared=True) as made:
+    with running(path, tmp_path, network=OnePort) as made:
         yield made
 
 
 @contextmanager
 def running(path, logs, *, wait=True, **options):
     """Runs a system; at the end all have ended well, and no log has a traceback."""
+    logs.mkdir(exist_ok=True)
     made = System(path, logs, **options)
     try:
         if wait:

@@ -73,9 +73,9 @@ def halted(system, role):
 
 @contextmanager
 def network(system, **fate):
-    system.network(**fate)
+    system.network.fare(**fate)
     yield
-    system.network()
+    system.network.fare()
 
 
 class Rival(JausComponent):
@@ -88,8 +88,8 @@ class Rival(JausComponent):
 @contextmanager
 def rival(system):
     places = {
-        BRIDGE: ("127.0.0.1", system.ports["bridge"]),
-        VEHICLE: ("127.0.0.1", system.ports["vehicle"]),
+        BRIDGE: ("127.0.0.1", system.network.ports["bridge"]),
+        VEHICLE: ("127.0.0.1", system.network.ports["vehicle"]),
     }
     settings = TransportSettings(port=free_port(), address_book=places)
     with running_transport(settings) as transport:
@@ -132,7 +132,7 @@ def nonsense(system):
             known = Packet(BRIDGE, names[2], codes + body, number).encode()
             version = bytes([good[0] ^ rng.randrange(1, 255)]) + good[1:]
             for data in (rng.randbytes(rng.randrange(1, 200)), good, known, version, good[:9]):
-                sock.sendto(data, ("127.0.0.1", rng.choice(list(system.ports.values()))))
+                sock.sendto(data, ("127.0.0.1", rng.choice(list(system.network.ports.values()))))
     yield
 
 

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 
 import rclpy
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from stamps import say, stamp
@@ -53,18 +55,13 @@ class Peer(Node):
         say("cruise", message.twist.linear.x)
 
 
-class EndedError(Exception):
-    """The process is asked to end."""
-
-
-def end(*_):
-    raise EndedError
-
-
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, end)
+    ended = threading.Event()
+    # An exception of a handler would come out of rclpy as any other.
+    signal.signal(signal.SIGTERM, lambda *_: ended.set())
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        rclpy.spin(Peer())
-    except EndedError:
-        rclpy.try_shutdown()
+    executor = SingleThreadedExecutor()
+    executor.add_node(Peer())
+    while not ended.is_set():
+        executor.spin_once(timeout_sec=PERIOD)
+    rclpy.try_shutdown()

@@ -1,27 +1,25 @@
 """One bridge between a vehicle, an operator and a ROS node, with a network that can fail.
 
-Each role is a process. The bridge and its JAUS peers have a port each, and what they exchange
-passes a proxy (proxy.py); or all share one port, as the programs of one host do.
+Each role is a process. What the bridge and its JAUS peers exchange passes a network of networks.py.
 """
 
 from __future__ import annotations
 
-import json
 import signal
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from ports import free_port
 
 from tests.live.bridge_support import Process, wait_for
 
+from .networks import FOLDER, Udp
 from .stamps import age
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
-FOLDER = Path(__file__).resolve().parent
+    from .networks import Network
+
 ROLES = ("bridge", "vehicle", "operator", "ros")
 CONNECTIONS = {
     "odometry": "ros",
@@ -40,8 +38,6 @@ PATIENCE = 30.0
 STALE = 2.5
 """Seconds after which a command must not be obeyed; bridges let none wait for more than two."""
 
-SEED = 7
-_ADDRESSES = {"vehicle": "10.1.1", "operator": "20.1.1", "bridge": "10.1.9"}
 _PROGRAMS = {"vehicle": "vehicle.py", "operator": "operator_unit.py", "ros": "ros_node.py"}
 
 
@@ -49,58 +45,36 @@ class System:
     """The processes, and what arrived where.
 
     Attributes:
-        ports: Port of each JAUS role; where they share one, it is the same.
+        network: What joins the JAUS roles.
         running: The processes that run, by role.
     """
 
     def __init__(
-        self, path: list[str], logs: Path, *, is_shared: bool = False, bridge: Sequence[str] = ()
+        self,
+        path: list[str],
+        logs: Path,
+        *,
+        network: type[Network] = Udp,
+        bridge: Sequence[str] = (),
     ) -> None:
         """Starts all.
 
         Args:
             path: Folders of the generated packages.
             logs: Folder for the logs.
-            is_shared: Whether all have one port and no proxy.
+            network: What joins the JAUS roles.
             bridge: What the command line of the bridge begins with.
         """
         self.path, self.logs, self._bridge = path, logs, bridge
-        one = free_port()
-        self.ports = {role: one if is_shared else free_port() for role in _ADDRESSES}
-        self._peers: dict[str, list[str]] = {role: [] for role in _ADDRESSES}
+        self.network = network(logs)
         self._all: dict[str, list[Process]] = {role: [] for role in ROLES}
         self.running: dict[str, Process] = {}
-        self.proxy: Process | None = None if is_shared else self._proxy()
-        # The first one owns a port that they share; there it is not the bridge.
-        for role in sorted(ROLES, key=lambda each: each != "vehicle"):
+        first = self.network.first
+        for role in sorted(ROLES, key=lambda each: each != first):
             self.start(role)
-            if role == "vehicle" and is_shared:
-                self._wait_for_port()
-
-    def _wait_for_port(self) -> None:
-        log = self.running["vehicle"].log
-        wait_for(lambda: " runs as " in log.read_text(), "start of the vehicle")
-
-    def _proxy(self) -> Process:
-        routes = []
-        for role in ("vehicle", "operator"):
-            seen_by_bridge, seen_by_role = free_port(), free_port()
-            routes.append(f"{seen_by_bridge}={self.ports[role]}:{seen_by_role}")
-            routes.append(f"{seen_by_role}={self.ports['bridge']}:{seen_by_bridge}")
-            self._know("bridge", role, seen_by_bridge)
-            self._know(role, "bridge", seen_by_role)
-        line = [str(FOLDER / "proxy.py"), str(SEED), *routes]
-        return Process(line, [], self.logs / "proxy.log", stdin=True)
-
-    def _know(self, who: str, whom: str, port: int) -> None:
-        self._peers[who] += ["--jaus-peer", f"{_ADDRESSES[whom]}=127.0.0.1:{port}"]
-
-    def network(self, **fate: float) -> None:
-        """Says how datagrams fare from now on; see proxy.py."""
-        assert self.proxy is not None
-        known = len(self.proxy.of_kind("counts"))
-        self.proxy.tell(json.dumps(fate))
-        wait_for(lambda: len(self.proxy.of_kind("counts")) > known, "answer of the proxy")
+            if role == first:
+                log = self.running[role].log
+                wait_for(lambda log=log: " runs as " in log.read_text(), f"start of the {role}")
 
     def start(self, role: str, *arguments: str) -> None:
         """Starts a role that does not run."""
@@ -109,7 +83,7 @@ class System:
         if role != "bridge":
             line = [str(FOLDER / _PROGRAMS[role]), *arguments]
         if role != "ros":
-            line += ["--jaus-port", str(self.ports[role]), *self._peers[role]]
+            line += self.network.options(role)
         self.running[role] = Process(line, self.path, self.logs / f"{role}-{number}.log")
         self._all[role].append(self.running[role])
 
@@ -185,8 +159,9 @@ class System:
                     self.signal(role, signal.SIGCONT)
                     codes[role] = self.running.pop(role).stop()
         finally:
-            for process in [*self.running.values(), *([self.proxy] if self.proxy else [])]:
+            for process in self.running.values():
                 process.close()
+            self.network.close()
         return codes
 
     def tracebacks(self) -> list[str]:

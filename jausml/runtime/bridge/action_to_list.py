@@ -138,6 +138,14 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         """What is searched for and not found."""
         return self._peers.lacking()
 
+    def refusal(self) -> str:
+        """Why no peer obeys."""
+        present = self._peers.present
+        if any(map(self._peers.obeys, present)):
+            return ""
+        reasons = "; ".join(map(self._peers.reason, present))
+        return f"no peer obeys: {reasons}" if reasons else "no peer obeys"
+
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components, the state of their control, and how the last goal ended."""
         under_way = "none" if self._run is None else f"executed by {self._run.peer}"

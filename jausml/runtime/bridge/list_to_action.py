@@ -117,9 +117,10 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         """Serializes an element of the goal."""
         return self._encode(target)
 
-    def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
-        """Ends the list of a controller that counts no more."""
-        return lost is not None and self.stop(lost)
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Ends the list of a controller that counts no more, and what passes while inactive."""
+        ended = lost is not None and self.stop(lost)
+        return super().follow(standing, lost) or ended
 
     def stop(self, reason: StopReason) -> bool:
         """Ends the list that is executed; whether there was one."""

@@ -1,0 +1,66 @@
+"""The bridge and its peers over TCP, and at a node manager: cut, killed, and back."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from .conftest import running
+from .failing import Fault, ended, halted, killed, network, suffer
+from .networks import NodeManager, Tcp
+
+pytestmark = [
+    pytest.mark.live,
+    # The parser that the message packages import at their first use.
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
+    pytest.mark.timeout(240),
+]
+
+LONG = (pytest.mark.faults,)
+ALL = ("drive", "cruise", "odometry")
+
+
+def kills(where):
+    """Yields what happens to the roles of a network: killed, restarted, halted."""
+    stops = {"bridge": ("drive",), "vehicle": ("odometry",), "operator": ("cruise",)}
+    for role, standing in stops.items():
+        yield Fault(f"{where}, {role} killed", partial(killed, role=role), 3, standing, marks=LONG)
+    for name, what, seconds in (("restarted", ended, 0), ("halted for 10 s", halted, 10)):
+        during = partial(what, role="vehicle")
+        yield Fault(f"{where}, vehicle {name}", during, seconds, ("odometry",), marks=LONG)
+
+
+TCP = [
+    Fault("TCP, connections cut for 3 s", partial(network, cut=1), 3, ALL),
+    Fault("TCP, held for 4 s", partial(network, hold=1), 4, ALL, marks=LONG),
+    Fault("TCP, held for 10 s", partial(network, hold=1), 10, ALL, marks=LONG),
+    *kills("TCP"),
+]
+MANAGER = [
+    Fault("node manager killed", partial(network, cut=1), 3, ALL),
+    *kills("node manager"),
+]
+
+
+@pytest.fixture(scope="module")
+def joined(request, path, tmp_path_factory):
+    """All roles joined by a network; that of one ends before that of the next begins."""
+    logs = tmp_path_factory.mktemp("joined") / "logs"
+    with running(path, logs, network=request.param) as made:
+        yield made
+
+
+@pytest.mark.parametrize(
+    ("joined", "fault"),
+    [
+        pytest.param(network, each, marks=each.marks, id=each.name.replace(" ", "_"))
+        for network, faults in ((Tcp, TCP), (NodeManager, MANAGER))
+        for each in faults
+    ],
+    indirect=["joined"],
+)
+def test_fault(joined, fault, record):
+    record("faults", fault.name, suffer(joined, fault))
