@@ -16,7 +16,7 @@ from browsers import browser, build_page, missing
 from jausml.model.uris import LIBRARY_URI
 
 MODELS = Path(__file__).parents[3] / "models"
-PATIENCE = 30_000
+PATIENCE = 40_000
 """Milliseconds: long enough for a computer that is busy with other tests."""
 
 _ADDRESS = re.compile(r"http://\S+#token=\S+")
@@ -28,8 +28,9 @@ def chromium():
     if missing():
         pytest.skip(missing())
     build_page()
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
+    expect.set_options(timeout=PATIENCE)
     with sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=browser())
         yield started
@@ -118,6 +119,8 @@ def open_studio(chromium, tmp_path_factory):
     open_.studios, open_.complaints = opened, complaints
     yield open_
     for context in contexts:
+        for page in context.pages:
+            page.screenshot(path=tmp_path_factory.mktemp("last") / "page.png")
         context.close()
     for studio in opened:
         studio.close()
