@@ -144,6 +144,25 @@ describe("the property form", () => {
     await waitFor(() => expect(rate).toHaveValue("10"));
   });
 
+  it("shows what is there where an edit was undone before it was seen", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "5{Enter}");
+    expect(rate).toHaveValue("105");
+    server.answer("form", () => structuredClone(FORM));
+    act(() => update({ project: { ...PROJECT, revision: 3 } }));
+    await waitFor(() => expect(rate).toHaveValue("10"));
+  });
+
+  it("keeps what is being typed while something else changes", async () => {
+    const rate = await screen.findByLabelText("rate");
+    await userEvent.type(rate, "5");
+    server.answer("form", () => structuredClone(FORM));
+    act(() => update({ project: { ...PROJECT, revision: 2 } }));
+    await waitFor(() => expect(server.params("form")).toHaveLength(2));
+    await userEvent.type(rate, "6{Enter}");
+    expect(commands()).toEqual([set("rate", "1056")]);
+  });
+
   it("tells a wrong number where it is, and sends nothing", async () => {
     const rate = await screen.findByLabelText("rate");
     await userEvent.clear(rate);

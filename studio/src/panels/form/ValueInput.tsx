@@ -100,12 +100,13 @@ interface Draft {
 function Typed({ id, field, index, label, describedBy, isWrong, onChange, onFault }: Props) {
   const given = field.values[index] ?? "";
   const [typed, setDraft] = useState<Draft | null>(null);
-  const [known, setKnown] = useState(given);
+  const [known, setKnown] = useState(field.values);
   const usual = useId();
-  // What the server says wins over what was typed before it came.
-  if (known !== given) {
-    setKnown(given);
-    setDraft(null);
+  // A new answer of the server wins over what was sent before it came, even where it says what
+  // the last one said: then the edit was undone meanwhile.
+  if (known !== field.values) {
+    setKnown(field.values);
+    if (typed?.isSent || (known[index] ?? "") !== given) setDraft(null);
   }
 
   function type(text: string) {
