@@ -210,8 +210,7 @@ class _Work:
 
     def _grown(self, files: Sequence[str]) -> Forest:
         for file in files:
-            if self._draft.files[file].is_stale:
-                raise EditError(f"the edit would leave {file} in a state that cannot be read")
+            self._draft.check(file)
         models = {file: self._draft.read(file).model for file in files}
         return Forest(models, self._draft.root)
 

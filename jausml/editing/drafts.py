@@ -8,8 +8,8 @@ from urllib.parse import quote
 
 from jausml.editing.commands import EditError
 from jausml.editing.layout import is_layout
-from jausml.editing.reading import is_library, stored
-from jausml.editing.records import FileChange
+from jausml.editing.reading import can_be_parsed, digest, is_library, is_text, stored
+from jausml.editing.records import FileChange, Stored
 from jausml.editing.splices import applied, difference, merged
 from jausml.model import refs
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from jausml.editing.reading import Reader
-    from jausml.editing.records import Stored
     from jausml.editing.splices import Splice
     from jausml.metamodel.classes.ecore import EObject
     from jausml.model.model import Model
@@ -113,7 +112,9 @@ class Draft:
         """Changes a file by splices of its present bytes, none over another."""
         step = tuple(merged(splices))
         if step:
-            self._replace(file, applied(self.files[file].data, step))
+            data = applied(self.files[file].data, step)
+            # Whether it can be parsed shows when it is read: see `check`.
+            self.files[file] = Stored(file, data, digest(data), self._revision, data)
             self._steps.setdefault(file, []).append(step)
 
     def put(self, file: str, data: bytes | None) -> None:
@@ -126,10 +127,24 @@ class Draft:
         if data is None:
             del self.files[file]
         else:
-            self._replace(file, data)
+            before = self._before.get(file)
+            self.files[file] = stored(file, data, self._revision, before)
 
-    def _replace(self, file: str, data: bytes) -> None:
-        self.files[file] = stored(file, data, self._revision, self._before.get(file))
+    def check(self, file: str) -> None:
+        """Sees to it that a file that was changed can be parsed.
+
+        Raises:
+            EditError: It cannot.
+        """
+        held = self.files[file]
+        if held == self._before.get(file):
+            return
+        is_good = can_be_parsed(file, held.data) if is_text(file) else self._is_readable(file)
+        if held.is_stale or not is_good:
+            raise EditError(f"the edit would leave {file} in a state that cannot be read")
+
+    def _is_readable(self, file: str) -> bool:
+        return self.read(file).model.documents[0].readable
 
     def changes(self) -> tuple[FileChange, ...]:
         """Returns what was changed so far, in the order of the files."""

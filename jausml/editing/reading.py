@@ -212,6 +212,11 @@ def _is_current(kept: _Kept, files: Mapping[str, Stored]) -> bool:
     return all(files[file].good == good for file, good in kept.contents.items())
 
 
+def is_text(file: str) -> bool:
+    """Tells whether a file is text, and no XMI."""
+    return file.endswith(SUFFIX)
+
+
 def is_library(file: str) -> bool:
     """Tells whether a file is one of the shipped library."""
     return file.startswith(LIBRARY)
