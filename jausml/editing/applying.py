@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
-from jausml.editing.forest import Thing, default_text
+from jausml.editing.forest import Thing, default_text, open_features
 from jausml.metamodel import FeatureKind
 from jausml.model.values import convert, suggest
 from jausml.model.xmi.writer import lexical
@@ -97,6 +97,9 @@ class Applying:
             raise EditError(f"{feature.name} of {thing.label} takes one value")
         if feature.kind is FeatureKind.ATTRIBUTE:
             _put(thing.values, feature.name, canonical(values, feature))
+            thing.open.discard(feature.name)
+            if not values:
+                thing.open |= open_features(thing.table, thing.file) & {feature.name}
         else:
             targets = [self._target(each, feature) for each in values]
             _put(thing.references, feature.name, list(dict.fromkeys(targets)))
@@ -127,6 +130,7 @@ class Applying:
             hint = suggest(command.kind, self._metamodels.classes)
             raise EditError(f"{command.kind} is an {what} class {f'({hint})' if hint else ''}")
         thing = Thing(table, file)
+        thing.open = open_features(table, file)
         for name, values in command.values.items():
             self._give(thing, feature_of(table, name), tuple(values))
         for child in command.children:

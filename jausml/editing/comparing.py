@@ -32,7 +32,7 @@ def matched(wanted: Forest, read: Forest) -> dict[Thing, Thing]:
         found[one] = other
         if one.table is not other.table or one.identifier != other.identifier:
             raise _different(one, "is another element")
-        if one.values != other.values:
+        if one.values != other.values and _stated(one, one.open) != _stated(other, one.open):
             raise _different(one, f"has {other.values}, not {one.values}")
         names = [name for name, each in one.owned.items() if each]
         if len(names) != len(other.owned):
@@ -44,6 +44,11 @@ def matched(wanted: Forest, read: Forest) -> dict[Thing, Thing]:
             pending += zip(ours, theirs, strict=True)
     _match_references(found)
     return found
+
+
+def _stated(thing: Thing, open_names: set[str]) -> dict[str, tuple[str | None, ...]]:
+    """Returns what the attributes of a thing have, without those that a text leaves open."""
+    return {name: each for name, each in thing.values.items() if name not in open_names}
 
 
 def _match_references(found: dict[Thing, Thing]) -> None:

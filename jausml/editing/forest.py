@@ -13,6 +13,8 @@ from jausml.metamodel import FeatureKind
 from jausml.metamodel.filling import contents, is_set
 from jausml.model.refs import file_of, find, fragment_of, ref_of, split
 from jausml.model.xmi.writer import lexical
+from jausml.semantics.ways import CONNECTION, FEATURES
+from jausml.text.notation import SUFFIX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -40,6 +42,8 @@ class Thing:
         owned: What it owns, by the name of the feature.
         owner: What owns it, None for a root.
         feature: The feature of the owner, empty for a root.
+        open: Attributes that a text leaves open: what they have follows from all else, and may
+            be another value after an edit.
     """
 
     __slots__ = (
@@ -47,6 +51,7 @@ class Thing:
         "file",
         "identifier",
         "obj",
+        "open",
         "owned",
         "owner",
         "references",
@@ -64,6 +69,7 @@ class Thing:
         self.owned: dict[str, list[Thing]] = {}
         self.owner: Thing | None = None
         self.feature = ""
+        self.open: set[str] = set()
 
     @property
     def name(self) -> str:
@@ -205,6 +211,9 @@ class Forest:
                 values = attribute_values(obj, feature)
                 if values:
                     thing.values[name] = values
+        if not document.is_xml and (node := model.node_of(obj)) is not None:
+            stated = {child.tag for child in node.children}
+            thing.open = open_features(thing.table, file) - stated
         self.things[obj] = thing
         return thing
 
@@ -235,6 +244,12 @@ class Forest:
 
     def _target(self, obj: EObject, model: Model) -> Thing | Ref:
         return self.things.get(obj) or ref_of(obj, model, self.folder)
+
+
+def open_features(table: ClassTable, file: str) -> set[str]:
+    """Returns the attributes of a class that a file may leave open, and that then follow."""
+    is_open = table.qualified_name == CONNECTION and file.endswith(SUFFIX)
+    return set(FEATURES) if is_open else set()
 
 
 def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from jausml.editing.records import Entry
@@ -53,6 +54,12 @@ class Log:
         self._entries[self._at :] = [entry]
         self._at += 1
         return entry
+
+    def extend(self, entry: Entry, changes: tuple[FileChange, ...]) -> Entry:
+        """Makes changes part of the last entry; what was undone before it is gone already."""
+        made = replace(entry, changes=changes)
+        self._entries[self._at - 1 :] = [made]
+        return made
 
     def step_back(self) -> None:
         """Notes that the last entry was undone."""

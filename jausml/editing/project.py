@@ -5,11 +5,14 @@ from __future__ import annotations
 import difflib
 import os
 import threading
+from dataclasses import replace
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from jausml.editing.carrying import carry_out, referrers
 from jausml.editing.commands import EditError
+from jausml.editing.describing import described, pasted
 from jausml.editing.drafts import Draft
 from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
@@ -17,6 +20,7 @@ from jausml.editing.reading import Reader, is_library, is_model_file, model_file
 from jausml.editing.rebasing import Rebasing
 from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview, Referrer
 from jausml.editing.splices import applied, difference, inverted
+from jausml.editing.typing import typed
 from jausml.model import refs
 from jausml.model.xmi.writer import replace_file
 from jausml.text.notation import SUFFIX
@@ -44,6 +48,7 @@ class Project:
     Attributes:
         root: The folder, symbolic links followed.
         opened: The model file that was named, relative to the root; else empty.
+        typing_pause: Seconds without typing after which what is typed is another entry of the log.
 
     Raises:
         OSError: The folder or file is not there.
@@ -58,6 +63,8 @@ class Project:
         self._reader = Reader(self.root)
         self._log = Log()
         self._rebasing = Rebasing()
+        self._typed = (0, 0.0)
+        self.typing_pause = 2.0
         self._forest: Forest | None = None
         self._files: dict[str, Stored] = {}
         names = list(model_files(self.root))
@@ -198,7 +205,40 @@ class Project:
         Raises:
             EditError: It was changed by others since.
         """
-        raise NotImplementedError  # replaced by the text planner's typing
+        with self._lock:
+            known = self._known(file)
+            if not file.endswith(SUFFIX):
+                raise EditError(f"{file} is no text: edit it by its diagram and its forms")
+            if known.revision > base:
+                message = f"{file} has changed since: look at it again, and repeat what you typed"
+                raise EditError(message, conflict=True)
+            draft = self._draft()
+            draft.put(file, typed(text, known.data))
+            changes = draft.changes()
+            if not changes:
+                return Entry(0, f"Type in {file}", ())
+            self._write({file: draft.files[file]})
+            return self._log_typing(file, changes)
+
+    def _log_typing(self, file: str, changes: tuple[FileChange, ...]) -> Entry:
+        """Logs what was typed: as one entry while nobody pauses or does anything else."""
+        last, number, at = self._log.last, self._typed[0], self._typed[1]
+        now = monotonic()
+        label = f"Type in {file}"
+        if (
+            last is None
+            or last.number != number
+            or last.files != (file,)
+            or self._log.next is not None
+            or now - at > self.typing_pause
+        ):
+            entry = self._log.add(label, changes)
+        else:
+            [old], [new] = last.changes, changes
+            change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
+            entry = self._log.extend(last, (change,))
+        self._typed = (entry.number, now)
+        return entry
 
     def undo(self) -> Entry | None:
         """Takes the last entry back; returns it, None when there is none.
@@ -251,8 +291,29 @@ class Project:
             return None
 
     def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:
-        """Returns commands that would add elements once more; owner and feature are open."""
-        raise NotImplementedError  # replaced by the module of descriptions
+        """Returns commands that would add elements once more, to whatever owner.
+
+        Raises:
+            EditError: One of the elements is not there.
+        """
+        with self._lock:
+            draft = self._draft()
+            return described([draft.locate(each) for each in elements], self.ref)
+
+    def paste(self, commands: Sequence[Add], owner: Ref, label: str) -> Entry:
+        """Adds what `describe` gave, under names that are free.
+
+        Args:
+            commands: The descriptions.
+            owner: The element that shall own it, or that stands beside it.
+            label: What it does, for people.
+
+        Raises:
+            EditError: It cannot be carried out. Nothing was written.
+        """
+        with self._lock:
+            obj, model = self._draft().element(owner)
+            return self.do(pasted(commands, obj, model, self.ref), label)
 
     def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
         """Returns what refers to an element or to what it owns, in all files.

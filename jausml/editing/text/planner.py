@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.editing.sketches import assign, converted, copied, drawn, feature_of, owning
@@ -16,8 +16,10 @@ from jausml.editing.text.places import Places
 from jausml.editing.text.removing import Removing
 from jausml.editing.text.values import Values
 from jausml.metamodel import FeatureKind
-from jausml.metamodel.filling import hang
+from jausml.metamodel.classes import bridge
+from jausml.metamodel.filling import contents, hang, set_value
 from jausml.model.xmi.writer import UnwritableError
+from jausml.semantics.ways import FEATURES, settle
 from jausml.text.tree import Assignment, Element, Entry, Ignored, Table, Vector
 from jausml.text.writing.heads import is_comment
 from jausml.text.writing.literals import is_name
@@ -26,11 +28,11 @@ from jausml.text.writing.maps import MAP
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.editing.commands import Command
+    from jausml.editing.commands import Child, Command
     from jausml.editing.planning import Context
     from jausml.editing.splices import Splice
     from jausml.editing.text.outline import Part
-    from jausml.metamodel import FeatureTable
+    from jausml.metamodel import DataTypeTable, FeatureTable, Metamodels
     from jausml.metamodel.classes.ecore import EObject
 
 
@@ -155,6 +157,7 @@ class _Plan:
         feature = owning(table, command.feature, command.kind, self._metamodels)
         sketch = drawn(command, self._metamodels, self._desk.names.find)
         hang(sketch, owner, feature)
+        _settle(sketch, command, self._metamodels)
         self._adding.add(owner, feature, sketch, command.position)
 
     def _move(self, obj: EObject, command: Move) -> None:
@@ -179,3 +182,20 @@ class _Plan:
                     named[obj] = command.name
         if named:
             Following(self._desk).rename(named)
+
+
+def _settle(sketch: EObject, command: Add | Child, metamodels: Metamodels) -> None:
+    """Gives new connections the way that follows from all else, where a command leaves it open.
+
+    So the text leaves it open too.
+    """
+    table = metamodels.class_of(sketch)
+    if isinstance(sketch, bridge.Connection):
+        given = [next(iter(command.values.get(name, ())), None) for name in FEATURES]
+        settled = settle(sketch, *given)
+        for name in FEATURES:
+            literals = cast("DataTypeTable", table.features[name].data_type).literals
+            set_value(sketch, table.features[name], literals[getattr(settled, name)])
+    owned = {name: iter(contents(sketch, each)) for name, each in table.features.items()}
+    for child in command.children:
+        _settle(next(owned[child.feature]), child, metamodels)

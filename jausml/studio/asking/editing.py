@@ -6,7 +6,7 @@ from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.editing.commands import Place
+from jausml.editing.commands import Add, Place
 from jausml.studio import shown
 from jausml.studio.asking import showing
 from jausml.studio.encoding import command
@@ -50,10 +50,36 @@ class Write:
     base: int
 
 
+@dataclass(frozen=True)
+class Copy:
+    """Elements to be described.
+
+    Attributes:
+        elements: Their refs.
+    """
+
+    elements: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Paste:
+    """Descriptions of elements that are to be added.
+
+    Attributes:
+        owner: The ref of what shall own them, or of what they shall stand beside.
+        commands: What `copy` gave.
+    """
+
+    owner: str
+    commands: tuple[Mapping[str, object], ...]
+
+
 def methods(desk: Desk) -> Mapping[str, Method[Any]]:
     """Returns the methods by name."""
     return {
         "edit": Method(Edit, lambda asked: _edit(desk, asked), in_turn=True),
+        "copy": Method(Copy, lambda asked: {"commands": desk.project.describe(asked.elements)}),
+        "paste": Method(Paste, lambda asked: _paste(desk, asked), in_turn=True),
         "undo": Method(Nothing, lambda _: _undo(desk), in_turn=True),
         "redo": Method(Nothing, lambda _: _redo(desk), in_turn=True),
         "log": Method(Nothing, lambda _: _log(desk)),
@@ -83,6 +109,14 @@ def edit(
     made = project.do(commands, label, base)
     desk.changed(made)
     return {"revision": project.revision, "entry": shown.entry(made), "created": made.created}
+
+
+def _paste(desk: Desk, asked: Paste) -> dict[str, Any]:
+    given = [command(each, f"commands[{i}]") for i, each in enumerate(asked.commands)]
+    added = [each for each in given if isinstance(each, Add)]
+    made = desk.project.paste(added, asked.owner, "Paste")
+    desk.changed(made)
+    return {"revision": desk.project.revision, "entry": shown.entry(made), "created": made.created}
 
 
 def _undo(desk: Desk) -> dict[str, Any]:

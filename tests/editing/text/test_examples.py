@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import pytest
 from editing_support import Edited
 
@@ -43,6 +46,7 @@ system robot {
     }
 }
 """
+CATVEHICLE = Path(__file__).parents[3] / "models" / "examples" / "catvehicle"
 FILE = "robot.ros2jaus"
 BRIDGE = f"{FILE}#//@bridges.0"
 MAP = f"{BRIDGE}/@maps.0"
@@ -241,3 +245,21 @@ def test_what_the_text_implies_is_edited_in_the_text(tmp_path):
     robot.undo_all()
     values = {"name": ("leg",)}
     assert robot.do(Add(f"{FILE}#/", "nodes", "ros.Node", values)).endswith("}\n\nnode leg\n")
+
+
+def test_what_follows_may_follow_an_edit(tmp_path):
+    shutil.copytree(CATVEHICLE, tmp_path / "car")
+    car = Edited(tmp_path / "car" / "catvehicle.ros2jaus")
+    [bridge] = car.root.bridges
+    ref, cruise_speed = car.ref(bridge), next(e for e in bridge.maps if e.name == "cruise_speed")
+    topic = Child("topics", "bridge.Topic", {"name": ("again",)})
+    values = {"name": ("again",), "map": (car.ref(cruise_speed),)}
+    text = car.do(Add(ref, "bridgeConnections", "bridge.Connection", values, (topic,)))
+    block = ["connection again {", "    map: cruise_speed", "    topic again", "}"]
+    assert "\n".join(f"{' ' * 8}{each}" for each in block) in text
+    # Without its services the bridge carries what it carries in other ways.
+    assert "provides:" not in car.do(Set(ref, "provides", ())).split("bridge bridge")[1]
+    connection = f"{ref}/@bridgeConnections.5"
+    assert "direction: rosToJaus" in car.do(Set(connection, "direction", ("rosToJaus",)))
+    car.do(Set(connection, "direction", ()))
+    assert car.undo_all() == car.first
