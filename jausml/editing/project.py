@@ -218,6 +218,7 @@ class Project:
             if not changes:
                 return Entry(0, f"Type in {file}", ())
             self._write({file: draft.files[file]})
+            self._rebasing.note_unknown(self._revision, [file])
             return self._log_typing(file, changes)
 
     def _log_typing(self, file: str, changes: tuple[FileChange, ...]) -> Entry:
