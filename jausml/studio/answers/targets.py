@@ -33,9 +33,18 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
     table = scope.model.metamodels.class_of(element)
     for cls in table.supertypes:
         find = _NARROW.get(f"{cls.qualified_name}.{feature.name}")
-        if find is not None and (found := find(element)) is not None:
-            return _choices(scope, found)
-    return everywhere(scope, feature.target, element)
+        if find is not None and (narrow := find(element)) is not None:
+            return _choices(scope, narrow)
+    found = everywhere(scope, feature.target, element)
+    if feature.name == "query":
+        used = getattr(element, "query", None)
+        own = scope.ref(used) if used is not None else ""
+        return tuple(each for each in found if _is_query(each) or each.value == own)
+    return found
+
+
+def _is_query(choice: Choice) -> bool:
+    return choice.label.rpartition(".")[2].startswith("Query")
 
 
 def everywhere(
@@ -74,11 +83,15 @@ def _choices(scope: Scope, elements: Iterable[EObject]) -> tuple[Choice, ...]:
         Choice(
             scope.ref(each),
             f"{label} ({_file(scope, each)})" if counts[label] > 1 else label,
-            str(getattr(each, "documentation", None) or ""),
+            _first_sentence(str(getattr(each, "documentation", None) or "")),
         )
         for label, each in found
     ]
     return tuple(sorted(choices, key=lambda each: (each.label.lower(), each.label, each.value)))
+
+
+def _first_sentence(text: str) -> str:
+    return text.partition(". ")[0].removesuffix(".")
 
 
 def _file(scope: Scope, element: EObject) -> str:

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import text_digest
+from jausml.generation.errors import GenerationError
+from jausml.generation.paths import find_problems
 from jausml.generation.rendering import render
 from jausml.generators.bridge.target import TARGET as BRIDGE
 from jausml.generators.messages.target import TARGET as MESSAGES
@@ -57,9 +59,13 @@ def trial_bridge(metamodels: Metamodels, used: bridge.AttributeMap, *, to_ros: b
         GenerationError: The map has what cannot be generated.
     """
     model = _model(metamodels, used, to_ros=to_ros)
+    made = render(model, (BRIDGE, MESSAGES))
+    problems = find_problems(made)
+    if problems:
+        raise GenerationError(next(iter(problems.values())))
     files = {
         each.path: each.text
-        for each in render(model, (BRIDGE, MESSAGES))
+        for each in made
         if each.path.endswith(".py") and each.path.count("/") == 2 and "/test/" not in each.path
     }
     digest = text_digest("\n".join(f"{path}\n{text}" for path, text in sorted(files.items())))
