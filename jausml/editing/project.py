@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from jausml.editing.carrying import carry_out, referrers
 from jausml.editing.commands import EditError
 from jausml.editing.describing import described, pasted
+from jausml.editing.disk import Disk
 from jausml.editing.drafts import Draft
 from jausml.editing.layout import is_layout, layout_file, read_layout
 from jausml.editing.log import Log
@@ -22,7 +23,6 @@ from jausml.editing.records import Change, Entry, FileChange, FileInfo, Preview,
 from jausml.editing.splices import applied, difference, inverted
 from jausml.editing.typing import typed
 from jausml.model import refs
-from jausml.model.xmi.writer import replace_file
 from jausml.text.notation import SUFFIX
 
 if TYPE_CHECKING:
@@ -61,6 +61,7 @@ class Project:
         self._lock = threading.RLock()
         self._revision = 0
         self._reader = Reader(self.root)
+        self._disk = Disk(self.root)
         self._log = Log()
         self._rebasing = Rebasing()
         self._typed = (0, 0.0)
@@ -71,7 +72,7 @@ class Project:
         if self.opened and self.opened not in names:
             names.append(self.opened)
         for file in names:
-            data = self._readable(file)
+            data = self._disk.readable(file)
             if data is not None:
                 self._files[file] = stored(file, data, 0)
         if self.opened and self.opened not in self._files:
@@ -284,13 +285,6 @@ class Project:
             wanted = {f for f in wanted if f in self._files or is_model_file(f, self.root)}
             return tuple(filter(None, map(self._refreshed, sorted(wanted))))
 
-    def _readable(self, file: str) -> bytes | None:
-        """Returns what is stored of a file, None when it cannot be read."""
-        try:
-            return self._on_disk(file)
-        except EditError:
-            return None
-
     def describe(self, elements: Sequence[Ref]) -> tuple[Add, ...]:
         """Returns commands that would add elements once more, to whatever owner.
 
@@ -356,12 +350,12 @@ class Project:
         written: list[str] = []
         try:
             for file, new in changed.items():
-                self._store(file, new.data if new is not None else None)
+                self._disk.store(file, new.data if new is not None else None)
                 written.append(file)
         except OSError as error:
             for file in written:
                 before = self._files.get(file)
-                self._store(file, before.data if before is not None else None)
+                self._disk.store(file, before.data if before is not None else None)
             raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
         self._revision += 1
         for file, new in changed.items():
@@ -370,34 +364,15 @@ class Project:
             else:
                 self._files[file] = new
 
-    def _store(self, file: str, data: bytes | None) -> None:
-        path = self.root / file
-        if data is None:
-            path.unlink(missing_ok=True)
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            replace_file(path, data)
-
     def _check_unchanged(self, files: Iterable[str]) -> None:
         """Sees to it that nothing is overwritten that another program has just saved."""
         for file in files:
-            found = self._on_disk(file)
+            found = self._disk.read(file)
             known = self._files.get(file)
             if found != (known.data if known is not None else None):
                 self._refreshed(file)
                 message = f"{file} was just changed by another program: look at it, and repeat"
                 raise EditError(message, conflict=True)
-
-    def _on_disk(self, file: str) -> bytes | None:
-        path = self.root / file
-        if not Path(os.path.realpath(path)).is_relative_to(self.root):
-            raise EditError(f"{file} lies outside the opened folder")
-        try:
-            return path.read_bytes()
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            raise EditError(f"{file} cannot be read: {error.strerror}") from error
 
     def _replay(self, changes: Sequence[FileChange]) -> None:
         new: dict[str, Stored | None] = {}
@@ -416,7 +391,7 @@ class Project:
     def _refreshed(self, file: str) -> Change | None:
         known = self._files.get(file)
         try:
-            found = self._on_disk(file)
+            found = self._disk.read(file)
         except EditError:
             return None  # it is left alone until it can be read again
         if found == (known.data if known is not None else None):
