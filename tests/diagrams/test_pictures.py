@@ -147,6 +147,22 @@ def test_a_large_system_has_a_frame_for_each_bridge():
     assert picture.count('class="box') == 66
 
 
+def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
+    found = large()
+    wrong = (Finding("warning", "R", "is wrong"),)
+    marked = replace(
+        found,
+        nodes=tuple(
+            replace(n, ports=tuple(replace(p, findings=wrong) for p in n.ports))
+            for n in found.nodes
+        ),
+        edges=tuple(replace(e, findings=wrong) for e in found.edges),
+    )
+    picture = svg.render(marked, Graphviz())
+    assert 'class="label"' not in picture
+    assert picture.count(">! warning: is wrong</text>") == 60
+
+
 def test_a_small_system_stays_as_it_is():
     found = large(connections=80)
     assert bundled(found) is found

@@ -92,7 +92,7 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
                   LINE_HEIGHT + 5)
             for each in graph.groups
         ),
-        tuple(_line(each) for each in graph.edges),
+        tuple(_line(each, is_labelled=not packed) for each in graph.edges),
         graph.downwards,
         packed,
     )  # fmt: skip
@@ -128,8 +128,9 @@ def _widths(node: Node) -> Iterator[float]:
         yield found
 
 
-def _line(edge: Edge) -> Line:
-    lines = label_lines(edge)
+def _line(edge: Edge, *, is_labelled: bool) -> Line:
+    # Bundles have no room for labels: their boxes say what is wrong, and details the rest.
+    lines = label_lines(edge) if is_labelled else []
     widest = max((width(each, SMALL) for each in lines), default=0)
     return Line(
         edge.id,
