@@ -102,7 +102,7 @@ function Right() {
 function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void }) {
   const bottom = useStudio((studio) => studio.bottom);
   const tabs: [BottomTab, string][] = [
-    ["problems", "Problems"],
+    ["problems", useProblemsTitle()],
     ["generate", "Generate"],
     ["live", "Live"],
     ["log", "History"],
@@ -133,6 +133,14 @@ function Bottom({ isFolded, onFold }: { isFolded: boolean; onFold: () => void })
       </Tabs>
     </section>
   );
+}
+
+/** What is wrong can be seen while another tab is open, or none. */
+function useProblemsTitle(): string {
+  const count = useStudio(
+    (studio) => studio.problems?.problems.filter((each) => each.severity === "error").length ?? 0,
+  );
+  return count ? `Problems (× ${count})` : "Problems";
 }
 
 /** What was just done, spoken politely; faults at once. */

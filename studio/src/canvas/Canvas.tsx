@@ -42,7 +42,7 @@ import {
 import { Line } from "./Line";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
-import { Tools } from "./Tools";
+import { FIT, Tools } from "./Tools";
 
 // Outside the component: React Flow draws everything anew when these change.
 const NODE_TYPES = { box: Box, frame: Frame };
@@ -171,7 +171,7 @@ function Diagram({ graph }: { graph: Graph }) {
         minZoom={0.05}
         maxZoom={3}
         fitView
-        fitViewOptions={{ padding: 0.1, maxZoom: 1.2 }}
+        fitViewOptions={FIT}
         tabIndex={0}
         aria-label={`Diagram of ${graph.title || graph.view}`}
         aria-activedescendant={here ? domId(here) : undefined}

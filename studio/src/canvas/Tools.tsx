@@ -5,7 +5,11 @@ import type { Graph } from "../protocol";
 import { state, useStudio } from "../store";
 import { matches } from "./following";
 
-const FIT = { padding: 0.1, maxZoom: 1.2 };
+/** The tools above the diagram cover none of it. */
+export const FIT = {
+  padding: { top: "44px", right: 0.07, bottom: 0.05, left: 0.07 },
+  maxZoom: 1.2,
+} as const;
 
 /** Name of the event by which keys of the page ask the diagram to fit. */
 export const FIT_EVENT = "studio-fit";
