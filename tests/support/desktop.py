@@ -53,6 +53,12 @@ class Desktop:
             has=self.page.locator(".title", has_text=re.compile(f"^{re.escape(name)}$"))
         )
 
+    def place(self, name):
+        """Where a box stands in the diagram, in whole pixels."""
+        node = self.page.locator(".react-flow__node").filter(has=self.box(name))
+        moved = node.evaluate("node => node.style.transform")
+        return [round(float(each)) for each in re.findall(r"-?[\d.]+(?=px)", moved)]
+
     def title(self, name):
         return self.box(name).locator(".title")
 

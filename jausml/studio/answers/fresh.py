@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.metamodel.classes import jaus, system
 from jausml.model.names import name_of
-from jausml.model.words import snake_case
+from jausml.model.words import LONGEST, snake_case
 from jausml.semantics.names import package_key
 
 if TYPE_CHECKING:
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from jausml.model import Model
 
 _LAST = 254
+_LONGEST_BEGIN = LONGEST - 10
+"""Letters of a name before its number, which would be cut off otherwise."""
+
 _FIRST = (100, 1)
 """Subsystem and node of the first component of a model."""
 
@@ -33,7 +36,8 @@ def free_name(wanted: str, taken: Iterable[str]) -> str:
     name = snake_case(wanted) or "element"
     if package_key(name) not in used:
         return name
-    return next(each for n in count(2) if package_key(each := f"{name}_{n}") not in used)
+    begin = name[:_LONGEST_BEGIN].rstrip("_")
+    return next(each for n in count(2) if package_key(each := f"{begin}_{n}") not in used)
 
 
 def name_among(wanted: str, siblings: Iterable[EObject]) -> str:

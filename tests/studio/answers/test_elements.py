@@ -7,6 +7,7 @@ from functools import cache
 from threading import Event
 
 from jausml.studio.answers import elements
+from jausml.studio.answers.fresh import free_name
 
 
 def test_all_threads_get_the_same_library(monkeypatch):
@@ -25,3 +26,12 @@ def test_all_threads_get_the_same_library(monkeypatch):
     with ThreadPoolExecutor(4) as threads:
         found = list(threads.map(lambda _: elements.library(), range(4)))
     assert found == read * 4
+
+
+def test_a_name_of_any_length_can_be_made_unique():
+    taken = ["x" * 2000]
+    for _ in range(3):
+        name = free_name("x" * 2000, taken)
+        assert name not in taken
+        taken.append(name)
+    assert taken[2] != taken[3]

@@ -1,0 +1,146 @@
+"""Editing in a real browser: files, positions, undo, other programs, keys alone."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from browsers import BROWSER
+from desktop import Desktop
+from playwright.sync_api import expect
+
+pytestmark = [BROWSER, pytest.mark.ports, pytest.mark.timeout(300)]
+
+FEATURES = ("documentation", "name", "topic", "namespace", "address", "value")
+HOSTILE = "&lt;script>window.hit=1&lt;/script>&lt;img src=x onerror='window.hit=1'>${7*7}{{7*7}}"
+
+
+@pytest.fixture
+def desk(open_studio, example):
+    desk = Desktop(open_studio(example))
+    expect(desk.box("vehicle")).to_be_visible()
+    return desk
+
+
+def test_what_was_moved_stays_where_it_is(desk, example):
+    before = example.read_bytes()
+    place = desk.title("vehicle").bounding_box()
+    mouse = desk.page.mouse
+    mouse.move(place["x"] + 5, place["y"] + 5)
+    mouse.down()
+    mouse.move(place["x"] + 45, place["y"] + 85, steps=5)
+    mouse.up()
+    expect(desk.said).to_contain_text("Move a box")
+    moved = desk.place("vehicle")
+    desk.page.reload()
+    expect(desk.box("vehicle")).to_be_visible()
+    assert desk.place("vehicle") == moved
+    assert example.read_bytes() == before
+    assert [each.name for each in example.parent.glob("*.layout.json")]
+
+
+def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, example):
+    before = example.read_bytes()
+    desk.rename("vehicle", "rover")
+    assert b'name="rover"' in example.read_bytes()
+    desk.title("logger").click()
+    desk.keyboard.press("Delete")
+    expect(desk.box("logger")).to_have_count(0)
+    assert b'name="logger"' not in example.read_bytes()
+    desk.keyboard.press("Control+z")
+    expect(desk.box("logger")).to_have_count(1)
+    desk.keyboard.press("Control+z")
+    expect(desk.box("vehicle")).to_have_count(1)
+    assert example.read_bytes() == before
+    desk.keyboard.press("Control+Shift+z")
+    expect(desk.box("rover")).to_have_count(1)
+
+
+def test_what_others_refer_to_is_removed_with_them_when_one_agrees(desk, example):
+    before = example.read_bytes()
+    desk.title("vehicle").click()
+    desk.keyboard.press("Delete")
+    dialog = desk.dialog(re.compile("Remove vehicle"))
+    expect(dialog).to_contain_text("odometry")
+    desk.keyboard.press("Escape")
+    expect(desk.box("vehicle")).to_have_count(1)
+    assert example.read_bytes() == before
+
+
+def test_a_change_of_another_program_appears(desk, example):
+    text = example.read_text(encoding="utf-8")
+    example.write_text(text.replace('name="logger"', 'name="recorder"'), encoding="utf-8")
+    expect(desk.box("recorder")).to_be_visible()
+    expect(desk.page.get_by_text("Another program changed catvehicle.xmi")).to_be_visible()
+    desk.page.get_by_role("button", name="Show the difference").click()
+    expect(desk.dialog(re.compile("What changed"))).to_contain_text("recorder")
+
+
+def test_a_file_that_cannot_be_read_shows_how_it_was_and_is_left_alone(desk, example):
+    text = example.read_text(encoding="utf-8")
+    broken = text[: len(text) // 2]
+    example.write_text(broken, encoding="utf-8")
+    expect(desk.page.get_by_text("cannot be read as it is now")).to_be_visible()
+    expect(desk.box("vehicle")).to_be_visible()
+    assert example.read_text(encoding="utf-8") == broken
+    example.write_text(text, encoding="utf-8")
+    expect(desk.page.get_by_text("cannot be read as it is now")).to_have_count(0)
+    desk.no_problems()
+
+
+def test_by_keys_alone(desk, example):
+    desk.keyboard.press("Control+f")
+    desk.keyboard.type("logger")
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Escape")
+    desk.diagram.focus()
+    desk.keyboard.press("F2")
+    expect(desk.box_field()).to_be_focused()
+    desk.keyboard.press("Control+a")
+    desk.keyboard.type("recorder")
+    desk.keyboard.press("Enter")
+    expect(desk.box("recorder")).to_have_count(1)
+    assert b'name="recorder"' in example.read_bytes()
+    desk.keyboard.press("?")
+    expect(desk.dialog(re.compile("Keys"))).to_contain_text("connect to")
+    desk.keyboard.press("Escape")
+    expect(desk.page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_the_table_tells_the_same(desk):
+    desk.tab("Table")
+    cells = desk.page.get_by_role("cell", name="ReportVelocityState")
+    expect(cells.first).to_be_visible()
+    desk.page.get_by_role("row").filter(has_text="ReportVelocityState").first.click()
+    expect(desk.page.get_by_role("form")).to_be_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_light_and_dark_as_the_system_has_it(open_studio, example, scheme):
+    desk = Desktop(open_studio(example, color_scheme=scheme))
+    expect(desk.box("vehicle")).to_be_visible()
+    ground = desk.page.evaluate("getComputedStyle(document.body).backgroundColor")
+    levels = [int(each) for each in re.findall(r"\d+", ground)[:3]]
+    assert (max(levels) < 80) == (scheme == "dark"), ground
+
+
+def test_text_of_a_model_is_text_in_the_page(open_studio, example):
+    text = example.read_text(encoding="utf-8")
+    for feature in FEATURES:
+        text = re.sub(rf' {feature}="([^"]*)"', rf' {feature}="\1{HOSTILE}"', text)
+    example.write_text(text, encoding="utf-8")
+    desk = Desktop(open_studio(example))
+    expect(desk.page.locator(".box .title", has_text="<script>").first).to_be_visible()
+    for name in ("Generate", "Live", "History", "Problems"):
+        desk.tab(name)
+    desk.page.locator(".box .title").first.click()
+    expect(desk.page.get_by_role("form")).to_contain_text("<script>")
+    desk.tab("Source")
+    desk.tab("Table")
+    expect(desk.page.get_by_role("cell", name="<script>").first).to_be_visible()
+    views = desk.view.locator("option").evaluate_all("all => all.map(each => each.value)")
+    for view in [each for each in views if "script" in each][:4]:
+        desk.view.select_option(view)
+        expect(desk.page.get_by_role("cell", name="<script>").first).to_be_visible()
+    assert desk.page.evaluate("window.hit === undefined")
+    assert desk.page.locator("img[src='x'], script:not([src])").count() == 0
