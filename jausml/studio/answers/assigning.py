@@ -21,6 +21,7 @@ from jausml.semantics.units import attribute_measure
 from jausml.studio.answers.elements import AnswerError
 from jausml.studio.answers.members import Member, leaves, member
 from jausml.studio.answers.shapes import Option, Options
+from jausml.studio.answers.statements import OF_AUTHORS, innermost, statement, steps
 from jausml.studio.answers.trial import Judged, judge
 
 if TYPE_CHECKING:
@@ -35,8 +36,6 @@ _OF_NO_NEED = frozenset(
     {"square", "square_root", "wrap_angle", "covariance_to_rms", "reverse_rows"}
 )
 """Conversions that make another quantity: they are proposed where nothing simpler is accepted."""
-_OF_AUTHORS = ("percent_to_value", "value_to_percent", "scale")
-"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others."""
 _POLICIES: tuple[Mapping[str, str], ...] = (
     {},
     {"whenAbsent": "dropMessage"},
@@ -71,8 +70,8 @@ class _Draft:
             "source": (", ".join(self.sources),),
             **{name: (value,) for name, value in self.policy},
         }
-        steps = tuple(map(_conversion, self.conversions))
-        return Child(feature, "bridge.FieldAssignment", values, steps)
+        chain = tuple(map(_conversion, self.conversions))
+        return Child(feature, "bridge.FieldAssignment", values, chain)
 
 
 def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
@@ -103,7 +102,7 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
             why=_why(each, found.plain, source, target),
             preview=statement(each.assignment),
             commands=_commands(scope, used, each.assignment, source, target, feature),
-            is_best=index == 0 and not set(_steps(each.assignment)) & set(_OF_AUTHORS),
+            is_best=index == 0 and not set(steps(each.assignment)) & set(OF_AUTHORS),
         )
         for index, each in enumerate(_distinct(found.good)[:_MOST])
     ]
@@ -232,7 +231,7 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
     What is known of the unit of both ends shall not be lost on the way.
     """
     own, other = (attribute_measure(each.attribute) for each in (source, target))
-    of_authors = [CONVERSIONS[each] for each in _OF_AUTHORS]
+    of_authors = [CONVERSIONS[each] for each in OF_AUTHORS]
     is_of_ratios = any(each is None or not each.unit.dimension for each in (own, other))
     chains: list[tuple[Conversion, ...]] = [(each,) for each in _SIMPLE]
     chains += [pair for pair in product(_SIMPLE, _SIMPLE) if _may_follow(*pair)]
@@ -289,43 +288,33 @@ def _distinct(found: Iterable[Judged]) -> list[Judged]:
     """Returns what was found with one policy for each chain, plain ones first."""
     kept: dict[tuple[object, ...], Judged] = {}
     for each in found:
-        kept.setdefault((_steps(each.assignment), statement(each.assignment).count(",")), each)
+        kept.setdefault((steps(each.assignment), statement(each.assignment).count(",")), each)
     return sorted(kept.values(), key=_effort)
 
 
 def _effort(found: Judged) -> tuple[int, int]:
-    steps = _steps(found.assignment)
-    odd = sum(each in _OF_NO_NEED for each in steps)
-    return odd + 2 * sum(each in _OF_AUTHORS for each in steps), len(steps)
-
-
-def _innermost(child: Child) -> Child:
-    nested = [each for each in child.children if each.feature == "assignments"]
-    return nested[0] if nested else child
-
-
-def _steps(child: Child) -> tuple[str, ...]:
-    inner = _innermost(child)
-    return tuple(each.values["kind"][0] for each in inner.children if "kind" in each.values)
+    own = steps(found.assignment)
+    odd = sum(each in _OF_NO_NEED for each in own)
+    return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
 
 
 def _label(found: Judged) -> str:
-    return ", then ".join(_steps(found.assignment)) or "as it is"
+    return ", then ".join(steps(found.assignment)) or "as it is"
 
 
 def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
-    steps = _steps(found.assignment)
+    names = steps(found.assignment)
     reasons = [plain.said.partition("; ")[0]] if plain.said and found is not plain else []
-    reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in steps]
+    reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in names]
     own, other = (attribute_measure(each.attribute) for each in (source, target))
-    if not steps and own is not None and other is not None:
+    if not names and own is not None and other is not None:
         if own.unit != other.unit:
             reasons.append(f"{own.text} becomes {other.text} without being asked")
         else:
             reasons.append(f"both are in {other.text}, along the same axis")
-    if any(each in _OF_AUTHORS for each in steps):
+    if any(each in OF_AUTHORS for each in names):
         reasons.append("write the number of your vehicle in the place of 1")
-    inner = _innermost(found.assignment)
+    inner = innermost(found.assignment)
     if "whenAbsent" in inner.values:
         reasons.append(f"without '{source.path}' the message is dropped")
     if "outOfRange" in inner.values:
@@ -337,37 +326,9 @@ def _why(found: Judged, plain: Judged, source: Member, target: Member) -> str:
 
 def _conversion(name: str) -> Child:
     values: dict[str, tuple[str, ...]] = {"kind": (name,)}
-    if name in _OF_AUTHORS:
+    if name in OF_AUTHORS:
         values["arguments"] = ("1",)
     return Child("conversions", "bridge.Conversion", values)
-
-
-def statement(child: Child) -> str:
-    """Returns an assignment in the text notation."""
-    values = {name: texts[0] for name, texts in child.values.items() if texts}
-    target = values.get("target", "")
-    if child.kind == "bridge.Ignore":
-        return f"ignore {target}"
-    if child.kind == "bridge.ClockAssignment":
-        return f"clock -> {target}"
-    if child.kind == "bridge.ConstantAssignment":
-        return f"{_literal(values['value'])} -> {target}"
-    head = f"{values['source']} -> {target}"
-    if child.kind == "bridge.ListAssignment":
-        return f"{head} {{ {statement(_innermost(child))} }}"
-    steps = _steps(child)
-    more = [f"{name}: {values[name]}" for name in ("whenAbsent", "outOfRange") if name in values]
-    calls = [f"{each}(1)" if each in _OF_AUTHORS else each for each in steps]
-    head += f" : {', '.join(calls)}" if calls else ""
-    return f"{head} {{ {'  '.join(more)} }}" if more else head
-
-
-def _literal(value: str) -> str:
-    try:
-        float(value)
-    except ValueError:
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    return value
 
 
 def _commands(
@@ -383,7 +344,7 @@ def _commands(
     if source is not None and source.outer:
         around = _list_of(used, source, target, feature)
         if around is not None:
-            owner, child, feature = around, _innermost(child), "assignments"
+            owner, child, feature = around, innermost(child), "assignments"
     add = Add(scope.ref(owner), feature, child.kind, child.values, child.children)
     filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
     gone = [

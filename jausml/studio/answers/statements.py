@@ -1,0 +1,51 @@
+"""Statements: assignments that are to be, in the text notation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jausml.editing.commands import Child
+
+OF_AUTHORS = ("percent_to_value", "value_to_percent", "scale")
+"""Conversions whose argument the author knows, with 1 in its place: proposed behind all others."""
+
+
+def innermost(child: Child) -> Child:
+    """Returns the assignment itself: of one of lists, that of their elements."""
+    nested = [each for each in child.children if each.feature == "assignments"]
+    return nested[0] if nested else child
+
+
+def steps(child: Child) -> tuple[str, ...]:
+    """Returns the names of the conversions of an assignment."""
+    inner = innermost(child)
+    return tuple(each.values["kind"][0] for each in inner.children if "kind" in each.values)
+
+
+def statement(child: Child) -> str:
+    """Returns an assignment in the text notation."""
+    values = {name: texts[0] for name, texts in child.values.items() if texts}
+    target = values.get("target", "")
+    if child.kind == "bridge.Ignore":
+        return f"ignore {target}"
+    if child.kind == "bridge.ClockAssignment":
+        return f"clock -> {target}"
+    if child.kind == "bridge.ConstantAssignment":
+        return f"{_literal(values['value'])} -> {target}"
+    head = f"{values['source']} -> {target}"
+    if child.kind == "bridge.ListAssignment":
+        return f"{head} {{ {statement(innermost(child))} }}"
+    names = steps(child)
+    more = [f"{name}: {values[name]}" for name in ("whenAbsent", "outOfRange") if name in values]
+    calls = [f"{each}(1)" if each in OF_AUTHORS else each for each in names]
+    head += f" : {', '.join(calls)}" if calls else ""
+    return f"{head} {{ {'  '.join(more)} }}" if more else head
+
+
+def _literal(value: str) -> str:
+    try:
+        float(value)
+    except ValueError:
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return value
