@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from jausml.editing.commands import Add, EditError, Move, Remove, Rename, Set
 from jausml.editing.forest import Thing, default_text, open_features
+from jausml.editing.joins import paths_through
 from jausml.metamodel import FeatureKind
 from jausml.model.values import convert, suggest
 from jausml.model.xmi.writer import lexical
@@ -88,6 +89,9 @@ class Applying:
     def _rename(self, command: Rename) -> None:
         thing = self._thing(command.element)
         self.steps.append(command)
+        for each, name, text in paths_through(thing, command.name):
+            self.steps.append(Set(self._forest.ref(each), name, (text,)))
+            self._give(each, feature_of(each.table, name), (text,))
         self._give(thing, feature_of(thing.table, NAME), (command.name,))
 
     def _give(self, thing: Thing, feature: FeatureTable, values: Values) -> None:

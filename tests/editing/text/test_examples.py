@@ -263,3 +263,20 @@ def test_what_follows_may_follow_an_edit(tmp_path):
     assert "direction: rosToJaus" in car.do(Set(connection, "direction", ("rosToJaus",)))
     car.do(Set(connection, "direction", ()))
     assert car.undo_all() == car.first
+
+
+def test_paths_through_a_join_follow_its_name(tmp_path):
+    path = tmp_path / FILE
+    path.write_text(
+        "node n\n\nm {\n    JAUS SetVelocityCommand\n    ROS std_msgs/Float64\n"
+        "    join lever { type: std_msgs/Float64 }\n"
+        "    ROS->JAUS ( lever.data -> Velocity_X  leverage.data -> Velocity_Y )\n"
+        "    vector v ROS->JAUS ( lever.data = 1 => Velocity_X = 1 )\n}\n"
+    )
+    robot = Edited(path)
+    [join] = (
+        next(each for each in robot.model.roots if each.eClass.name == "MapLibrary").maps[0].joins
+    )
+    text = robot.do(Rename(robot.ref(join), "stick"))
+    wanted = robot.first.decode().replace("lever ", "stick ").replace("lever.", "stick.")
+    assert text == wanted

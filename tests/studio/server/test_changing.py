@@ -72,10 +72,18 @@ def test_all_pages_are_told(server: Server) -> None:
 def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
     element = node_of(page, "node")
     base = page.ask("hello")["revision"]
-    page.ask("edit", commands=[named(element, "one")], label="describe")
-    with pytest.raises(RefusedError, match="has changed since") as refused:
+    page.ask("edit", commands=[{"kind": "remove", "element": element}], label="remove")
+    with pytest.raises(RefusedError, match="is gone meanwhile") as refused:
         page.ask("edit", commands=[named(element, "two")], label="describe", base=base)
     assert refused.value.data["conflict"]
+
+
+def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
+    element = node_of(page, "node")
+    commands = page.ask("copy", elements=[element])["commands"]
+    assert [(each["kind"], each["type"]) for each in commands] == [("add", "ros.Node")]
+    done = page.ask("paste", owner=element, commands=commands)
+    assert (done["entry"]["label"], len(done["created"])) == ("Paste", 1)
 
 
 def test_problems_come_with_each_change(page: Page) -> None:
