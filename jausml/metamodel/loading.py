@@ -7,10 +7,11 @@ read by `jausml.model`, because pyecore's XMI reader keeps no positions and skip
 from __future__ import annotations
 
 import re
-from functools import cache
+import threading
+from functools import cache, wraps
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
@@ -26,7 +27,7 @@ from jausml.metamodel.tables import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
 GEN_MODEL = "http://www.eclipse.org/emf/2002/GenModel"
 EXTENDED_META_DATA = "http:///org/eclipse/emf/ecore/util/ExtendedMetaData"
@@ -72,23 +73,44 @@ _KINDS = {
 _PRIMITIVES = {"boolean", "int", "long", "short", "double", "float"}
 
 
+ParametersT = ParamSpec("ParametersT")
+MadeT = TypeVar("MadeT")
+
+_LOADING = threading.RLock()
+
+
 class MetamodelError(ValueError):
     """A metamodel uses something that the reader cannot honour."""
 
 
-@cache
+def _once(make: Callable[ParametersT, MadeT]) -> Callable[ParametersT, MadeT]:
+    """Has a function make each thing once, also where several threads ask at the same time.
+
+    Classes that were made twice would not know each other's elements.
+    """
+    cached = cache(make)
+
+    @wraps(make)
+    def made(*args: ParametersT.args, **kwargs: ParametersT.kwargs) -> MadeT:
+        with _LOADING:
+            return cached(*args, **kwargs)  # type: ignore[arg-type]
+
+    return made
+
+
+@_once
 def load_metamodels() -> Metamodels:
     """Returns the jaus, ros, bridge and system metamodels, loaded once for each process."""
     return read_metamodels([_shipped(name) for name in _LANGUAGES], _shipped_resources())
 
 
-@cache
+@_once
 def load_jaus_metamodel() -> Metamodels:
     """Returns the jaus metamodel alone, in half the time; its classes are those of all four."""
     return read_metamodels([_shipped("jaus")], _shipped_resources())
 
 
-@cache
+@_once
 def python_class(language: str, name: str) -> type:
     """Returns the Python class that pyecore makes the elements of a class from.
 

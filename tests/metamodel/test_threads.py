@@ -1,0 +1,31 @@
+"""Metamodels that several threads ask for at once: there is one of each."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+PROGRAM = """
+import threading
+from jausml.metamodel import load_metamodels
+
+found, together = [], threading.Barrier(4)
+
+def load():
+    together.wait()
+    found.append(load_metamodels())
+
+threads = [threading.Thread(target=load) for _ in range(4)]
+for each in threads:
+    each.start()
+for each in threads:
+    each.join()
+print(len(found), len(set(map(id, found))))
+"""
+
+
+def test_metamodels_are_loaded_once():
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.split() == ["4", "1"]
