@@ -64,7 +64,7 @@ VARIANTS = {
 
 @pytest.mark.parametrize("path", MODELS, ids=str)
 @given(data=st.data())
-@settings(max_examples=max(1, settings().max_examples // 10))
+@settings(max_examples=max(1, settings().max_examples // 25))
 def test_what_random_commands_do_is_undone_to_the_byte(path, data):
     variant = data.draw(st.sampled_from(sorted(VARIANTS)), label="variant")
     chance = random.Random(data.draw(st.integers(0, 2**32), label="seed"))
