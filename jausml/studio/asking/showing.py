@@ -89,7 +89,7 @@ def _views(desk: Desk, asked: OfFile) -> dict[str, Any]:
     views = []
     for name in view_names(model):
         kind, _, of = name.partition(":")
-        title = f"{kind} {of}".rstrip()
+        title = of or kind
         views.append({"name": name, "kind": kind, "title": title, "library": name not in own})
     return {"views": views}
 
