@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import logging
 import threading
 import time
 from dataclasses import dataclass
@@ -16,6 +18,12 @@ if TYPE_CHECKING:
 
     from jausml.editing.project import Project
     from jausml.model.reading.reader import ReadResult
+
+
+_LOG = logging.getLogger(__name__)
+
+_REST = 30.0
+"""Seconds without a wish after which garbage is collected all the same."""
 
 
 @dataclass(frozen=True)
@@ -120,21 +128,32 @@ class Checking(threading.Thread):
         self._wanted.set()
 
     def run(self) -> None:
-        """Waits for wishes until it is closed."""
-        while True:
-            self._wanted.wait()
-            self._wanted.clear()
-            for file in self._files():
-                if self._is_closed:
-                    return
-                if self._wanted.is_set():
-                    break  # something has changed: begin anew
-                self._judge(file)
+        """Waits for wishes until it is closed.
+
+        Collects garbage too, when all is told: models are large, and whoever waits for a verdict
+        need not wait for that.
+        """
+        gc.disable()
+        while not self._is_closed:
+            if self._wanted.wait(_REST):
+                self._wanted.clear()
+                self._judge_all()
+            gc.collect()
+
+    def _judge_all(self) -> None:
+        for file in self._files():
+            # Where something has changed meanwhile all begins anew.
+            if self._is_closed or self._wanted.is_set():
+                return
+            self._judge(file)
 
     def _judge(self, file: str) -> None:
         try:
             verdict = self._verdicts.of(file)
+            if verdict.revision == self._verdicts.revision:
+                self._told(verdict)
         except EditError:
             return  # it has gone meanwhile
-        if verdict.revision == self._verdicts.revision:
-            self._told(verdict)
+        except Exception:
+            # The next change is judged all the same.
+            _LOG.exception("%s was not judged", file)
