@@ -9,6 +9,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from jausml.editing.commands import EditError
+from jausml.metamodel import load_metamodels
 from jausml.studio import watching
 from jausml.studio.answers.palette import library_entries
 from jausml.studio.asking import answering, editing, generating, mapping, reading, showing
@@ -38,6 +39,7 @@ class Session:
     """
 
     def __init__(self, desk: Desk) -> None:
+        load_metamodels()  # now, for threads that ask at once would load them twice
         self._desk = desk
         self._living = Living(desk)
         desk.audience.left = self._living.leave
