@@ -32,7 +32,7 @@ HTMLDialogElement.prototype.close ??= function (this: HTMLDialogElement) {
 };
 
 // Other work of the machine may take long; what does not come at all still fails.
-configure({ asyncUtilTimeout: 4000 });
+configure({ asyncUtilTimeout: 20_000 });
 
 beforeEach(() => useStudio.setState(BEGINNING, true));
 afterEach(cleanup);
