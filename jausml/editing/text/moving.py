@@ -52,9 +52,10 @@ class Moving:
         body = self._body(owner, feature, item, position, obj)
         if body is not None and self._can_stay_as_it_is(part, item, owner, feature, body):
             before = self._places.for_owned(owner, feature.name, body, position, obj)
-            if before is item:
-                return
-            self._carry(item, body, before)
+            place, at = self._desk.outline.place(item)
+            behind = self._desk.outline.place(before)[1] + 1 if before is not None else 0
+            if place is not body or behind != at:
+                self._carry(item, body, before)
         else:
             sketch, _ = copied(obj, self._desk.metamodels)
             hang(sketch, owner, feature)
