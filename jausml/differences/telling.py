@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.differences.matching import address, values
 from jausml.metamodel.classes import bridge, jaus
+from jausml.semantics.conversions import conversion_of
 
 if TYPE_CHECKING:
     from jausml.metamodel import ClassTable, FeatureTable
@@ -106,13 +107,16 @@ def conversion(obj: bridge.Conversion) -> str:
 
 
 def is_sign_change(old: EObject, new: EObject) -> bool:
-    """Tells whether two assignments differ in `negate` alone."""
-    kinds = []
-    for each in (old, new):
-        if not isinstance(each, bridge.FieldAssignment):
-            return False
-        kinds.append([conversion(step) for step in each.conversions])
-    without = [[each for each in steps if each != "negate"] for steps in kinds]
-    odd = [steps.count("negate") % 2 for steps in kinds]
-    same = (old.source, old.target) == (new.source, new.target)  # type: ignore[attr-defined]
-    return same and without[0] == without[1] and odd[0] != odd[1]
+    """Tells whether two assignments differ in the sign alone."""
+    if not (isinstance(old, bridge.FieldAssignment) and isinstance(new, bridge.FieldAssignment)):
+        return False
+    same = (old.source, old.target) == (new.source, new.target)
+    (rest, turns), (other_rest, other_turns) = map(_without_sign, (old, new))
+    return same and rest == other_rest and turns % 2 != other_turns % 2
+
+
+def _without_sign(assignment: bridge.FieldAssignment) -> tuple[list[str], int]:
+    """Returns the conversions that do more than to turn the sign, and how many turn it."""
+    steps = list(assignment.conversions)
+    rest = [conversion(each) for each in steps if not conversion_of(each).turns_sign]
+    return rest, len(steps) - len(rest)

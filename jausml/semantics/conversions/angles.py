@@ -97,6 +97,7 @@ class WrapAngle(Conversion):
     """An angle in radians wrapped to [-pi, pi]."""
 
     name = "wrap_angle"
+    is_of_need = True
     units = (RADIAN, RADIAN)
     limits = (TURN,)
     is_of_turns = True

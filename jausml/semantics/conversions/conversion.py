@@ -110,6 +110,10 @@ class Conversion(ABC):
         is_in_place: Whether generated code has something else than a call of the runtime for it.
         needs_clock: Whether the function of the runtime is told the present time, as `near`.
         may_be_truth: Whether a bool takes its result, as 1 or 0.
+        turns_sign: Whether it changes the sign and nothing else.
+        takes_factor: Whether its argument is a factor, which the author of a map alone knows.
+        is_of_need: Whether it is meant only where nothing simpler fits, since what it makes is no
+            longer the quantity or the order that the input has.
         formula: The arithmetic of the runtime's function, as Python text with `{0}` for the first
             of its parameters; empty where that is more than an expression.
     """
@@ -134,6 +138,9 @@ class Conversion(ABC):
     is_in_place: ClassVar[bool] = False
     needs_clock: ClassVar[bool] = False
     may_be_truth: ClassVar[bool] = False
+    turns_sign: ClassVar[bool] = False
+    takes_factor: ClassVar[bool] = False
+    is_of_need: ClassVar[bool] = False
 
     @abstractmethod
     def forward(self, *given: Any, **named: Any) -> Any:

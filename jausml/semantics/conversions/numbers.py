@@ -27,6 +27,7 @@ class Negate(Conversion):
     """
 
     name = "negate"
+    turns_sign = True
     formula = "-{0}"
     units = UnitEffect.SAME
     inverse = "negate"
@@ -49,6 +50,7 @@ class Scale(Conversion):
     """The value times a factor."""
 
     name = "scale"
+    takes_factor = True
     formula = "{0} * {1}"
     arguments = (Argument("factor"),)
     keeps_quantity = True
@@ -189,6 +191,7 @@ class Square(Conversion):
     """The value squared: root mean square to variance."""
 
     name = "square"
+    is_of_need = True
     formula = "{0} * {0}"
     units = UnitEffect.SQUARE
     keeps_integers = True
@@ -210,6 +213,7 @@ class SquareRoot(Conversion):
     """
 
     name = "square_root"
+    is_of_need = True
     units = UnitEffect.ROOT
 
     def forward(self, value: float) -> float:
@@ -231,6 +235,7 @@ class CovarianceToRms(Conversion):
     """
 
     name = "covariance_to_rms"
+    is_of_need = True
     inputs = (NUMBER, NUMBER, NUMBER)
     units = UnitEffect.ROOT
 
@@ -251,6 +256,7 @@ class ValueToPercent(Conversion):
     """The value in percent of a maximum."""
 
     name = "value_to_percent"
+    takes_factor = True
     arguments = (MAXIMUM,)
     units = (OWN, PERCENT)
     inverse = "percent_to_value"
@@ -279,6 +285,7 @@ class PercentToValue(Conversion):
     """Percent of a maximum to the value."""
 
     name = "percent_to_value"
+    takes_factor = True
     formula = "{0} / 100.0 * {1}"
     arguments = (MAXIMUM,)
     units = (PERCENT, OWN)

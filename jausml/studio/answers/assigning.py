@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from jausml.studio.answers.elements import Scope
 
 _MOST = 8
-_OF_NO_NEED = frozenset(
-    {"square", "square_root", "wrap_angle", "covariance_to_rms", "reverse_rows"}
-)
-"""Conversions that make another quantity: they are proposed where nothing simpler is accepted."""
 _POLICIES: tuple[Mapping[str, str], ...] = (
     {},
     {"whenAbsent": "dropMessage"},
@@ -43,6 +39,7 @@ _POLICIES: tuple[Mapping[str, str], ...] = (
     {"whenAbsent": "dropMessage", "outOfRange": "clamp"},
 )
 _MANY = (LIST, NUMBERS)
+_SIGN = next(each for each in CONVERSIONS.values() if each.turns_sign)
 _SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
 _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
@@ -168,7 +165,7 @@ def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     plain, accepted = judged[0], [each for each in judged if each.is_accepted]
     if accepted:
         if source.attribute.kind == NUMBER and not _axes_are_known(source, target):
-            turned = [_Draft(*own, ("negate",), tuple(each.items())) for each in _POLICIES]
+            turned = [_Draft(*own, (_SIGN.name,), tuple(each.items())) for each in _POLICIES]
             accepted += _judged(scope, used, source, target, turned)
         return _Found(plain, [each for each in accepted if each.is_accepted])
     judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
@@ -242,15 +239,15 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
             yield chain
     if source.attribute.kind == target.attribute.kind == NUMBER and is_of_ratios:
         yield from ((each,) for each in of_authors)
-        yield from ((CONVERSIONS["negate"], each) for each in of_authors)
+        yield from ((_SIGN, each) for each in of_authors)
 
 
 def _may_follow(first: Conversion, second: Conversion) -> bool:
     """Tells whether two conversions in a row may mean something: a sign, and something else."""
-    if (first.name == "negate") is (second.name == "negate"):
+    if first.turns_sign is second.turns_sign:
         return False
     fitting = second.takes(list(first.outputs))
-    return fitting and not {first.name, second.name} & _OF_NO_NEED
+    return fitting and not (first.is_of_need or second.is_of_need)
 
 
 def _with_siblings(
@@ -294,7 +291,7 @@ def _distinct(found: Iterable[Judged]) -> list[Judged]:
 
 def _effort(found: Judged) -> tuple[int, int]:
     own = steps(found.assignment)
-    odd = sum(each in _OF_NO_NEED for each in own)
+    odd = sum(CONVERSIONS[each].is_of_need for each in own)
     return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
 
 

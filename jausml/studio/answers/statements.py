@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from jausml.semantics.conversions import CONVERSIONS
+
 if TYPE_CHECKING:
     from jausml.editing.commands import Child
 
-OF_AUTHORS = ("percent_to_value", "value_to_percent", "scale")
+OF_AUTHORS = tuple(each.name for each in CONVERSIONS.values() if each.takes_factor)
 """Conversions whose argument the author knows, with 1 in its place: proposed behind all others."""
 
 
